@@ -1,0 +1,60 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dccast {
+
+/// One thing that is wrong with a case, for the person who wrote it.
+struct Fault {
+  std::string field;      ///< path in the case file, e.g. "schedule.casting_speed"
+  std::string value;      ///< what was given
+  std::string message;    ///< what is wrong with it
+  std::string permitted;  ///< what is permitted, with its unit
+  std::string remedy;     ///< what to write instead
+};
+
+/// Collects every fault of a case, so that one answer names them all.
+class Faults {
+public:
+  void add(Fault fault) { list_.push_back(std::move(fault)); }
+  void add(std::string_view field, double value, std::string_view message,
+           std::string_view permitted = {}, std::string_view remedy = {});
+  void add(std::string_view field, std::string_view value, std::string_view message,
+           std::string_view permitted = {}, std::string_view remedy = {});
+  bool empty() const { return list_.empty(); }
+  const std::vector<Fault>& list() const { return list_; }
+
+private:
+  std::vector<Fault> list_;
+};
+
+/// The user can mend it: all faults at once.
+class InvalidCase : public std::runtime_error {
+public:
+  explicit InvalidCase(Faults faults);
+  const std::vector<Fault>& faults() const { return faults_.list(); }
+
+private:
+  Faults faults_;
+};
+
+/// A step did not converge at the smallest time step the case permits.
+class SolveFailed : public std::runtime_error {
+public:
+  SolveFailed(const std::string& what, double time, double time_step,
+              std::vector<double> residual_history);
+  double time() const { return time_; }            ///< [s] where the step began
+  double time_step() const { return time_step_; }  ///< [s] smallest step tried
+  /// Relative residual after each iteration of the last attempt.
+  const std::vector<double>& residual_history() const { return residual_history_; }
+
+private:
+  double time_;
+  double time_step_;
+  std::vector<double> residual_history_;
+};
+
+}  // namespace dccast

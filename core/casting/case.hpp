@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/curve.hpp"
+#include "core/base/errors.hpp"
+#include "core/material/alloy_card.hpp"
+#include "core/mesh/section_spec.hpp"
+#include "core/thermal/cooling_spec.hpp"
+#include "core/mechanics/options.hpp"
+
+/// The description of one casting, complete and in SI units and °C. It mirrors
+/// proto/dccast/v1/case.proto field by field; meanings, ranges and defaults are documented there.
+
+namespace dccast::casting {
+
+struct Schedule {
+  double hold = 0.0;              ///< [s]
+  Curve casting_speed;            ///< [m/s] against time or cast length
+  Curve casting_temperature;      ///< [°C] against time or cast length
+  Curve water_flow;               ///< [m2/s] against time or cast length
+};
+
+struct ThermalOptions {
+  std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
+  double tolerance = 1e-11;
+  int maximum_iterations = 60;
+  std::filesystem::path file;  ///< prescribed temperature; empty: the heat solver
+};
+
+struct MechanicsCase {
+  bool enabled = true;
+  double start = 0.0;   ///< [s]
+  mechanics::Options options;
+};
+
+struct Coupling {
+  bool gap_feedback = true;
+  int iterations = 1;
+};
+
+struct TimeControl {
+  double end = 0.0;            ///< [s]
+  Curve step;                  ///< [s] against time
+  double minimum_step = 1e-3;  ///< [s]
+};
+
+struct Monitor {
+  std::string name;
+  double x = 0.0;  ///< [m] from the symmetry plane
+  double y = 0.0;  ///< [m] above the bottom block
+};
+
+struct OutputOptions {
+  double frame_interval = 10.0;  ///< [s]
+  bool stresses = true;
+};
+
+struct CheckpointPolicy {
+  int every_steps = 50;         ///< 0: none by steps
+  double every_seconds = 30.0;  ///< of wall time; 0: none by time
+};
+
+struct Limits {
+  std::int64_t maximum_nodes = 400000;
+  std::int64_t maximum_steps = 200000;
+};
+
+struct Case {
+  std::string title;
+  mesh::SectionSpec section;
+  material::AlloyCard alloy;
+  Schedule schedule;
+  thermal::CoolingSpec cooling;
+  ThermalOptions thermal;
+  MechanicsCase mechanics;
+  Coupling coupling;
+  TimeControl time;
+  std::vector<Monitor> monitors;
+  OutputOptions output;
+  CheckpointPolicy checkpoint;
+  Limits limits;
+  /// The case in the form it was submitted (JSON), kept in the result file for provenance.
+  std::string source_json;
+};
+
+/// Size of a run before it is made.
+struct Estimate {
+  std::int64_t nodes = 0;  ///< at the end
+  std::int64_t elements = 0;
+  std::int64_t steps = 0;
+  double solver_seconds = 0.0;  ///< rough, one core
+  double memory_bytes = 0.0;
+};
+
+/// Everything that is wrong with a case beyond the range of a single value: order of tables and
+/// temperatures, monitors inside the slab, readable and matching files, limits. Opens the mesh and
+/// temperature files. Never throws for a fault of the case.
+struct CheckedCase {
+  Faults faults;
+  Faults warnings;
+  Estimate estimate;  ///< only without faults
+};
+CheckedCase check(const Case& casting_case);
+
+}  // namespace dccast::casting

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string_view>
+
+#include "core/results/step_report.hpp"
+
+namespace dccast::casting {
+
+/// What the run does after a step.
+enum class Order {
+  go_on,
+  stop_at_checkpoint,  ///< write a checkpoint and leave; the run can be resumed
+  cancel,              ///< leave
+};
+
+/// Sees every accepted step and decides whether the run goes on. Called from the thread of the run.
+class StepObserver {
+public:
+  virtual ~StepObserver() = default;
+  virtual Order on_step(const results::StepReport& report) = 0;
+  /// The run went on from a checkpoint; steps after `step` are reported (again).
+  virtual void on_resumed(std::int64_t step, double time) = 0;
+  virtual void on_message(std::string_view text) = 0;
+};
+
+}  // namespace dccast::casting

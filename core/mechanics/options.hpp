@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+namespace dccast::mechanics {
+
+enum class Algorithm { newton, vnbm, sbm, nbm };
+enum class Liquid { prestressed, weak, solid };
+
+/// Parameters of the paper's algorithms; section numbers stand in case.proto.
+struct AlgorithmParameters {
+  double gamma_p = 1.25e-12;        ///< [1/(Pa s)]
+  std::optional<double> lambda_p;   ///< [Pa s]; absent: 1 / (2 gamma_p)
+  double gamma_c = 5e8;             ///< [Pa/m]
+  std::optional<double> lambda_c;   ///< [m/Pa]; absent: 1 / (2 gamma_c)
+  double relaxation = 0.9;
+  double contact_penalty = 0.0;     ///< [m/Pa]; zero holds the contact exactly
+  bool plain = false;
+  bool increment_test = false;
+};
+
+/// Table `mechanics` of a case, without what only the time loop needs.
+struct Options {
+  Algorithm algorithm = Algorithm::newton;
+  double gravity = 9.81;  ///< [m/s2]
+  Liquid liquid = Liquid::prestressed;
+  double liquid_modulus = 1e3;  ///< [Pa]
+  double liquid_epsilon = 1e-3;
+  double liquid_delta = 2.0;
+  double liquid_beta = 1.0;
+  bool confinement = true;
+  bool contact = true;
+  double tolerance = 1e-7;
+  int maximum_iterations = 60;
+  AlgorithmParameters parameters;
+};
+
+}  // namespace dccast::mechanics

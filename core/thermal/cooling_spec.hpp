@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/curve.hpp"
+
+namespace dccast::thermal {
+
+/// A band of the side at a fixed distance below the metal level.
+struct SideZone {
+  std::string name;
+  double from = 0.0;         ///< [m] below the metal level
+  double to = 0.0;           ///< [m]
+  Curve liquid_coefficient;  ///< [W/(m2 K)] where the surface is liquid
+  Curve solid_coefficient;   ///< [W/(m2 K)] where it is solid; mixed by the liquid fraction
+  Curve temperature;         ///< [°C] of the surroundings
+};
+
+/// Jet and falling film below the water line.
+struct Water {
+  bool enabled = true;
+  double from = 0.065;  ///< [m] below the metal level
+  double start = 0.0;   ///< [s]
+  Curve temperature;    ///< [°C]
+  double critical_heat_flux = 4e6;                ///< [W/m2]
+  bool film_boiling = false;
+  double film_boiling_coefficient = 500.0;        ///< [W/(m2 K)]
+  double film_boiling_above = 350.0;              ///< [°C]
+  Curve coefficient;  ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
+};
+
+struct BottomBlock {
+  Curve contact_coefficient;  ///< [W/(m2 K)] against time
+  Curve gap_coefficient;      ///< [W/(m2 K)] against gap [m]
+  Curve temperature_factor;   ///< [1] against surface temperature [°C]
+  Curve temperature;          ///< [°C] against time
+};
+
+enum class Top { pouring, insulated };
+
+/// How heat leaves the slab; table `cooling` of a case.
+struct CoolingSpec {
+  std::vector<SideZone> zones;
+  Water water;
+  BottomBlock bottom_block;
+  double dry_coefficient = 20.0;      ///< [W/(m2 K)]
+  double ambient_temperature = 25.0;  ///< [°C]
+  Top top = Top::pouring;
+};
+
+}  // namespace dccast::thermal
