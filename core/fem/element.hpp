@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace dccast::fem {
+
+/// An element family is a struct with its dimension, its numbers of nodes and quadrature points, the
+/// points and weights on the reference cell, and the shape functions there. Everything else (mean
+/// gradients, assembly, material) is written once over these.
+
+/// Linear triangle, one point: the paper's element (section 4.1).
+struct P1Triangle {
+  static constexpr int dimension = 2, nodes = 3, points = 1;
+  static constexpr std::array<std::array<double, 2>, 1> point{{{1.0 / 3.0, 1.0 / 3.0}}};
+  static constexpr std::array<double, 1> weight{0.5};
+
+  static std::array<double, 3> shape(const std::array<double, 2>& p) {
+    return {1.0 - p[0] - p[1], p[0], p[1]};
+  }
+  static std::array<std::array<double, 2>, 3> shape_gradient(const std::array<double, 2>&) {
+    return {{{-1.0, -1.0}, {1.0, 0.0}, {0.0, 1.0}}};
+  }
+};
+
+namespace detail {
+inline constexpr double gauss = 0.57735026918962576451;  // 1/sqrt(3)
+inline constexpr std::array<std::array<double, 3>, 8> corner{{{-1, -1, -1},
+                                                              {1, -1, -1},
+                                                              {1, 1, -1},
+                                                              {-1, 1, -1},
+                                                              {-1, -1, 1},
+                                                              {1, -1, 1},
+                                                              {1, 1, 1},
+                                                              {-1, 1, 1}}};
+}  // namespace detail
+
+/// Bilinear quadrilateral and trilinear hexahedron with 2^Dim Gauss points. Used with the mean of
+/// the dilatation over the element (B-bar; Hughes 1980) they do not lock.
+template <int Dim>
+struct Q1 {
+  static constexpr int dimension = Dim, nodes = 1 << Dim, points = 1 << Dim;
+
+  static constexpr std::array<std::array<double, Dim>, points> gauss_points() {
+    std::array<std::array<double, Dim>, points> p{};
+    for (std::size_t i = 0; i < points; ++i) {
+      for (std::size_t d = 0; d < Dim; ++d) p[i][d] = detail::gauss * detail::corner[i][d];
+    }
+    return p;
+  }
+  static constexpr std::array<double, points> unit_weights() {
+    std::array<double, points> w{};
+    for (double& value : w) value = 1.0;
+    return w;
+  }
+  static constexpr std::array<std::array<double, Dim>, points> point = gauss_points();
+  static constexpr std::array<double, points> weight = unit_weights();
+
+  static std::array<double, nodes> shape(const std::array<double, Dim>& p) {
+    std::array<double, nodes> n{};
+    for (std::size_t i = 0; i < nodes; ++i) {
+      n[i] = 1.0;
+      for (std::size_t d = 0; d < Dim; ++d) n[i] *= 0.5 * (1.0 + detail::corner[i][d] * p[d]);
+    }
+    return n;
+  }
+  static std::array<std::array<double, Dim>, nodes> shape_gradient(
+      const std::array<double, Dim>& p) {
+    std::array<std::array<double, Dim>, nodes> g{};
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t d = 0; d < Dim; ++d) {
+        g[i][d] = 0.5 * detail::corner[i][d];
+        for (std::size_t o = 0; o < Dim; ++o) {
+          if (o != d) g[i][d] *= 0.5 * (1.0 + detail::corner[i][o] * p[o]);
+        }
+      }
+    }
+    return g;
+  }
+};
+
+using Q1Quadrilateral = Q1<2>;
+using Q1Hexahedron = Q1<3>;
+
+}  // namespace dccast::fem

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace dccast::linalg {
+
+/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for every
+/// element the place of each of its entries, so that assembly is one addition per entry.
+///
+/// Built once per mesh; values are kept by the caller as a plain vector of `entries()` numbers.
+class SparsityPattern {
+public:
+  SparsityPattern() = default;
+  /// @param unknowns          size of the matrix
+  /// @param element_unknown   (element, per_element) unknowns coupled by each element; negative
+  ///                          ones do not take part
+  SparsityPattern(int unknowns, std::span<const int> element_unknown, int per_element);
+
+  int unknowns() const { return static_cast<int>(column_start_.size()) - 1; }
+  std::size_t entries() const { return row_.size(); }
+  const std::vector<int>& column_start() const { return column_start_; }
+  const std::vector<int>& row() const { return row_; }
+  /// Place of the diagonal entry of an unknown.
+  int diagonal(int unknown) const { return column_start_[std::size_t(unknown)]; }
+  /// Places of an element's entries, (per_element, per_element) full and symmetric; -1 where an
+  /// unknown does not take part. An off-diagonal pair shares one place: add it once, for j <= i.
+  const int* places(int element) const {
+    return place_.data() + std::size_t(element) * std::size_t(per_element_) * std::size_t(per_element_);
+  }
+
+private:
+  int per_element_ = 0;
+  std::vector<int> column_start_{0};
+  std::vector<int> row_;
+  std::vector<int> place_;
+};
+
+/// y = A x for a symmetric matrix given by its lower triangle.
+void multiply(const SparsityPattern& pattern, std::span<const double> values,
+              std::span<const double> x, std::span<double> y);
+
+}  // namespace dccast::linalg
