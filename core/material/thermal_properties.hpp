@@ -1,0 +1,114 @@
+#pragma once
+
+#include <vector>
+
+#include "core/material/alloy_card.hpp"
+
+namespace dccast::material {
+
+/// What one enthalpy means for the metal, and how it changes with the enthalpy.
+struct ThermalState {
+  double temperature = 0.0;                 ///< T [°C]
+  double kirchhoff = 0.0;                   ///< Theta [W/m]
+  double liquid_fraction = 0.0;             ///< [1], 0 to 1
+  double temperature_derivative = 0.0;      ///< dT/dH [K m3/J], zero inside an isothermal change
+  double kirchhoff_derivative = 0.0;        ///< dTheta/dH [m2/s], never negative
+  double liquid_fraction_derivative = 0.0;  ///< dfl/dH [m3/J], never negative
+};
+
+/// Enthalpy, conductivity and liquid fraction of an alloy, paper eq. (1) and (2).
+///
+/// H(T) is counted from 0 °C, per volume. Density, specific heat, conductivity and melt factor are
+/// linear between their points, so that H and the Kirchhoff function Theta(T) = int k dT are
+/// cubics between them: both are integrated exactly once, when the card is read, and looked up by
+/// bisection. Where solidus and liquidus coincide H(T) jumps by rho(T_s) L; T(H), Theta(H) and
+/// fl(H) stay single valued, which is why the heat solver's unknown is H.
+///
+/// In a mushy interval the liquid fraction is linear in T. The conductivity is curve(T) times the
+/// melt factor at the liquid fraction (stirring of the melt).
+class ThermalProperties {
+public:
+  /// @param card  a checked card: curves increasing and positive, solidus not above liquidus
+  explicit ThermalProperties(const AlloyCard& card);
+
+  /// T, Theta, fl and their derivatives at enthalpy H [J/m3]; at a kink the derivative to its
+  /// right.
+  ThermalState state(double enthalpy) const;
+
+  double temperature(double enthalpy) const { return state(enthalpy).temperature; }  ///< [°C]
+  double liquid_fraction(double enthalpy) const {
+    return state(enthalpy).liquid_fraction;
+  }  ///< [1]
+
+  /// H [J/m3] at T [°C]; at the temperature of an isothermal change that of the liquid.
+  double enthalpy(double temperature) const;
+  /// dH/dT [J/(m3 K)], with the latent heat of a mushy interval; never that of an isothermal
+  /// change.
+  double enthalpy_derivative(double temperature) const;
+  /// Theta [W/m], zero at 0 °C.
+  double kirchhoff(double temperature) const;
+  /// k [W/(m K)] with the melt factor; the derivative of the Kirchhoff function.
+  double conductivity(double temperature) const;
+
+  double solidus() const { return solidus_; }    ///< [°C]
+  double liquidus() const { return liquidus_; }  ///< [°C]
+  /// Enthalpy set free between liquid at the liquidus and solid at the solidus [J/m3].
+  double solidification_enthalpy() const { return liquidus_enthalpy_ - solidus_enthalpy_; }
+  double solidus_enthalpy() const { return solidus_enthalpy_; }    ///< [J/m3] all solid
+  double liquidus_enthalpy() const { return liquidus_enthalpy_; }  ///< [J/m3] all liquid
+  /// Largest dTheta/dH of the alloy [m2/s]: a bound on the thermal diffusivity.
+  double largest_diffusivity() const { return largest_diffusivity_; }
+
+private:
+  /// Between two points of any table: cubics in t = T - anchor. The isothermal change is a segment
+  /// of no width in T.
+  struct Segment {
+    double anchor = 0.0;                  ///< [°C]
+    double width = 0.0;                   ///< [K]; infinite at the ends
+    double enthalpy = 0.0;                ///< [J/m3] at the anchor
+    double kirchhoff = 0.0;               ///< [W/m] at the anchor
+    double h1 = 0.0, h2 = 0.0, h3 = 0.0;  ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3
+    double k1 = 0.0, k2 = 0.0, k3 = 0.0;  ///< the same for Theta
+    double liquid_fraction = 0.0;         ///< at the anchor
+    double liquid_fraction_slope = 0.0;   ///< [1/K]; [m3/J] in an isothermal change
+    bool isothermal = false;
+  };
+
+  enum class End { none, lowest, highest };
+
+  bool isothermal() const { return liquidus_ == solidus_; }
+  void build_segments(const AlloyCard& card);
+  Segment segment_between(const AlloyCard& card, double left, double right, End end) const;
+  void append(Segment segment);
+  void append_isothermal_change(const AlloyCard& card, double temperature);
+  void fix_origin();
+  const Segment& segment_at_temperature(double temperature) const;
+  const Segment& segment_at_enthalpy(double enthalpy) const;
+  static double invert(const Segment& segment, double enthalpy, double enthalpy_at_end);
+
+  double solidus_;
+  double liquidus_;
+  double solidus_enthalpy_ = 0.0;
+  double liquidus_enthalpy_ = 0.0;
+  double largest_diffusivity_ = 0.0;
+  double content_of_last_ = 0.0;    ///< [J/m3] across the last segment; while they are built
+  double kirchhoff_of_last_ = 0.0;  ///< [W/m]
+  std::vector<Segment> segments_;
+  std::vector<double> start_temperature_;  ///< [°C] of each segment but the first
+  std::vector<double> start_enthalpy_;     ///< [J/m3] of each segment but the first
+};
+
+/// Thermal strain between two temperatures, closed form of paper eq. (11): the cube root of a ratio
+/// of densities, counted from the liquidus.
+/// @param density               [kg/m3] against temperature [°C]
+/// @param liquidus              [°C]
+/// @param temperature           [°C]
+/// @param reference_temperature [°C] where the strain is zero
+/// @return (rho_l/rho(T))^(1/3) - (rho_l/rho(T_ref))^(1/3) [1]; negative when the metal has cooled
+double thermal_strain(const Curve& density, double liquidus, double temperature,
+                      double reference_temperature);
+
+/// Derivative of thermal_strain with respect to the temperature [1/K].
+double thermal_strain_derivative(const Curve& density, double liquidus, double temperature);
+
+}  // namespace dccast::material
