@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/results/sections.hpp"
+
+namespace dccast::results {
+
+/// What reading a checkpoint came to: the content, or why there is none.
+struct CheckpointRead {
+  std::optional<Sections> content;
+  std::string reason;  ///< "", "missing", "truncated", "checksum", "version", "not a checkpoint"
+};
+
+/// Writes a checkpoint so that after a crash there is the previous one or the whole new one.
+/// The format is CHECKPOINT.md. @throws StorageError
+void write_checkpoint(const std::filesystem::path& path, const Sections& content);
+
+/// Never throws for what is in the file; a run without a readable checkpoint begins anew.
+/// @throws StorageError  the file is there but cannot be read (permission, disk)
+CheckpointRead read_checkpoint(const std::filesystem::path& path);
+
+}  // namespace dccast::results

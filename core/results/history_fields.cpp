@@ -1,0 +1,74 @@
+#include "core/results/history_fields.hpp"
+
+#include <array>
+
+namespace dccast::results {
+
+namespace {
+
+using R = StepReport;
+
+const std::array fields{
+    HistoryField{"step", "1", "accepted steps, from 1", &R::step},
+    HistoryField{"time_s", "s", "end of the step; the block starts at 0", &R::time},
+    HistoryField{"time_step_s", "s", "length of the step", &R::time_step},
+    HistoryField{"cast_length_m", "m", "travel of the bottom block", &R::cast_length},
+    HistoryField{"iterations", "1", "mechanical iterations", &R::iterations},
+    HistoryField{"heat_iterations", "1", "iterations of the heat step", &R::heat_iterations},
+    HistoryField{"contact_changes", "1", "changes of the contact set", &R::contact_changes},
+    HistoryField{"factorizations", "1", "factorised matrices", &R::factorizations},
+    HistoryField{"solves", "1", "solved linear systems", &R::solves},
+    HistoryField{"failed_attempts", "1", "cut steps before this one", &R::failed_attempts},
+    HistoryField{"equilibrium_residual", "1", "relative residual of equilibrium",
+                 &R::equilibrium_residual},
+    HistoryField{"complementarity_error", "1", "relative error of the contact conditions",
+                 &R::complementarity_error},
+    HistoryField{"constitutive_residual", "1", "relative residual of the constitutive law",
+                 &R::constitutive_residual},
+    HistoryField{"energy_balance_error", "1", "relative error of the heat balance of the step",
+                 &R::energy_balance_error},
+    HistoryField{"liquid_pressure_error", "1",
+                 "relative error of the pressure on the liquidus front", &R::liquid_pressure_error},
+    HistoryField{"wall_heat_flux_w_per_m", "W/m", "heat out of side and bottom",
+                 &R::wall_heat_flux},
+    HistoryField{"bottom_reaction_n_per_m", "N/m", "upward force of the bottom block",
+                 &R::bottom_reaction},
+    HistoryField{"weight_n_per_m", "N/m", "weight of the metal", &R::weight},
+    HistoryField{"sump_depth_m", "m", "coherency isotherm on the symmetry plane below the level",
+                 &R::sump_depth},
+    HistoryField{"contact_length_m", "m", "part of the bottom that stands on the block",
+                 &R::contact_length},
+    HistoryField{"maximum_surface_temperature_at_mould_exit_c", "degC",
+                 "hottest surface at the mould exit", &R::mould_exit_temperature},
+    HistoryField{"progress", "1", "share of the simulated time", &R::progress},
+    HistoryField{"nodes", "1", "nodes of the mesh", &R::nodes},
+    HistoryField{"elements", "1", "elements of the mesh", &R::elements},
+};
+
+}  // namespace
+
+std::span<const HistoryField> history_fields() {
+  return fields;
+}
+
+double real_value(const HistoryField& field, const StepReport& report) {
+  return report.*std::get<double StepReport::*>(field.member);
+}
+
+void set_real(const HistoryField& field, StepReport& report, double value) {
+  report.*std::get<double StepReport::*>(field.member) = value;
+}
+
+std::int64_t integer_value(const HistoryField& field, const StepReport& report) {
+  if (const auto* member = std::get_if<int StepReport::*>(&field.member)) return report.**member;
+  return report.*std::get<std::int64_t StepReport::*>(field.member);
+}
+
+void set_integer(const HistoryField& field, StepReport& report, std::int64_t value) {
+  if (const auto* member = std::get_if<int StepReport::*>(&field.member))
+    report.** member = static_cast<int>(value);
+  else
+    report.*std::get<std::int64_t StepReport::*>(field.member) = value;
+}
+
+}  // namespace dccast::results

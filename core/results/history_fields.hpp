@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <variant>
+
+#include "core/results/step_report.hpp"
+
+namespace dccast::results {
+
+/// A number of StepReport that is stored at every step: its name in the file, its unit and meaning.
+/// The journal, the HDF5 writer and the reader all go by this one table.
+struct HistoryField {
+  const char* name;  ///< dataset below /history
+  const char* unit;
+  const char* meaning;
+  std::variant<double StepReport::*, int StepReport::*, std::int64_t StepReport::*> member;
+
+  bool real() const { return member.index() == 0; }
+};
+
+/// All fields but the monitors, which are an array, and `solver_seconds`, which measures the
+/// computer: with it no two runs of a case would give the same file.
+std::span<const HistoryField> history_fields();
+
+/// The value of a real field. @pre field.real()
+double real_value(const HistoryField& field, const StepReport& report);
+void set_real(const HistoryField& field, StepReport& report, double value);
+/// The value of an integer field. @pre !field.real()
+std::int64_t integer_value(const HistoryField& field, const StepReport& report);
+void set_integer(const HistoryField& field, StepReport& report, std::int64_t value);
+
+}  // namespace dccast::results

@@ -1,0 +1,140 @@
+// How the header, a step and a frame of a run are laid out as sections of a journal record.
+#include <algorithm>
+
+#include "core/results/history_fields.hpp"
+#include "core/results/journal.hpp"
+
+namespace dccast::results {
+
+namespace {
+
+using Points = std::vector<std::array<double, 2>>;
+
+Sections::Reals flat(const Points& points) {
+  Sections::Reals values;
+  for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
+  return values;
+}
+
+Points points_of(const Sections::Reals& values) {
+  Points points(values.size() / 2);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {values[2 * i], values[2 * i + 1]};
+  return points;
+}
+
+std::vector<std::int32_t> narrow(const Sections::Integers& values) {
+  std::vector<std::int32_t> narrowed(values.size());
+  std::transform(values.begin(), values.end(), narrowed.begin(),
+                 [](std::int64_t value) { return static_cast<std::int32_t>(value); });
+  return narrowed;
+}
+
+Sections::Integers wide(const std::vector<std::int32_t>& values) {
+  return {values.begin(), values.end()};
+}
+
+/// Calls visit(name, member of Frame) for every array of doubles of a frame.
+template <class Visit>
+void for_real_arrays(Visit&& visit) {
+  visit("node", &Frame::node);
+  visit("temperature", &Frame::temperature);
+  visit("liquid_fraction", &Frame::liquid_fraction);
+  visit("displacement", &Frame::displacement);
+  visit("stress", &Frame::stress);
+  visit("viscoplastic_strain", &Frame::viscoplastic_strain);
+  visit("bottom_gap", &Frame::bottom_gap);
+  visit("bottom_pressure", &Frame::bottom_pressure);
+}
+
+}  // namespace
+
+Sections to_sections(const RunHeader& header) {
+  Sections content;
+  content.set("program_version", header.program_version);
+  content.set("build", header.build);
+  content.set("title", header.title);
+  content.set("case_json", header.case_json);
+  content.set("section", header.section);
+  content.set_real("liquidus", header.liquidus);
+  content.set_real("solidus", header.solidus);
+  content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
+  for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
+    content.set("monitor_name." + std::to_string(i), header.monitor_name[i]);
+  content.set("monitor_position", flat(header.monitor_position));
+  return content;
+}
+
+RunHeader header_of(const Sections& content) {
+  RunHeader header;
+  header.program_version = content.text("program_version");
+  header.build = content.text("build");
+  header.title = content.text("title");
+  header.case_json = content.text("case_json");
+  header.section = content.text("section");
+  header.liquidus = content.real("liquidus");
+  header.solidus = content.real("solidus");
+  for (std::int64_t i = 0; i < content.integer("monitors"); ++i)
+    header.monitor_name.push_back(content.text("monitor_name." + std::to_string(i)));
+  header.monitor_position = points_of(content.reals("monitor_position"));
+  return header;
+}
+
+Sections to_sections(const StepReport& report) {
+  // Packed in the order of the table: with every name in every step the journal were ten times as
+  // long.
+  Sections::Reals reals;
+  Sections::Integers integers;
+  for (const HistoryField& field : history_fields()) {
+    if (field.real())
+      reals.push_back(real_value(field, report));
+    else
+      integers.push_back(integer_value(field, report));
+  }
+  Sections content;
+  content.set("reals", std::move(reals));
+  content.set("integers", std::move(integers));
+  content.set("monitor_displacement", flat(report.monitor_displacement));
+  return content;
+}
+
+StepReport step_of(const Sections& content) {
+  StepReport report;
+  std::size_t real = 0;
+  std::size_t integer = 0;
+  for (const HistoryField& field : history_fields()) {
+    if (field.real())
+      set_real(field, report, content.reals("reals").at(real++));
+    else
+      set_integer(field, report, content.integers("integers").at(integer++));
+  }
+  report.monitor_displacement = points_of(content.reals("monitor_displacement"));
+  return report;
+}
+
+Sections to_sections(const Frame& frame) {
+  Sections content;
+  content.set_integer("step", frame.step);
+  content.set("instant", Sections::Reals{frame.time, frame.cast_length, frame.metal_level});
+  content.set("shape", Sections::Integers{frame.dimension, frame.nodes_per_element});
+  for_real_arrays([&](const char* name, auto member) { content.set(name, frame.*member); });
+  content.set("element_node", wide(frame.element_node));
+  content.set("bottom_node", wide(frame.bottom_node));
+  return content;
+}
+
+Frame frame_of(const Sections& content) {
+  Frame frame;
+  frame.step = content.integer("step");
+  const auto& instant = content.reals("instant");
+  frame.time = instant.at(0);
+  frame.cast_length = instant.at(1);
+  frame.metal_level = instant.at(2);
+  frame.dimension = static_cast<int>(content.integers("shape").at(0));
+  frame.nodes_per_element = static_cast<int>(content.integers("shape").at(1));
+  for_real_arrays([&](const char* name, auto member) { frame.*member = content.reals(name); });
+  frame.element_node = narrow(content.integers("element_node"));
+  frame.bottom_node = narrow(content.integers("bottom_node"));
+  return frame;
+}
+
+}  // namespace dccast::results

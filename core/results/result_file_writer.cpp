@@ -1,0 +1,127 @@
+// From the journal of a run to results.h5, one frame in memory at a time; the layout is SCHEMA.md.
+#include <cerrno>
+#include <stdexcept>
+
+#include "core/results/hdf5_file.hpp"
+#include "core/results/history_fields.hpp"
+#include "core/results/result_file.hpp"
+#include "core/results/result_writer.hpp"
+#include "core/results/storage_error.hpp"
+
+namespace dccast::results {
+
+namespace {
+
+using hdf5::File;
+using hdf5::Shape;
+
+void write_header(File& file, const RunHeader& header) {
+  file.write_attribute("/", "schema_version", std::int64_t{schema_version});
+  file.write_attribute("/", "program", std::string("dccast"));
+  file.write_attribute("/", "program_version", header.program_version);
+  file.write_attribute("/", "build", header.build);
+  file.write_attribute("/", "title", header.title);
+  file.write_attribute("/", "section", header.section);
+  file.write_attribute("/", "liquidus_c", header.liquidus);
+  file.write_attribute("/", "solidus_c", header.solidus);
+  file.write_text("/case", header.case_json, "the case as it was submitted, JSON");
+  file.create_group("/frames");
+  file.create_group("/history");
+  file.create_group("/monitors");
+  file.write_texts("/monitors/name", header.monitor_name, "names of the monitors");
+  file.write("/monitors/position_m", {header.monitor_position.size(), 2},
+             header.monitor_position.empty() ? nullptr : header.monitor_position[0].data(), "m",
+             "first position: from the symmetry plane, above the bottom block");
+}
+
+/// Arrays that a run does not compute are left out of the file.
+void write_if_any(File& file, const std::string& object, const Shape& shape,
+                  const std::vector<double>& values, const char* unit, const char* meaning) {
+  if (!values.empty()) file.write(object, shape, values.data(), unit, meaning);
+}
+
+void write_frame(File& file, std::size_t index, const Frame& frame) {
+  const std::string group = frame_group(index);
+  const auto nodes = static_cast<hsize_t>(frame.nodes());
+  const auto elements = static_cast<hsize_t>(frame.elements());
+  const auto dimension = static_cast<hsize_t>(frame.dimension);
+  const auto components = static_cast<hsize_t>(tensor_components(frame.dimension));
+  const Shape bottom{frame.bottom_node.size()};
+  file.create_group(group);
+  file.write_attribute(group, "step", frame.step);
+  file.write_attribute(group, "time_s", frame.time);
+  file.write_attribute(group, "cast_length_m", frame.cast_length);
+  file.write_attribute(group, "metal_level_m", frame.metal_level);
+  file.write(group + "/node_m", {nodes, dimension}, frame.node.data(), "m",
+             "positions before deformation");
+  file.write(group + "/element_node", {elements, static_cast<hsize_t>(frame.nodes_per_element)},
+             frame.element_node.data(), "1", "nodes of each element, counter-clockwise, from 0");
+  write_if_any(file, group + "/temperature_c", {nodes}, frame.temperature, "degC", "temperature");
+  write_if_any(file, group + "/liquid_fraction", {nodes}, frame.liquid_fraction, "1",
+               "0 solid, 1 liquid");
+  write_if_any(file, group + "/displacement_m", {nodes, dimension}, frame.displacement, "m",
+               "displacement");
+  write_if_any(file, group + "/stress_pa", {elements, components}, frame.stress, "Pa",
+               "stress, tension positive: xx, yy, zz, xy (then yz, xz)");
+  write_if_any(file, group + "/viscoplastic_strain", {elements, components},
+               frame.viscoplastic_strain, "1", "viscoplastic strain: xx, yy, zz, xy (then yz, xz)");
+  file.write(group + "/bottom_node", bottom, frame.bottom_node.data(), "1",
+             "nodes along the bottom, from the symmetry plane");
+  write_if_any(file, group + "/bottom_gap_m", bottom, frame.bottom_gap, "m",
+               "gap to the bottom block, open positive");
+  write_if_any(file, group + "/bottom_pressure_pa", bottom, frame.bottom_pressure, "Pa",
+               "contact pressure");
+}
+
+void write_field(File& file, const HistoryField& field, const std::vector<StepReport>& steps) {
+  const std::string object = history_dataset(field.name);
+  if (field.real()) {
+    std::vector<double> values;
+    for (const StepReport& step : steps) values.push_back(real_value(field, step));
+    file.write(object, {steps.size()}, values.data(), field.unit, field.meaning);
+  } else {
+    std::vector<std::int64_t> values;
+    for (const StepReport& step : steps) values.push_back(integer_value(field, step));
+    file.write(object, {steps.size()}, values.data(), field.unit, field.meaning);
+  }
+}
+
+void write_history(File& file, const std::vector<StepReport>& steps, std::size_t monitors) {
+  for (const HistoryField& field : history_fields()) write_field(file, field, steps);
+  std::vector<double> displacement;
+  for (const StepReport& step : steps)
+    for (const auto& point : step.monitor_displacement)
+      displacement.insert(displacement.end(), point.begin(), point.end());
+  if (displacement.size() != steps.size() * monitors * 2)
+    throw std::logic_error("StepReport: as many monitor displacements as monitors");
+  file.write("/monitors/displacement_m", {steps.size(), monitors, 2}, displacement.data(), "m",
+             "(step, monitor, x and y)");
+}
+
+}  // namespace
+
+void write_result_file(const std::filesystem::path& journal, const std::filesystem::path& results,
+                       const RunSummary& summary) {
+  File file = File::create(results);
+  std::vector<StepReport> steps;
+  std::size_t frames = 0;
+  std::size_t monitors = 0;
+  const bool is_journal = visit_journal(journal, [&](const Record& record) {
+    if (record.kind == RecordKind::header) {
+      const RunHeader header = header_of(record.content);
+      monitors = header.monitor_name.size();
+      write_header(file, header);
+    }
+    if (record.kind == RecordKind::step) steps.push_back(step_of(record.content));
+    if (record.kind == RecordKind::frame) write_frame(file, frames++, frame_of(record.content));
+    return true;
+  });
+  if (!is_journal) throw StorageError(EIO, journal.string(), "is not the journal of a run");
+  write_history(file, steps, monitors);
+  file.write_attribute("/", "outcome", summary.outcome);
+  file.write_attribute("/", "message", summary.message);
+  file.write_attribute("/frames", "count", static_cast<std::int64_t>(frames));
+  file.close();
+}
+
+}  // namespace dccast::results

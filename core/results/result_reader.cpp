@@ -1,0 +1,143 @@
+#include "core/results/result_reader.hpp"
+
+#include <cerrno>
+
+#include "core/results/hdf5_file.hpp"
+#include "core/results/history_fields.hpp"
+#include "core/results/result_file.hpp"
+#include "core/results/storage_error.hpp"
+
+namespace dccast::results {
+
+namespace {
+
+using hdf5::File;
+
+constexpr const char* optional_fields[] = {"temperature_c", "liquid_fraction", "displacement_m",
+                                           "stress_pa", "viscoplastic_strain"};
+
+/// Empty where the run did not store the array.
+std::vector<double> reals_if_any(const File& file, const std::string& object) {
+  return file.has(object) ? file.read_reals(object) : std::vector<double>{};
+}
+
+std::vector<std::int32_t> narrow(const std::vector<std::int64_t>& values) {
+  std::vector<std::int32_t> narrowed;
+  narrowed.reserve(values.size());
+  for (const std::int64_t value : values) narrowed.push_back(static_cast<std::int32_t>(value));
+  return narrowed;
+}
+
+std::vector<std::array<double, 2>> points_of(const std::vector<double>& values) {
+  std::vector<std::array<double, 2>> points(values.size() / 2);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {values[2 * i], values[2 * i + 1]};
+  return points;
+}
+
+void require_rank(const File& file, const std::string& object, const hdf5::Shape& shape,
+                  std::size_t rank) {
+  if (shape.size() != rank)
+    throw StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
+}
+
+void read_field(const File& file, const HistoryField& field, std::vector<StepReport>& steps) {
+  const std::string object = history_dataset(field.name);
+  if (field.real()) {
+    const auto values = file.read_reals(object);
+    for (std::size_t i = 0; i < steps.size(); ++i) set_real(field, steps[i], values.at(i));
+  } else {
+    const auto values = file.read_integers(object);
+    for (std::size_t i = 0; i < steps.size(); ++i) set_integer(field, steps[i], values.at(i));
+  }
+}
+
+}  // namespace
+
+ResultReader::ResultReader(const std::filesystem::path& results)
+    : file_(std::make_unique<File>(File::open(results))) {
+  if (file_->integer_attribute("/", "schema_version") != schema_version)
+    throw StorageError(EINVAL, results.string(), "has a schema version this program does not know");
+  frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
+}
+
+ResultReader::ResultReader(ResultReader&&) noexcept = default;
+ResultReader::~ResultReader() = default;
+
+RunHeader ResultReader::header() const {
+  RunHeader header;
+  header.program_version = file_->text_attribute("/", "program_version");
+  header.build = file_->text_attribute("/", "build");
+  header.title = file_->text_attribute("/", "title");
+  header.section = file_->text_attribute("/", "section");
+  header.liquidus = file_->real_attribute("/", "liquidus_c");
+  header.solidus = file_->real_attribute("/", "solidus_c");
+  const auto texts = file_->read_texts("/case");
+  header.case_json = texts.empty() ? "" : texts.front();
+  header.monitor_name = file_->read_texts("/monitors/name");
+  header.monitor_position = points_of(file_->read_reals("/monitors/position_m"));
+  return header;
+}
+
+RunSummary ResultReader::summary() const {
+  return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message")};
+}
+
+std::vector<StepReport> ResultReader::history() const {
+  const auto shape = file_->shape_of("/monitors/displacement_m");
+  require_rank(*file_, "/monitors/displacement_m", shape, 3);
+  std::vector<StepReport> steps(shape[0]);
+  for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
+  const auto points = points_of(file_->read_reals("/monitors/displacement_m"));
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    steps[i].monitor_displacement.assign(
+        points.begin() + static_cast<std::ptrdiff_t>(i * shape[1]),
+        points.begin() + static_cast<std::ptrdiff_t>((i + 1) * shape[1]));
+  return steps;
+}
+
+FrameOutline ResultReader::outline(std::size_t index) const {
+  const std::string group = frame_group(index);
+  const auto nodes = file_->shape_of(group + "/node_m");
+  const auto elements = file_->shape_of(group + "/element_node");
+  require_rank(*file_, group + "/node_m", nodes, 2);
+  require_rank(*file_, group + "/element_node", elements, 2);
+  FrameOutline outline;
+  outline.time = file_->real_attribute(group, "time_s");
+  outline.nodes = static_cast<std::int64_t>(nodes[0]);
+  outline.dimension = static_cast<int>(nodes[1]);
+  outline.elements = static_cast<std::int64_t>(elements[0]);
+  outline.nodes_per_element = static_cast<int>(elements[1]);
+  for (const char* field : optional_fields)
+    if (file_->has(group + "/" + field)) outline.datasets.emplace_back(field);
+  return outline;
+}
+
+Frame ResultReader::frame(std::size_t index) const {
+  const std::string group = frame_group(index);
+  const FrameOutline shape = outline(index);
+  Frame frame;
+  frame.step = file_->integer_attribute(group, "step");
+  frame.time = shape.time;
+  frame.cast_length = file_->real_attribute(group, "cast_length_m");
+  frame.metal_level = file_->real_attribute(group, "metal_level_m");
+  frame.dimension = shape.dimension;
+  frame.nodes_per_element = shape.nodes_per_element;
+  frame.node = file_->read_reals(group + "/node_m");
+  frame.element_node = narrow(file_->read_integers(group + "/element_node"));
+  frame.temperature = reals_if_any(*file_, group + "/temperature_c");
+  frame.liquid_fraction = reals_if_any(*file_, group + "/liquid_fraction");
+  frame.displacement = reals_if_any(*file_, group + "/displacement_m");
+  frame.stress = reals_if_any(*file_, group + "/stress_pa");
+  frame.viscoplastic_strain = reals_if_any(*file_, group + "/viscoplastic_strain");
+  frame.bottom_node = narrow(file_->read_integers(group + "/bottom_node"));
+  frame.bottom_gap = reals_if_any(*file_, group + "/bottom_gap_m");
+  frame.bottom_pressure = reals_if_any(*file_, group + "/bottom_pressure_pa");
+  return frame;
+}
+
+std::optional<Frame> ResultReader::last_frame() const {
+  if (frames_ == 0) return std::nullopt;
+  return frame(frames_ - 1);
+}
+
+}  // namespace dccast::results

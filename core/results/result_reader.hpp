@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/results/frame.hpp"
+#include "core/results/step_report.hpp"
+
+namespace dccast::results {
+
+namespace hdf5 {
+class File;
+}
+
+/// What of a frame a sidecar needs: its size, not its values.
+struct FrameOutline {
+  double time = 0.0;  ///< [s]
+  int dimension = 2;
+  int nodes_per_element = 3;
+  std::int64_t nodes = 0;
+  std::int64_t elements = 0;
+  std::vector<std::string> datasets;  ///< fields that are there, e.g. "stress_pa"
+};
+
+/// Reads a result file. All calls may throw StorageError, which names file and dataset.
+class ResultReader {
+public:
+  /// @throws StorageError  also when the schema is one that this program does not know
+  explicit ResultReader(const std::filesystem::path& results);
+  ResultReader(ResultReader&&) noexcept;
+  ~ResultReader();
+
+  RunHeader header() const;
+  RunSummary summary() const;
+  /// Every accepted step; `solver_seconds` is not stored and zero.
+  std::vector<StepReport> history() const;
+  std::size_t frames() const { return frames_; }
+  /// @pre index < frames()
+  Frame frame(std::size_t index) const;
+  FrameOutline outline(std::size_t index) const;
+  /// Nothing when the run stored none.
+  std::optional<Frame> last_frame() const;
+
+private:
+  std::unique_ptr<hdf5::File> file_;
+  std::size_t frames_ = 0;
+};
+
+}  // namespace dccast::results
