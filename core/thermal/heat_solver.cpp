@@ -1,0 +1,290 @@
+#include "core/thermal/heat_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace dccast::thermal {
+namespace {
+
+using material::ThermalState;
+
+/// D of a node that is inside an isothermal change, relative to the alloy's largest: zero but for
+/// the division. c/D then outweighs every other entry of its row by this factor.
+constexpr double vanishing_slope = 1e-14;
+/// Diagonal entry of a node whose temperature is given; the other entries are of order one.
+constexpr double held_diagonal = 1e30;
+/// The line search accepts against the largest of so many last residuals: a kink passed on the way
+/// often costs one step up.
+constexpr std::size_t remembered_residuals = 3;
+constexpr double smallest_damping = 1.0 / 64.0;
+/// While the residual falls by more than this factor the factor of the matrix is kept.
+constexpr double keep_factor_while_falling_by = 50.0;
+
+double sum_of_products(const std::vector<double>& a, const std::vector<double>& b) {
+  long double sum = 0.0L;  // totals are 1e4 times larger than what moves in a small step
+  for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<long double>(a[i]) * b[i];
+  return static_cast<double>(sum);
+}
+
+}  // namespace
+
+HeatSolver::HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
+                       mesh::SectionKind kind, double tolerance, int maximum_iterations)
+    : properties_(std::move(properties)),
+      cooling_(std::move(cooling)),
+      kind_(kind),
+      tolerance_(tolerance),
+      maximum_iterations_(maximum_iterations) {}
+
+void HeatSolver::set_mesh(const mesh::Mesh2D& mesh) {
+  mesh_ = mesh;
+  const bool changed = conduction_.set_mesh(mesh_, kind_);
+  if (changed) {
+    solver_.analyze(conduction_.pattern());
+    const std::size_t nodes = std::size_t(mesh_.nodes());
+    for (auto* by_node :
+         {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
+          &slope_, &capacity_, &right_, &y_, &stiffness_y_, &direction_}) {
+      by_node->assign(nodes, 0.0);
+    }
+    state_.assign(nodes, ThermalState{});
+    matrix_.assign(conduction_.pattern().entries(), 0.0);
+    bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::Patch::bottom);
+    top_nodes_.clear();
+    if (cooling_.top == Top::pouring) top_nodes_ = mesh::patch_nodes(mesh_, mesh::Patch::top);
+    held_.assign(nodes, 0);
+    for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
+  }
+  bottom_weight_ = bottom_weights(mesh_, kind_, bottom_nodes_);
+}
+
+HeatField HeatSolver::uniform_field(double temperature) const {
+  HeatField field;
+  field.enthalpy.assign(std::size_t(conduction_.nodes()), properties_.enthalpy(temperature));
+  refresh(field);
+  return field;
+}
+
+void HeatSolver::refresh(HeatField& field) const {
+  field.temperature.resize(field.enthalpy.size());
+  field.liquid_fraction.resize(field.enthalpy.size());
+  for (std::size_t i = 0; i < field.enthalpy.size(); ++i) {
+    const ThermalState state = properties_.state(field.enthalpy[i]);
+    field.temperature[i] = state.temperature;
+    field.liquid_fraction[i] = state.liquid_fraction;
+  }
+}
+
+void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
+  enthalpy_n_ = field.enthalpy;
+  enthalpy_ = field.enthalpy;
+  const double held = properties_.enthalpy(input.casting_temperature);
+  for (const int node : top_nodes_) enthalpy_[std::size_t(node)] = held;
+
+  const bool water_runs =
+      cooling_.water.enabled && input.time > cooling_.water.start && input.water_flow > 0.0;
+  share_out_side(cooling_, mesh_, kind_, input.metal_level, water_runs, side_);
+  film_share_.clear();
+  for (const SideShare& share : side_) {
+    const double before = properties_.temperature(enthalpy_n_[std::size_t(share.node)]);
+    film_share_.push_back(share.law == law_water ? film_share(cooling_.water, before) : 0.0);
+  }
+  bounded_slope_ = false;
+}
+
+SurfaceState HeatSolver::surface_state(int node) const {
+  const ThermalState& state = state_[std::size_t(node)];
+  return {state.temperature, state.liquid_fraction};
+}
+
+SurfaceFlux HeatSolver::side_flux(std::size_t share, const SurfaceState& surface,
+                                  const HeatStepInput& input) const {
+  const SidePlace place{input.time, side_[share].distance};
+  const int law = side_[share].law;
+  if (law == law_dry) return dry_flux(cooling_, surface);
+  if (law == law_water) {
+    return water_flux(cooling_.water, surface, place, input.water_flow, film_share_[share]);
+  }
+  return zone_flux(cooling_.zones[std::size_t(law)], surface, place, cooling_.ambient_temperature);
+}
+
+void HeatSolver::add_flux(int node, double weight, const SurfaceFlux& flux) {
+  const ThermalState& state = state_[std::size_t(node)];
+  flux_[std::size_t(node)] += weight * flux.flux;
+  flux_derivative_[std::size_t(node)] +=
+      weight * (flux.d_temperature * state.temperature_derivative +
+                flux.d_liquid_fraction * state.liquid_fraction_derivative);
+}
+
+void HeatSolver::add_side_flux(const HeatStepInput& input) {
+  side_power_ = 0.0;
+  for (std::size_t i = 0; i < side_.size(); ++i) {
+    const SurfaceFlux flux = side_flux(i, surface_state(side_[i].node), input);
+    add_flux(side_[i].node, side_[i].weight, flux);
+    side_power_ += side_[i].weight * flux.flux;
+  }
+}
+
+void HeatSolver::add_bottom_flux(const HeatStepInput& input) {
+  bottom_power_ = 0.0;
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
+    const SurfaceFlux flux =
+        bottom_flux(cooling_.bottom_block, surface_state(bottom_nodes_[i]), input.time, gap);
+    add_flux(bottom_nodes_[i], bottom_weight_[i], flux);
+    bottom_power_ += bottom_weight_[i] * flux.flux;
+  }
+}
+
+/// Residual of the step at `enthalpy`, with what the matrix and the convergence test need.
+void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input) {
+  const double reference = properties_.kirchhoff(input.casting_temperature);
+  for (std::size_t i = 0; i < enthalpy.size(); ++i) {
+    state_[i] = properties_.state(enthalpy[i]);
+    kirchhoff_[i] = state_[i].kirchhoff - reference;
+  }
+  std::fill(flux_.begin(), flux_.end(), 0.0);
+  std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
+  add_side_flux(input);
+  add_bottom_flux(input);
+  linalg::multiply(conduction_.pattern(), conduction_.stiffness(), kirchhoff_, residual_);
+
+  const std::vector<double>& volume = conduction_.volume();
+  residual_sum_ = moved_ = 0.0;
+  double magnitude = 0.0;
+  for (std::size_t i = 0; i < enthalpy.size(); ++i) {
+    const double stored = volume[i] * (enthalpy[i] - enthalpy_n_[i]);
+    residual_[i] += stored / input.time_step + flux_[i];
+    moved_ += std::abs(stored) + input.time_step * std::abs(flux_[i]);
+    const double conductance =
+        conduction_.stiffness()[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))];
+    magnitude += volume[i] * std::abs(enthalpy[i]) +
+                 input.time_step * 2.0 * conductance * std::abs(kirchhoff_[i]);
+    if (held_[i] == 0) residual_sum_ += std::abs(residual_[i]);
+  }
+  round_off_ = 2.0 * std::numeric_limits<double>::epsilon() * magnitude;
+}
+
+/// Zero once the residual is down to the rounding of the numbers it is made of.
+double HeatSolver::relative_residual(double time_step) const {
+  const double left_over = residual_sum_ * time_step;
+  if (left_over <= round_off_) return 0.0;
+  return left_over / moved_;
+}
+
+bool HeatSolver::factorize() {
+  const auto stiffness = conduction_.stiffness();
+  std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
+  const double largest = properties_.largest_diffusivity();
+  for (std::size_t i = 0; i < slope_.size(); ++i) {
+    slope_[i] = bounded_slope_
+                    ? largest
+                    : std::max(state_[i].kirchhoff_derivative, vanishing_slope * largest);
+    matrix_[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))] +=
+        held_[i] != 0 ? held_diagonal : capacity_[i] / slope_[i];
+  }
+  return solver_.factorize(matrix_);
+}
+
+void HeatSolver::newton_direction() {
+  for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = held_[i] != 0 ? 0.0 : -residual_[i];
+  solver_.solve(right_, y_);
+  linalg::multiply(conduction_.pattern(), conduction_.stiffness(), y_, stiffness_y_);
+  for (std::size_t i = 0; i < direction_.size(); ++i) {
+    direction_[i] = held_[i] != 0 ? 0.0 : -(residual_[i] + stiffness_y_[i]) / capacity_[i];
+  }
+}
+
+/// Goes along the direction until the residual is below `reference`; false, at the full step, if it
+/// never is. Leaves residual and states of the point it went to.
+bool HeatSolver::line_search(const HeatStepInput& input, double reference) {
+  for (double damping = 1.0; damping >= smallest_damping; damping *= 0.5) {
+    for (std::size_t i = 0; i < trial_.size(); ++i) {
+      trial_[i] = enthalpy_[i] + damping * direction_[i];
+    }
+    evaluate(trial_, input);
+    if (residual_sum_ <= (1.0 - 1e-4 * damping) * reference) {
+      enthalpy_.swap(trial_);
+      return true;
+    }
+  }
+  return false;
+}
+
+HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
+  HeatStepOutcome outcome;
+  outcome.residual_history.reserve(std::size_t(maximum_iterations_) + 1);
+  const long factorizations = solver_.factorizations(), solves = solver_.solves();
+  prepare(field, input);
+  evaluate(enthalpy_, input);
+
+  const std::vector<double>& volume = conduction_.volume();
+  std::array<double, remembered_residuals> remembered;
+  remembered.fill(residual_sum_);
+  bool factor_is_good = false;
+  for (;; ++outcome.iterations) {
+    const double residual = relative_residual(input.time_step);
+    outcome.residual_history.push_back(residual);
+    outcome.converged = residual <= tolerance_;
+    if (outcome.converged || outcome.iterations == maximum_iterations_) break;
+    remembered[std::size_t(outcome.iterations) % remembered_residuals] = residual_sum_;
+
+    if (!factor_is_good) {
+      for (std::size_t i = 0; i < capacity_.size(); ++i) {
+        // A falling flux (a coefficient that falls steeply with temperature) would make the matrix
+        // indefinite; without it the iteration is a little slower and still ends at the same point.
+        capacity_[i] = volume[i] / input.time_step + std::max(flux_derivative_[i], 0.0);
+      }
+      if (!factorize()) break;
+    }
+    newton_direction();
+    const double before = residual_sum_;
+    const double reference = *std::max_element(remembered.begin(), remembered.end());
+    if (!line_search(input, reference)) {
+      if (factor_is_good) {  // an old factor: try the true one first
+        evaluate(enthalpy_, input);
+        factor_is_good = false;
+        continue;
+      }
+      // Newton's direction does not descend. A step with D at its upper bound is a contraction.
+      evaluate(enthalpy_, input);
+      bounded_slope_ = true;
+      if (!factorize()) break;
+      bounded_slope_ = false;
+      newton_direction();
+      for (std::size_t i = 0; i < trial_.size(); ++i) enthalpy_[i] += direction_[i];
+      evaluate(enthalpy_, input);
+      remembered.fill(residual_sum_);
+    }
+    factor_is_good = residual_sum_ * keep_factor_while_falling_by < before;
+  }
+  outcome.factorizations = static_cast<int>(solver_.factorizations() - factorizations);
+  outcome.solves = static_cast<int>(solver_.solves() - solves);
+  if (!outcome.converged) return outcome;
+  outcome.balance = balance(input);
+  outcome.wall_heat_flux = side_power_;
+  field.enthalpy = enthalpy_;
+  refresh(field);
+  return outcome;
+}
+
+HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
+  const std::vector<double>& volume = conduction_.volume();
+  HeatBalance heat;
+  const double stored_before =
+      input.entry ? input.entry->stored_before : sum_of_products(volume, enthalpy_n_);
+  heat.entered = input.entry ? input.entry->entered : 0.0;
+  heat.stored = sum_of_products(volume, enthalpy_) - stored_before;
+  for (const int node : top_nodes_) heat.top += input.time_step * residual_[std::size_t(node)];
+  heat.side = input.time_step * side_power_;
+  heat.bottom = input.time_step * bottom_power_;
+  heat.moved = moved_;
+  const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
+  heat.error = moved_ > 0.0 ? std::abs(missing) / moved_ : 0.0;
+  return heat;
+}
+
+}  // namespace dccast::thermal

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/linalg/cholmod_solver.hpp"
+#include "core/material/thermal_properties.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/thermal/conduction.hpp"
+#include "core/thermal/cooling.hpp"
+#include "core/thermal/growth.hpp"
+#include "core/thermal/surface_shares.hpp"
+
+namespace dccast::thermal {
+
+/// Temperature field of a mesh. The enthalpy alone is its state; the rest follows from it.
+struct HeatField {
+  std::vector<double> enthalpy;         ///< (node) [J/m3]
+  std::vector<double> temperature;      ///< (node) [°C]
+  std::vector<double> liquid_fraction;  ///< (node) [1]
+};
+
+/// What a heat step needs besides field and mesh.
+struct HeatStepInput {
+  double time = 0.0;                 ///< [s] at the end of the step
+  double time_step = 0.0;            ///< [s]
+  double metal_level = 0.0;          ///< [m] at the end of the step
+  double casting_temperature = 0.0;  ///< [°C] held at the metal level when the top is poured
+  double water_flow = 0.0;           ///< [m2/s]; none: the side below the water line is dry
+  /// [m], in the order of mesh::patch_nodes(mesh, Patch::bottom); empty: contact everywhere.
+  std::span<const double> bottom_gap;
+  /// What carry_enthalpy() gave, so that the balance covers the growth too.
+  std::optional<MetalEntry> entry;
+};
+
+/// Heat of one step; per metre of face in plane strain, per radian in an axisymmetric section.
+struct HeatBalance {
+  double stored = 0.0;   ///< [J/m] gained by the slab, with the metal that entered
+  double entered = 0.0;  ///< [J/m] with the metal
+  double top = 0.0;      ///< [J/m] conducted in at the metal level
+  double side = 0.0;     ///< [J/m] out
+  double bottom = 0.0;   ///< [J/m] out
+  double moved = 0.0;    ///< [J/m] all heat that moved, the measure of the errors
+  /// stored + side + bottom - top - entered, relative to `moved`
+  double error = 0.0;
+};
+
+struct HeatStepOutcome {
+  bool converged = false;
+  int iterations = 0;
+  int factorizations = 0;
+  int solves = 0;
+  std::vector<double> residual_history;  ///< relative to the heat that moved, before each iteration
+  HeatBalance balance;
+  double wall_heat_flux = 0.0;  ///< [W/m] out through the side
+};
+
+/// One implicit Euler step of the enthalpy equation, paper eq. (2), at a time.
+///
+///   V (H - H_n)/dt + K Theta(H) + q(H) = 0,
+///
+/// V lumped volumes, K the stiffness of unit conductivity, Theta the Kirchhoff function, q the flux
+/// out through side and bottom at the nodal temperatures. The unknown is the nodal enthalpy, in
+/// which everything is single valued even in an isothermal change. Semismooth Newton, written in
+/// y = dTheta so that the matrix is symmetric positive definite:
+///
+///   (diag(c/D) + K) y = -R,   c = V/dt + dq/dH,   D = dTheta/dH,   dH = -(R + K y)/c.
+///
+/// The last line conserves energy in every iterate as far as q is linear, D = 0 included (y = 0
+/// there: such a node is at the temperature of the change). Convergence is judged on the true
+/// residual against the heat that moves. A step is a pure function of mesh, field and input:
+/// nothing is kept from the step before but storage and the symbolic analysis.
+class HeatSolver {
+public:
+  /// @param tolerance  residual relative to the heat that moves in the step
+  HeatSolver(material::ThermalProperties properties, CoolingSpec cooling, mesh::SectionKind kind,
+             double tolerance = 1e-11, int maximum_iterations = 60);
+
+  /// Takes a mesh or its new coordinates; analyses the matrix only if elements changed.
+  void set_mesh(const mesh::Mesh2D& mesh);
+
+  /// A field of one temperature [°C] on the mesh.
+  HeatField uniform_field(double temperature) const;
+  /// Temperature and liquid fraction from the enthalpy.
+  void refresh(HeatField& field) const;
+
+  /// @param field  at the start of the step, carried to the present mesh; at its end on return,
+  ///               unchanged if the step did not converge
+  HeatStepOutcome step(HeatField& field, const HeatStepInput& input);
+
+  const material::ThermalProperties& properties() const { return properties_; }
+  const CoolingSpec& cooling() const { return cooling_; }
+  const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
+  const Conduction& conduction() const { return conduction_; }
+
+private:
+  void prepare(const HeatField& field, const HeatStepInput& input);
+  void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
+  void add_side_flux(const HeatStepInput& input);
+  void add_bottom_flux(const HeatStepInput& input);
+  void add_flux(int node, double weight, const SurfaceFlux& flux);
+  SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
+                        const HeatStepInput& input) const;
+  SurfaceState surface_state(int node) const;
+  bool factorize();
+  void newton_direction();
+  double relative_residual(double time_step) const;
+  bool line_search(const HeatStepInput& input, double reference);
+  HeatBalance balance(const HeatStepInput& input) const;
+
+  material::ThermalProperties properties_;
+  CoolingSpec cooling_;
+  mesh::SectionKind kind_;
+  double tolerance_;
+  int maximum_iterations_;
+
+  mesh::Mesh2D mesh_;
+  Conduction conduction_;
+  linalg::CholmodSolver solver_;
+  std::vector<int> bottom_nodes_;
+  std::vector<double> bottom_weight_;
+  std::vector<int> top_nodes_;
+  std::vector<char> held_;  ///< (node) at the casting temperature
+
+  // Of the step under way; storage kept from step to step.
+  std::vector<SideShare> side_;
+  std::vector<double> film_share_;  ///< (side share)
+  std::vector<double> enthalpy_n_;
+  std::vector<double> enthalpy_;
+  std::vector<double> trial_;
+  std::vector<material::ThermalState> state_;
+  std::vector<double> kirchhoff_;  ///< less that of the casting temperature, against round-off
+  std::vector<double> flux_;       ///< (node) [W/m] out
+  std::vector<double> flux_derivative_;  ///< (node) dq/dH
+  std::vector<double> residual_;         ///< (node) [W/m]; at held nodes the heat the top supplies
+  std::vector<double> matrix_;
+  std::vector<double> slope_;     ///< D in the factor
+  std::vector<double> capacity_;  ///< c in the factor
+  std::vector<double> right_, y_, stiffness_y_, direction_;
+  double side_power_ = 0.0;     ///< [W/m]
+  double bottom_power_ = 0.0;   ///< [W/m]
+  double residual_sum_ = 0.0;   ///< [W/m] sum of absolute values over free nodes
+  double moved_ = 0.0;          ///< [J/m]
+  double round_off_ = 0.0;      ///< [J/m] of residual_sum_ times the step
+  bool bounded_slope_ = false;  ///< the next matrix takes the largest diffusivity for D everywhere
+};
+
+}  // namespace dccast::thermal
