@@ -1,0 +1,68 @@
+#include "core/thermal/conduction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/unit/thermal/casting_case.hpp"
+
+namespace dccast::thermal {
+namespace {
+
+using mesh::ElementKind;
+using mesh::SectionKind;
+using testing::casting_section;
+
+class ConductionOf : public ::testing::TestWithParam<std::tuple<ElementKind, SectionKind>> {
+protected:
+  ElementKind element() const { return std::get<0>(GetParam()); }
+  SectionKind kind() const { return std::get<1>(GetParam()); }
+  bool round() const { return kind() == SectionKind::axisymmetric; }
+};
+
+TEST_P(ConductionOf, VolumesSumToTheSection) {
+  const mesh::SlabMesh slab(casting_section(element()));
+  const auto volume = nodal_volumes(slab.mesh(), kind());
+  const double expected = round() ? 0.5 * 0.28 * 0.28 * 0.1 : 0.28 * 0.1;
+  EXPECT_NEAR(std::accumulate(volume.begin(), volume.end(), 0.0), expected, 1e-14);
+  for (const double v : volume) EXPECT_GT(v, 0.0);
+}
+
+/// Patch test: a temperature linear in height makes no source inside; and the heat that passes the
+/// bottom is its gradient times the area.
+TEST_P(ConductionOf, LinearFieldIsInEquilibrium) {
+  const mesh::SlabMesh slab(casting_section(element()));
+  Conduction conduction;
+  EXPECT_TRUE(conduction.set_mesh(slab.mesh(), kind()));
+  EXPECT_FALSE(conduction.set_mesh(slab.mesh(), kind()));
+  std::vector<double> theta, source(std::size_t(conduction.nodes()));
+  for (int n = 0; n < conduction.nodes(); ++n) theta.push_back(7.0 * slab.mesh().point(n)[1]);
+  linalg::multiply(conduction.pattern(), conduction.stiffness(), theta, source);
+  double bottom = 0.0;
+  const std::size_t row = std::size_t(slab.nodes_per_row());
+  for (std::size_t n = 0; n < row; ++n) bottom -= source[n];
+  for (std::size_t n = row; n < source.size() - row; ++n) EXPECT_NEAR(source[n], 0.0, 1e-13);
+  EXPECT_NEAR(bottom, 7.0 * (round() ? 0.5 * 0.28 * 0.28 : 0.28), 1e-13);
+}
+
+/// Maximum principle: no positive coupling, whatever the aspect ratio of the graded cells.
+TEST_P(ConductionOf, CouplingsAreNeverPositive) {
+  const mesh::SlabMesh slab(casting_section(element()));
+  Conduction conduction;
+  conduction.set_mesh(slab.mesh(), kind());
+  const auto& start = conduction.pattern().column_start();
+  for (std::size_t c = 0; c + 1 < start.size(); ++c) {
+    EXPECT_GT(conduction.stiffness()[std::size_t(start[c])], 0.0);
+    for (std::size_t k = std::size_t(start[c]) + 1; k < std::size_t(start[c + 1]); ++k) {
+      EXPECT_LE(conduction.stiffness()[k], 1e-14);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sections, ConductionOf,
+                         ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1),
+                                            ::testing::Values(SectionKind::plane_strain,
+                                                              SectionKind::axisymmetric)));
+
+}  // namespace
+}  // namespace dccast::thermal

@@ -1,0 +1,63 @@
+#include "core/thermal/growth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "core/thermal/conduction.hpp"
+#include "tests/unit/thermal/casting_case.hpp"
+
+namespace dccast::thermal {
+namespace {
+
+using mesh::ElementKind;
+using mesh::SectionKind;
+using testing::casting_section;
+
+double total(const mesh::Mesh2D& mesh, SectionKind kind, const std::vector<double>& enthalpy) {
+  const auto volume = nodal_volumes(mesh, kind);
+  return std::inner_product(volume.begin(), volume.end(), enthalpy.begin(), 0.0);
+}
+
+class Growth : public ::testing::TestWithParam<std::tuple<ElementKind, SectionKind, double>> {};
+
+/// A small stretch; a stretch that divides the top row; one that adds several rows at once.
+TEST_P(Growth, HeatRisesByTheMetalThatEnters) {
+  const auto [element, kind, rise] = GetParam();
+  mesh::SlabMesh slab(casting_section(element));
+  std::vector<double> enthalpy;
+  for (int n = 0; n < slab.mesh().nodes(); ++n) {
+    const double* x = slab.mesh().point(n);
+    enthalpy.push_back(2.5e9 - 8e8 * x[0] * x[0] + 3e9 * x[1] + 1e8 * std::sin(40.0 * x[0]));
+  }
+  const double before = total(slab.mesh(), kind, enthalpy);
+  const mesh::Mesh2D old_mesh = slab.mesh();
+  slab.grow_to(0.10 + rise);
+  const MetalEntry entry =
+      carry_enthalpy(old_mesh, slab.mesh(), slab.nodes_per_row(), kind, 2.9e9, enthalpy);
+  const double face = kind == SectionKind::axisymmetric ? 0.5 * 0.28 * 0.28 : 0.28;
+  ASSERT_EQ(enthalpy.size(), std::size_t(slab.mesh().nodes()));
+  EXPECT_NEAR(entry.stored_before / before, 1.0, 1e-15);
+  EXPECT_NEAR(entry.entered / (face * rise * 2.9e9), 1.0, 1e-11);
+  EXPECT_NEAR(total(slab.mesh(), kind, enthalpy) / (before + entry.entered), 1.0, 1e-14);
+}
+
+TEST_P(Growth, UniformMetalStaysUniform) {
+  const auto [element, kind, rise] = GetParam();
+  mesh::SlabMesh slab(casting_section(element));
+  std::vector<double> enthalpy(std::size_t(slab.mesh().nodes()), 2.9e9);
+  const mesh::Mesh2D old_mesh = slab.mesh();
+  slab.grow_to(0.10 + rise);
+  carry_enthalpy(old_mesh, slab.mesh(), slab.nodes_per_row(), kind, 2.9e9, enthalpy);
+  for (const double h : enthalpy) EXPECT_NEAR(h / 2.9e9, 1.0, 1e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sections, Growth,
+                         ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1),
+                                            ::testing::Values(SectionKind::plane_strain,
+                                                              SectionKind::axisymmetric),
+                                            ::testing::Values(0.001, 0.005, 0.031)));
+
+}  // namespace
+}  // namespace dccast::thermal
