@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/job.pb.h"
+#include "server/jobs/durable_file.hpp"
+
+namespace dccast::jobs {
+
+/// The append-only file of a job's events; its format stands in EVENT_LOG.md. Safe to use from
+/// several threads: one appends, any number read.
+class EventLog {
+public:
+  /// Where a reader stands: the next event it has not seen.
+  struct Cursor {
+    std::int64_t sequence = 1;
+    std::int64_t offset = 0;  ///< of its record in the file; 0: not known yet
+  };
+
+  /// Opens the log or begins one; cuts off a torn tail.
+  /// @throws std::system_error   the file cannot be read or written
+  /// @throws std::runtime_error  it is not an event log of this version
+  explicit EventLog(const std::filesystem::path& path);
+  ~EventLog();  ///< brings the rest to the disk; a failure is logged
+
+  /// Appends an event and gives it its sequence and, unless it has one, its time.
+  /// @throws std::system_error   disk full or not writable, now or at the last sync(); the log is
+  ///                             as it was
+  /// @throws std::logic_error    the log has ended
+  void append(v1::JobEvent& event);
+
+  /// Brings what was appended to the disk; cheap when nothing was. @throws std::system_error
+  void sync();
+
+  /// The event under the cursor, which moves on. @return nothing when there is none yet
+  /// @throws std::runtime_error  the file was damaged after it was opened
+  std::optional<v1::JobEvent> read(Cursor& cursor) const;
+
+  /// Number of the last event; 0 in an empty log.
+  std::int64_t last_sequence() const;
+  /// The terminal event, once there is one.
+  std::optional<v1::JobEvent> terminal_event() const;
+  /// The last step reported and not taken back by a resumption, if there is one.
+  std::optional<v1::StepReport> last_step() const;
+
+  /// Called after every append, outside of any lock of the log. Set once, before the log is shared.
+  void on_append(std::function<void()> call) { on_append_ = std::move(call); }
+
+private:
+  void write_header();
+  void scan();
+  std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
+  void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end);
+  void locate(Cursor& cursor) const;
+
+  FileDescriptor file_;
+  std::function<void()> on_append_;
+  std::mutex sync_mutex_;  ///< one sync at a time; appends go on meanwhile
+  mutable std::mutex mutex_;
+  std::int64_t end_ = 0;  ///< of the last good record
+  std::int64_t synced_ = 0;
+  std::int64_t last_sequence_ = 0;
+  int sync_error_ = 0;  ///< errno of a sync that failed; the log takes no more events then
+  std::vector<std::int64_t> every_64th_;  ///< offsets of records 1, 65, 129, ...
+  std::optional<v1::JobEvent> terminal_;
+  std::optional<v1::StepReport> last_step_;
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <condition_variable>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/jobs/event_log.hpp"
+
+namespace dccast::jobs {
+
+/// Someone who follows an event log. Its call must not block: it reads with its own cursor.
+class Watcher {
+public:
+  virtual ~Watcher() = default;
+  virtual void on_appended() = 0;
+};
+
+/// The open event logs: each file is open once, whoever uses it. Wakes watchers on a thread of its
+/// own, so that who appends never waits for who watches, and brings appended events to the disk
+/// about every 0.5 s.
+class EventLogs {
+public:
+  /// @param jobs_directory  with one folder per job
+  explicit EventLogs(std::filesystem::path jobs_directory);
+  ~EventLogs();
+
+  /// The log of a job, opened when nobody has it open. @throws as EventLog's constructor
+  std::shared_ptr<EventLog> open(const std::string& job_id);
+
+  /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.
+  void watch(const std::string& job_id, std::weak_ptr<Watcher> watcher);
+
+  /// Calls every watcher once more: something else than a log has changed.
+  void wake_all();
+
+private:
+  void mark(const std::string& job_id);
+  void run_notifier(const std::stop_token& stop);
+  void run_syncer(const std::stop_token& stop);
+  std::vector<std::shared_ptr<Watcher>> watchers_of(const std::string& job_id);
+
+  std::filesystem::path jobs_directory_;
+  std::mutex logs_mutex_;
+  std::map<std::string, std::weak_ptr<EventLog>> logs_;
+  std::mutex mutex_;  ///< of all below
+  std::condition_variable_any changed_;
+  std::set<std::string> to_notify_;
+  std::set<std::string> to_sync_;
+  std::map<std::string, std::vector<std::weak_ptr<Watcher>>> watchers_;
+  std::jthread notifier_;
+  std::jthread syncer_;
+};
+
+}  // namespace dccast::jobs

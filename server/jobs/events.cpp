@@ -1,0 +1,69 @@
+#include "server/jobs/events.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "server/jobs/event_log.hpp"
+
+namespace dccast::jobs {
+
+google::protobuf::Timestamp now() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since_1970);
+  google::protobuf::Timestamp time;
+  time.set_seconds(seconds.count());
+  time.set_nanos(static_cast<int>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970 - seconds).count()));
+  return time;
+}
+
+std::int64_t milliseconds(const google::protobuf::Timestamp& time) {
+  return time.seconds() * 1000 + time.nanos() / 1000000;
+}
+
+google::protobuf::Timestamp timestamp(std::int64_t milliseconds) {
+  google::protobuf::Timestamp time;
+  time.set_seconds(milliseconds / 1000);
+  time.set_nanos(static_cast<int>(milliseconds % 1000 * 1000000));
+  return time;
+}
+
+bool is_terminal(v1::JobState state) {
+  return state == v1::SUCCEEDED || state == v1::FAILED || state == v1::CANCELLED;
+}
+
+v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level) {
+  v1::JobEvent event;
+  event.mutable_message()->set_level(level);
+  event.mutable_message()->set_text(std::move(text));
+  return event;
+}
+
+v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
+  v1::JobEvent event;
+  auto* change = event.mutable_state_change();
+  change->set_state(job.state());
+  change->set_cause(cause);
+  change->set_terminal(is_terminal(job.state()));
+  if (!change->terminal()) return event;
+  if (job.has_failure()) *change->mutable_failure() = job.failure();
+  *change->mutable_artifacts() = job.artifacts();
+  return event;
+}
+
+std::vector<v1::StepReport> step_history(const EventLog& log) {
+  std::vector<v1::StepReport> steps;
+  const auto drop_from = [&steps](std::int64_t step) {
+    while (!steps.empty() && steps.back().step() >= step) steps.pop_back();
+  };
+  EventLog::Cursor cursor;
+  while (auto event = log.read(cursor)) {
+    if (event->has_resumed()) drop_from(event->resumed().step() + 1);
+    if (!event->has_step()) continue;
+    drop_from(event->step().step());
+    steps.push_back(std::move(*event->mutable_step()));
+  }
+  return steps;
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,68 @@
+#include "server/jobs/job_folder.hpp"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "server/jobs/durable_file.hpp"
+#include "server/jobs/identifier.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+void remove_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
+  if (error) spdlog::warn("cannot remove {}: {}", folder.string(), error.message());
+}
+
+void make_directory(const std::filesystem::path& path) {
+  if (::mkdir(path.c_str(), 0700) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot make " + path.string());
+}
+
+void write_attachments(const std::filesystem::path& folder, const Attachments& attachments) {
+  make_directory(folder);
+  make_directory(folder / attachments_folder);
+  for (const v1::Attachment& attachment : attachments)
+    write_durably(folder / attachments_folder / attachment.name(), attachment.content());
+}
+
+}  // namespace
+
+bool is_plain_file_name(const std::string& name) {
+  return !name.empty() && name.size() <= 255 && name != "." && name != ".." &&
+         name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
+}
+
+void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments) {
+  try {
+    write_attachments(folder, attachments);
+    sync_directory(folder / attachments_folder);
+    sync_directory(folder);
+    sync_directory(folder.parent_path());
+  } catch (...) {
+    remove_folder(folder);
+    throw;
+  }
+}
+
+CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)
+    : path_(parent / random_uuid()) {
+  try {
+    write_attachments(path_, attachments);
+  } catch (...) {
+    remove_folder(path_);
+    throw;
+  }
+}
+
+CheckFolder::~CheckFolder() {
+  remove_folder(path_);
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,48 @@
+#include "server/jobs/job_queue.hpp"
+
+#include "server/jobs/events.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+int level(v1::Priority priority) {
+  return priority == v1::HIGH ? 2 : priority == v1::LOW ? 0 : 1;
+}
+
+}  // namespace
+
+void JobQueue::push(const v1::Job& job) {
+  const std::int64_t key =
+      milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms;
+  if (key_of_.emplace(job.id(), key).second) order_.emplace(key, job.id());
+}
+
+void JobQueue::erase(const std::string& job_id) {
+  const auto found = key_of_.find(job_id);
+  if (found == key_of_.end()) return;
+  order_.erase({found->second, job_id});
+  key_of_.erase(found);
+}
+
+std::optional<std::string> JobQueue::pop() {
+  if (order_.empty()) return std::nullopt;
+  std::string job_id = order_.begin()->second;
+  erase(job_id);
+  return job_id;
+}
+
+int JobQueue::position(const std::string& job_id) const {
+  const auto found = key_of_.find(job_id);
+  if (found == key_of_.end()) return 0;
+  return static_cast<int>(std::distance(order_.begin(), order_.find({found->second, job_id}))) + 1;
+}
+
+std::map<std::string, int> JobQueue::positions() const {
+  std::map<std::string, int> result;
+  int position = 0;
+  for (const Place& place : order_) result[place.second] = ++position;
+  return result;
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::jobs {
+
+/// The order in which queued jobs start: by priority, then age. Each level of priority is worth
+/// half an hour of waiting, so that a low job cannot wait for ever behind a stream of high ones.
+/// As all jobs age alike, that makes a fixed key: the time of submission minus the bonus.
+class JobQueue {
+public:
+  static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
+
+  void push(const v1::Job& job);
+  void erase(const std::string& job_id);
+  /// Takes the next job out. @return nothing when none waits
+  std::optional<std::string> pop();
+  std::size_t size() const { return order_.size(); }
+  /// 1 is next; 0: not in the queue. Walks the queue.
+  int position(const std::string& job_id) const;
+  /// Of all jobs at once.
+  std::map<std::string, int> positions() const;
+
+private:
+  using Place = std::pair<std::int64_t, std::string>;
+  std::set<Place> order_;
+  std::map<std::string, std::int64_t> key_of_;
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,251 @@
+#include "server/jobs/job_store.hpp"
+
+#include <utility>
+
+#include "server/jobs/events.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr int schema_version = 1;
+
+// Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
+// serialised messages of job.proto.
+constexpr const char* schema = R"sql(
+CREATE TABLE job (
+  id TEXT PRIMARY KEY,
+  request_id TEXT UNIQUE,
+  case_sha256 TEXT NOT NULL,
+  title TEXT NOT NULL,
+  priority INTEGER NOT NULL,
+  state INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL,
+  started_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL,
+  attempts INTEGER NOT NULL,
+  failure BLOB,
+  outcome BLOB,
+  wish INTEGER NOT NULL,
+  wish_reason TEXT NOT NULL,
+  losses INTEGER NOT NULL,
+  lost_step INTEGER NOT NULL,
+  first_loss TEXT NOT NULL,
+  worker_process INTEGER NOT NULL,
+  worker_start_ticks INTEGER NOT NULL
+) STRICT;
+CREATE INDEX job_by_age ON job (created_ms, id);
+CREATE INDEX job_by_state ON job (state);
+CREATE TABLE job_case (
+  id TEXT PRIMARY KEY REFERENCES job (id) ON DELETE CASCADE,
+  submitted BLOB NOT NULL,
+  complete BLOB NOT NULL
+) STRICT;
+PRAGMA user_version = 1;
+)sql";
+
+constexpr std::string_view columns =
+    "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
+    "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
+    "worker_process, worker_start_ticks";
+
+void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
+  *time = timestamp(milliseconds);
+}
+
+/// `outcome` holds a Job with only the last step and the artifacts set.
+std::string outcome_of(const v1::Job& job) {
+  v1::Job outcome;
+  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
+  *outcome.mutable_artifacts() = job.artifacts();
+  return outcome.SerializeAsString();
+}
+
+JobRecord row(const Statement& statement) {
+  JobRecord record;
+  v1::Job& job = record.job;
+  job.ParseFromString(statement.text(11));
+  job.set_id(statement.text(0));
+  job.set_request_id(statement.text(1));
+  job.set_case_sha256(statement.text(2));
+  job.set_title(statement.text(3));
+  job.set_priority(static_cast<v1::Priority>(statement.integer(4)));
+  job.set_state(static_cast<v1::JobState>(statement.integer(5)));
+  set_time(statement.integer(6), job.mutable_create_time());
+  if (statement.integer(7) != 0) set_time(statement.integer(7), job.mutable_start_time());
+  if (statement.integer(8) != 0) set_time(statement.integer(8), job.mutable_end_time());
+  job.set_attempts(static_cast<int>(statement.integer(9)));
+  if (const std::string failure = statement.text(10); !failure.empty())
+    job.mutable_failure()->ParseFromString(failure);
+  record.wish = static_cast<Wish>(statement.integer(12));
+  record.wish_reason = statement.text(13);
+  record.losses = static_cast<int>(statement.integer(14));
+  record.lost_step = statement.integer(15);
+  record.first_loss = statement.text(16);
+  record.worker = {static_cast<pid_t>(statement.integer(17)),
+                   static_cast<std::uint64_t>(statement.integer(18))};
+  return record;
+}
+
+/// Binds the columns that change in a job's life, in the order of the UPDATE below.
+void bind_changing(Statement& statement, const JobRecord& record) {
+  const v1::Job& job = record.job;
+  statement.bind(job.state())
+      .bind(milliseconds(job.start_time()))
+      .bind(milliseconds(job.end_time()))
+      .bind(job.attempts());
+  if (job.has_failure())
+    statement.bind_blob(job.failure().SerializeAsString());
+  else
+    statement.bind_null();
+  statement.bind_blob(outcome_of(job))
+      .bind(static_cast<int>(record.wish))
+      .bind(record.wish_reason)
+      .bind(record.losses)
+      .bind(record.lost_step)
+      .bind(record.first_loss)
+      .bind(record.worker.id)
+      .bind(static_cast<std::int64_t>(record.worker.start_ticks));
+}
+
+}  // namespace
+
+JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
+  database_.execute(
+      "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
+  std::int64_t version = 0;
+  {
+    Statement statement(database_, "PRAGMA user_version");
+    statement.step();
+    version = statement.integer(0);
+  }
+  if (version > schema_version)
+    throw StoreError("job store " + path.string() + " was written by a later version of dccastd (" +
+                         std::to_string(version) + "); use that one, or another data_directory",
+                     0);
+  if (version == schema_version) return;
+  Transaction transaction(database_);
+  database_.execute(schema);
+  transaction.commit();
+}
+
+void JobStore::set_durability(Durability durability) {
+  database_.execute(durability == Durability::full ? "PRAGMA synchronous = FULL"
+                                                   : "PRAGMA synchronous = NORMAL");
+}
+
+std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_view submitted_case,
+                                          std::string_view complete_case) {
+  const v1::Job& job = record.job;
+  if (!job.request_id().empty())
+    if (auto there = find_request(job.request_id())) return there;
+  const std::lock_guard lock(mutex_);
+  set_durability(Durability::full);
+  Transaction transaction(database_);
+  {
+    Statement statement(database_,
+                        "INSERT INTO job (" + std::string(columns) +
+                            ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
+                            "0, 0)");
+    statement.bind(job.id());
+    if (job.request_id().empty())
+      statement.bind_null();
+    else
+      statement.bind(job.request_id());
+    statement.bind(job.case_sha256())
+        .bind(job.title())
+        .bind(job.priority())
+        .bind(job.state())
+        .bind(milliseconds(job.create_time()))
+        .step();
+  }
+  {
+    Statement statement(database_,
+                        "INSERT INTO job_case (id, submitted, complete) VALUES (?, ?, ?)");
+    statement.bind(job.id()).bind_blob(submitted_case).bind_blob(complete_case).step();
+  }
+  transaction.commit();
+  return std::nullopt;
+}
+
+void JobStore::update(const JobRecord& record, Durability durability) {
+  const std::lock_guard lock(mutex_);
+  set_durability(durability);
+  Statement statement(database_,
+                      "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
+                      "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
+                      "lost_step = ?, first_loss = ?, worker_process = ?, worker_start_ticks = ? "
+                      "WHERE id = ?");
+  bind_changing(statement, record);
+  statement.bind(record.job.id()).step();
+}
+
+bool JobStore::erase(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  set_durability(Durability::full);
+  Statement statement(database_, "DELETE FROM job WHERE id = ?");
+  statement.bind(id).step();
+  return database_.changes() > 0;
+}
+
+std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
+                                        const std::string& argument) {
+  const std::lock_guard lock(mutex_);
+  Statement statement(
+      database_, "SELECT " + std::string(columns) + " FROM job " + std::string(where_and_order));
+  if (!argument.empty()) statement.bind(argument);
+  std::vector<JobRecord> records;
+  while (statement.step()) records.push_back(row(statement));
+  return records;
+}
+
+std::optional<JobRecord> JobStore::find(const std::string& id) {
+  auto found = select("WHERE id = ?", id);
+  if (found.empty()) return std::nullopt;
+  return std::move(found.front());
+}
+
+std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
+  auto found = select("WHERE request_id = ?", request_id);
+  if (found.empty()) return std::nullopt;
+  return std::move(found.front());
+}
+
+std::optional<std::string> JobStore::complete_case(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "SELECT complete FROM job_case WHERE id = ?");
+  if (!statement.bind(id).step()) return std::nullopt;
+  return statement.text(0);
+}
+
+std::vector<JobRecord> JobStore::unfinished() {
+  // 1 to 3: QUEUED, RUNNING, PAUSED of job.proto.
+  return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id", "");
+}
+
+std::set<std::string> JobStore::ids() {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "SELECT id FROM job");
+  std::set<std::string> ids;
+  while (statement.step()) ids.insert(statement.text(0));
+  return ids;
+}
+
+std::vector<JobRecord> JobStore::list(const Page& page) {
+  std::string sql = "SELECT " + std::string(columns) +
+                    " FROM job WHERE (created_ms < ? OR (created_ms = ? AND id < ?))";
+  if (!page.states.empty()) {
+    sql += " AND state IN (";
+    for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
+    sql.back() = ')';
+  }
+  sql += " ORDER BY created_ms DESC, id DESC LIMIT ?";
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, sql);
+  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id).bind(page.size);
+  std::vector<JobRecord> records;
+  while (statement.step()) records.push_back(row(statement));
+  return records;
+}
+
+}  // namespace dccast::jobs

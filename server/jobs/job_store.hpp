@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/job.pb.h"
+#include "server/jobs/process.hpp"
+#include "server/jobs/sqlite.hpp"
+
+namespace dccast::jobs {
+
+/// What someone asked of a job that has not come about yet. Kept in the store, so that a crash
+/// between the asking and the doing forgets nothing.
+enum class Wish { none, pause, cancel };
+
+/// A job with what the service keeps to itself.
+struct JobRecord {
+  v1::Job job;
+  Wish wish = Wish::none;
+  std::string wish_reason;
+  int losses = 0;               ///< times its worker died by itself
+  std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
+  std::string first_loss;       ///< how the worker died the first time: the cause that is kept
+  ProcessIdentity worker;       ///< of the last start, to find strays after a crash of the daemon
+};
+
+/// normal: survives a crash of the daemon. full: survives one of the machine.
+enum class Durability { normal, full };
+
+/// All jobs, in one SQLite file (WAL). Safe to use from several threads. Every call throws
+/// StoreError when the file cannot be read or written.
+class JobStore {
+public:
+  /// Opens the store or makes it. @throws StoreError also for a file of a later version
+  explicit JobStore(const std::filesystem::path& path);
+
+  /// Adds a job, durably, with its case as it was submitted and as it will run. Nothing is added
+  /// when its request_id is there already.
+  /// @return the job that has this request_id already; nothing when the new one was added
+  std::optional<JobRecord> insert(const JobRecord& record, std::string_view submitted_case,
+                                  std::string_view complete_case);
+  /// Writes everything of a job but its cases.
+  void update(const JobRecord& record, Durability durability);
+  /// @return whether it was there
+  bool erase(const std::string& id);
+
+  std::optional<JobRecord> find(const std::string& id);
+  std::optional<JobRecord> find_request(const std::string& request_id);
+  /// The serialised Case that runs. @return nothing for an unknown job
+  std::optional<std::string> complete_case(const std::string& id);
+  /// Jobs that have not ended, oldest first.
+  std::vector<JobRecord> unfinished();
+  std::set<std::string> ids();
+
+  struct Page {
+    std::int64_t before_ms = INT64_MAX;  ///< only jobs created before, or then and with a lesser id
+    std::string before_id;
+    std::vector<v1::JobState> states;  ///< empty: all
+    int size = 50;
+  };
+  /// Newest first.
+  std::vector<JobRecord> list(const Page& page);
+
+private:
+  void set_durability(Durability durability);
+  std::vector<JobRecord> select(std::string_view where_and_order, const std::string& argument);
+
+  std::mutex mutex_;
+  Database database_;
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,53 @@
+#include "server/jobs/process.hpp"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace dccast::jobs {
+
+std::optional<ProcessIdentity> identify(pid_t id) {
+  std::ifstream file("/proc/" + std::to_string(id) + "/stat");
+  std::string line;
+  if (!std::getline(file, line)) return std::nullopt;
+  // The second field is the program's name in parentheses and may hold anything: count from its
+  // end.
+  const auto name_end = line.rfind(')');
+  if (name_end == std::string::npos) return std::nullopt;
+  std::istringstream rest(line.substr(name_end + 1));
+  std::string field;
+  for (int number = 3; number <= 22; ++number) rest >> field;
+  if (!rest) return std::nullopt;
+  return ProcessIdentity{id, std::stoull(field)};
+}
+
+bool kill_stray(const ProcessIdentity& recorded) {
+  const auto same = [&recorded] {
+    const auto found = identify(recorded.id);
+    return found && found->start_ticks == recorded.start_ticks;
+  };
+  if (recorded.id <= 0 || !same()) return false;
+  ::kill(recorded.id, SIGKILL);
+  // It is not our child: its parent (init by now) collects it. A killed process writes no more once
+  // it is a zombie, but that would take parsing its state; waiting for its end is as good.
+  for (int i = 0; i < 500 && same(); ++i) {
+    ::waitpid(recorded.id, nullptr, WNOHANG);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+std::string describe_exit(int wait_status) {
+  if (WIFSIGNALED(wait_status)) {
+    const int signal = WTERMSIG(wait_status);
+    return "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
+  }
+  return "exit code " + std::to_string(WEXITSTATUS(wait_status));
+}
+
+}  // namespace dccast::jobs

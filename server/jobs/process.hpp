@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <sys/types.h>
+
+namespace dccast::jobs {
+
+/// A process beyond doubt: process ids come again, the pair of id and start time does not.
+struct ProcessIdentity {
+  pid_t id = 0;  ///< 0: none
+  std::uint64_t start_ticks =
+      0;  ///< clock ticks after the machine's start, /proc/PID/stat field 22
+};
+
+/// The identity of a living process. @return nothing when there is none with this id
+std::optional<ProcessIdentity> identify(pid_t id);
+
+/// Kills the process if it still is the one that was recorded, and waits until it is gone.
+/// @return whether it was there
+bool kill_stray(const ProcessIdentity& recorded);
+
+/// How a process ended, from the status of waitpid(), as people say it: "exit code 3",
+/// "signal 11 (Segmentation fault)".
+std::string describe_exit(int wait_status);
+
+}  // namespace dccast::jobs

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "dccast/v1/worker.pb.h"
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/job_store.hpp"
+
+namespace dccast::jobs {
+
+/// The daemon's end of the link to one worker.
+class WorkerChannel {
+public:
+  virtual ~WorkerChannel() = default;
+  /// Sends soon and never waits; nothing happens when the link is gone.
+  virtual void send(const v1::WorkerOrder& order) = 0;
+};
+
+/// One attempt at a job, from the start of its worker to the end of that process.
+struct Run {
+  // Fixed when the run begins.
+  std::string job_id;
+  int attempt = 0;
+  std::string token;
+  std::shared_ptr<EventLog> log;
+
+  // Of the scheduler's mutex.
+  JobRecord record;
+  std::shared_ptr<WorkerChannel> channel;  ///< once the worker has called
+  std::optional<std::chrono::steady_clock::time_point> kill_at;
+  bool settled = false;  ///< what the job has become is decided; only the process is still there
+  bool requeue = false;  ///< back into the queue when the process is gone
+
+  // Of its own mutex, so that steps do not wait for the scheduler; taken after the scheduler's.
+  std::mutex mutex;
+  bool closed = false;        ///< nothing a worker says counts any more
+  std::string storage_error;  ///< first event that could not be written
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace dccast::jobs {
+
+/// The store cannot be read or written.
+class StoreError : public std::runtime_error {
+public:
+  StoreError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
+  int code() const { return code_; }  ///< of SQLite, primary
+
+private:
+  int code_;
+};
+
+/// One SQLite connection. Not safe for several threads: its owner has a mutex.
+class Database {
+public:
+  /// @throws StoreError
+  explicit Database(const std::filesystem::path& path);
+  Database(const Database&) = delete;
+  ~Database();
+  void execute(const char* sql);
+  int changes() const;
+  sqlite3* handle() const { return handle_; }
+
+private:
+  sqlite3* handle_ = nullptr;
+};
+
+/// A prepared statement; bind() in the order of the question marks, then step().
+class Statement {
+public:
+  Statement(Database& database, std::string_view sql);
+  Statement(const Statement&) = delete;
+  ~Statement();
+
+  Statement& bind(std::int64_t value);
+  Statement& bind(std::string_view text);
+  Statement& bind_blob(std::string_view bytes);
+  Statement& bind_null();
+  /// @return whether there is a row @throws StoreError
+  bool step();
+
+  std::int64_t integer(int column) const;
+  std::string text(int column) const;  ///< of text and blobs; empty for NULL
+
+private:
+  void check(int code);
+
+  Database& database_;
+  sqlite3_stmt* statement_ = nullptr;
+  int bound_ = 0;
+};
+
+/// BEGIN IMMEDIATE ... COMMIT; rolls back when it is left without commit().
+class Transaction {
+public:
+  explicit Transaction(Database& database) : database_(database) {
+    database_.execute("BEGIN IMMEDIATE");
+  }
+  Transaction(const Transaction&) = delete;
+  ~Transaction();
+  void commit();
+
+private:
+  Database& database_;
+  bool open_ = true;
+};
+
+}  // namespace dccast::jobs
