@@ -14,7 +14,6 @@ struct AlgorithmParameters {
   double gamma_c = 5e8;             ///< [Pa/m]
   std::optional<double> lambda_c;   ///< [m/Pa]; absent: 1 / (2 gamma_c)
   double relaxation = 0.9;
-  double contact_penalty = 0.0;     ///< [m/Pa]; zero holds the contact exactly
   bool plain = false;
   bool increment_test = false;
 };
@@ -31,8 +30,21 @@ struct Options {
   bool confinement = true;
   bool contact = true;
   double tolerance = 1e-7;
-  int maximum_iterations = 60;
+  std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()
   AlgorithmParameters parameters;
 };
+
+/// Iterations after which a step counts as not converged. The fixed-point methods need their
+/// hundreds; a Newton step that needs 60 is lost.
+inline int iteration_limit(const Options& options) {
+  if (options.maximum_iterations) return *options.maximum_iterations;
+  switch (options.algorithm) {
+    case Algorithm::newton: return 60;
+    case Algorithm::vnbm: return 2000;
+    case Algorithm::nbm: return 2000;
+    case Algorithm::sbm: return 30000;
+  }
+  return 0;
+}
 
 }  // namespace dccast::mechanics

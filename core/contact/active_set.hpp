@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace dccast::contact {
+
+/// Signorini's conditions at the nodes of the bottom, held by a primal-dual active set
+/// (Hintermueller, Ito, Kunisch 2002): gap >= 0, reaction >= 0, one of them zero.
+///
+/// A pair in the set is held at zero gap and its reaction is an outcome; a pair outside carries no
+/// force and its gap is an outcome. The generalised Newton method of the paper's section 4.3.1 with
+/// eps_c -> 0 is this iteration (Lemma 5).
+class ActiveSet {
+public:
+  struct Tolerance {
+    double gap;    ///< [m] penetration that is still none
+    double force;  ///< [N/m] pull that is still none; scaled to the weight, not to thermal forces
+  };
+
+  ActiveSet() = default;
+  explicit ActiveSet(std::vector<char> active) : active_(std::move(active)) {}
+
+  const std::vector<char>& active() const { return active_; }
+  bool active(std::size_t pair) const { return active_[pair] != 0; }
+
+  /// Moves pairs that violate their condition across. After many changes, only the worst one, so
+  /// that two pairs cannot send each other back and forth. The set is never emptied: a slab without
+  /// any support has no equilibrium.
+  /// @param gap       of every pair [m]
+  /// @param reaction  of every pair, meaningful where active [N/m]
+  /// @param one_by_one  move only the worst violator
+  /// @return number of pairs that changed
+  int update(std::span<const double> gap, std::span<const double> reaction,
+             const Tolerance& tolerance, bool one_by_one);
+
+private:
+  std::vector<char> active_;
+};
+
+/// Largest violation of gap >= 0, reaction >= 0 and their product, relative to the scales given.
+double complementarity_error(std::span<const double> gap, std::span<const double> reaction,
+                             double length_scale, double force_scale);
+
+}  // namespace dccast::contact

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/material/alloy_card.hpp"
+#include "core/material/norton_hoff.hpp"
+
+namespace dccast::material {
+
+/// What mechanics asks of an alloy at a temperature [°C].
+class MechanicalProperties {
+public:
+  explicit MechanicalProperties(const AlloyCard& card);
+
+  /// Bulk modulus lambda + 2 mu / 3 [Pa].
+  double bulk_modulus(double temperature) const;
+  /// Shear modulus mu [Pa].
+  double shear_modulus(double temperature) const;
+  /// [kg/m3]
+  double density(double temperature) const { return card_.density(temperature); }
+  double liquid_density() const { return liquid_density_; }  ///< rho_l = rho(T_l) [kg/m3]
+  /// (rho_l / rho(T))^(1/3): the antiderivative of alpha(T), eq. (11). Differences of it are the
+  /// thermal strain between two temperatures, exactly, through the mushy interval as well.
+  double thermal_stretch(double temperature) const;
+  const NortonHoff& creep() const { return creep_; }
+  double coherency() const { return card_.coherency; }  ///< [°C]
+  double liquidus() const { return card_.liquidus; }    ///< [°C]
+  double solidus() const { return card_.solidus; }      ///< [°C]
+
+private:
+  AlloyCard card_;
+  NortonHoff creep_;
+  double liquid_density_;
+};
+
+}  // namespace dccast::material

@@ -1,0 +1,75 @@
+#include "core/material/norton_hoff.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dccast::material {
+
+namespace {
+
+// R of numerics.md 1.2, 1.987e-3 kcal/(mol K), in joule (thermochemical calorie, 4184 J/kcal).
+constexpr double printed_gas_constant = 1.987e-3 * 4184.0;  // [J/(mol K)]
+constexpr double gas_constant = 8.314462618;                // [J/(mol K)], CODATA 2018
+constexpr double celsius_zero = 273.15;                     // [K]
+constexpr double plane_factor = 2.0 / 3.0;                  // s_11 of unit uniaxial tension
+
+NortonHoff from(const NortonHoffConstants& c) {
+  NortonHoff law;
+  law.factor = c.material_resistance / std::pow(std::sqrt(2.0) * c.shear_limit, c.exponent);  // (16)
+  law.activation_temperature = c.activation_energy / printed_gas_constant;
+  law.exponent = c.exponent;
+  return law;
+}
+
+NortonHoff from(const ReferenceCreep& c) {
+  NortonHoff law;
+  law.exponent = c.stress_exponent + 1.0;
+  law.activation_temperature = c.activation_energy / gas_constant;
+  law.zero_offset = celsius_zero;
+  // In uniaxial tension s_11 = 2/3 sigma and |s| = sqrt(2/3) sigma.
+  const double kappa = c.strain_rate / (plane_factor * c.stress *
+                                        std::pow(std::sqrt(plane_factor) * c.stress,
+                                                 law.exponent - 2.0));
+  law.factor = kappa * std::exp(law.activation_temperature / (c.temperature + law.zero_offset));
+  return law;
+}
+
+}  // namespace
+
+NortonHoff norton_hoff(const AlloyCard& card) {
+  return std::visit([](const auto& constants) { return from(constants); }, card.creep);
+}
+
+double NortonHoff::kappa(double temperature) const {
+  return factor * std::exp(-activation_temperature / (temperature + zero_offset));
+}
+
+double creep_power(double norm, double exponent) {
+  // q = 6, the paper's exponent, is worth its own line: pow costs ten times as much.
+  if (exponent == 6.0) {
+    const double square = norm * norm;
+    return square * square;
+  }
+  return std::pow(norm, exponent - 2.0);
+}
+
+ReturnMap return_map(double trial_norm, double creep, double exponent) {
+  if (trial_norm <= 0.0) return {0.0, 1.0};
+  const double m = exponent - 1.0;
+  const double strength = creep * creep_power(trial_norm, exponent);  // c R^(q-2)
+  if (strength < 1e-18) return {trial_norm, 1.0};
+  // Where creep is weak x = R is the better bound; one division decides.
+  double x = strength <= 1.0 ? trial_norm : trial_norm * std::pow(strength, -1.0 / m);
+  double slope = 1.0;
+  constexpr int most = 60;
+  for (int i = 0; i < most; ++i) {
+    const double power = creep * creep_power(x, exponent);
+    slope = 1.0 + m * power;
+    const double step = (x + power * x - trial_norm) / slope;
+    x -= step;
+    if (std::abs(step) <= 1e-15 * trial_norm) break;
+  }
+  return {x, 1.0 / (1.0 + m * creep * creep_power(x, exponent))};
+}
+
+}  // namespace dccast::material

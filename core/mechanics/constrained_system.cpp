@@ -1,0 +1,39 @@
+#include "core/mechanics/constrained_system.hpp"
+
+#include <algorithm>
+
+namespace dccast::mechanics {
+
+bool ConstrainedSystem::factorize(std::span<const char> fixed,
+                                  std::span<const double> step_of_fixed) {
+  auto& values = work_->stiffness;
+  lifting_ = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
+                         [](double d) { return d != 0.0; });
+  if (lifting_) linalg::multiply(*pattern_, values, step_of_fixed, work_->lifted);
+
+  const auto& start = pattern_->column_start();
+  const auto& row = pattern_->row();
+  for (std::size_t c = 0; c + 1 < start.size(); ++c) {
+    const std::size_t diagonal = std::size_t(start[c]);
+    for (std::size_t k = diagonal + 1; k < std::size_t(start[c + 1]); ++k) {
+      if (fixed[c] != 0 || fixed[std::size_t(row[k])] != 0) values[k] = 0.0;
+    }
+    // Its own diagonal keeps the scale of the neighbourhood, and with it the pivots' scale.
+    if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
+  }
+  return work_->solver.factorize(values);
+}
+
+void ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+  auto& d = work_->direction;
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    d[i] = fixed[i] != 0 ? 0.0 : -work_->residual[i] - (lifting_ ? work_->lifted[i] : 0.0);
+  }
+  work_->solver.solve(d, d);
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    if (fixed[i] != 0) d[i] = step_of_fixed[i];
+  }
+  lifting_ = false;
+}
+
+}  // namespace dccast::mechanics

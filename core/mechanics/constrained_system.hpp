@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mechanics/step_outcome.hpp"
+
+namespace dccast::mechanics {
+
+/// A linear system in which some unknowns are held. The pattern stays as it is: rows and columns of
+/// held unknowns are emptied and their diagonal set to a typical stiffness, so that a change of the
+/// contact set costs no new analysis.
+class ConstrainedSystem {
+public:
+  ConstrainedSystem(const linalg::SparsityPattern& pattern, Workspace& work)
+      : pattern_(&pattern), work_(&work) {}
+
+  /// Factorises `work.stiffness` with the unknowns marked in `fixed` held.
+  /// @param step_of_fixed  what the held unknowns still have to move [m]; its effect on the free ones
+  ///                       is kept for the next solve()
+  /// @return false when the reduced matrix is not positive definite
+  bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
+
+  /// direction = solution of K d = -residual on the free unknowns, step_of_fixed on the held ones.
+  void solve(std::span<const char> fixed, std::span<const double> step_of_fixed);
+
+private:
+  const linalg::SparsityPattern* pattern_;
+  Workspace* work_;
+  bool lifting_ = false;
+};
+
+}  // namespace dccast::mechanics

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/constrained_system.hpp"
+#include "core/mechanics/solve_step.hpp"
+
+namespace dccast::mechanics {
+
+/// What the paper's three algorithms share: displacement and viscoplastic multiplier q are found in
+/// turn, the first from a linear problem whose matrix does not depend on q.
+///
+/// With q = H(s) - gamma_p s (eq. 53) the law reads s = 2 mu~ (e - dt q) with
+/// mu~ = mu / (1 + 2 mu gamma_p dt) and the bulk modulus unchanged, which is Lemma 2 in the simpler
+/// form of the same equations.
+template <class Element>
+class MultiplierMethod {
+public:
+  using Problem = StepProblem<Element>;
+  using Tensor = typename Problem::Tensor;
+
+  /// @param gamma_p  by point [1/(Pa s)]; ignored where there is no creep
+  MultiplierMethod(const Problem& problem, const Options& options, Workspace& work,
+                   StepUnknowns<Element>& unknowns, std::vector<double> gamma_p)
+      : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
+        equilibrium_(problem), gamma_p_(std::move(gamma_p)),
+        multiplier_(gamma_p_.size()) {
+    unknowns_.deviator.resize(gamma_p_.size());
+    for (std::size_t i = 0; i < multiplier_.size(); ++i) {
+      // H(s) - gamma_p s of the step's start, with the parameters of this step: the multiplier of
+      // another gamma_p is another quantity and must be rebased.
+      multiplier_[i] = viscoplastic_strain_rate(problem_, i / points, unknowns_.deviator[i]);
+      multiplier_[i].add(-gamma_p_[i], unknowns_.deviator[i]);
+    }
+  }
+
+protected:
+  static constexpr std::size_t points = Element::points;
+
+  double softened_shear(std::size_t e, std::size_t point) const {
+    const double mu = problem_.shear[e];
+    return mu / (1.0 + 2.0 * mu * gamma_p_[point] * problem_.dt);
+  }
+
+  /// s of a trial deviator with the multiplier as it stands.
+  auto multiplier_law() {
+    return [this](std::size_t e, std::size_t point, const Tensor& trial) {
+      return response(e, point, trial);
+    };
+  }
+
+  PointResponse<Element::dimension> response(std::size_t e, std::size_t point,
+                                             const Tensor& trial) const {
+    PointResponse<Element::dimension> r;
+    r.shear = softened_shear(e, point);
+    r.normal = 0.0;
+    r.norm = 0.0;
+    r.deviator = trial;
+    if (problem_.kappa[e] > 0.0) r.deviator.add(-problem_.dt, multiplier_[point]);
+    for (double& s : r.deviator.value) s *= 2.0 * r.shear;
+    return r;
+  }
+
+  /// Evaluates the residual by the law; a law may move multipliers while it is at it.
+  template <class Law>
+  void evaluate(Law&& law) {
+    acting_ = equilibrium_.residual(unknowns_.displacement, work_.residual, law);
+    acting_ = std::max(acting_, std::max(problem_.weight, 1e-300));
+  }
+
+  /// Residual of the step's own law: what a converged step is judged by. Leaves that law's stresses
+  /// in the equilibrium's response and the difference to the multiplier's in the outcome.
+  double true_residual(std::span<const char> fixed) {
+    const auto own = equilibrium_.response();
+    evaluate(return_map_law(problem_));
+    double difference = 0.0, scale = 0.0;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      Tensor d = equilibrium_.response()[i].deviator;
+      scale += d.norm() * d.norm();
+      d.add(-1.0, own[i].deviator);
+      difference += d.norm() * d.norm();
+    }
+    outcome_.constitutive_residual = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < work_.residual.size(); ++i) {
+      if (fixed[i] == 0) sum += work_.residual[i] * work_.residual[i];
+    }
+    return std::sqrt(sum) / acting_;
+  }
+
+  /// The linear problem (57): matrix of the present parameters, factorised for the held unknowns.
+  bool factorize(ConstrainedSystem& system, std::span<const char> fixed,
+                 std::span<const double> step_of_fixed) {
+    evaluate(multiplier_law());
+    equilibrium_.tangent(work_.stiffness);
+    return system.factorize(fixed, step_of_fixed);
+  }
+
+  void advance() {
+    for (std::size_t i = 0; i < unknowns_.displacement.size(); ++i) {
+      unknowns_.displacement[i] += work_.direction[i];
+    }
+  }
+
+  void store_deviator() {
+    for (std::size_t i = 0; i < unknowns_.deviator.size(); ++i) {
+      unknowns_.deviator[i] = equilibrium_.response()[i].deviator;
+    }
+  }
+
+  const Problem& problem_;
+  const Options& options_;
+  Workspace& work_;
+  StepUnknowns<Element>& unknowns_;
+  Equilibrium<Element> equilibrium_;
+  std::vector<double> gamma_p_;
+  std::vector<Tensor> multiplier_;  ///< q by point [1/s]
+  StepOutcome outcome_;
+  double acting_ = 0.0;
+};
+
+/// The Yosida update (56) of one multiplier: q <- (zeta / lambda_p) (1 - 1 / (eta (1 - lambda_p
+/// gamma_p))) with zeta = s + lambda_p q.
+template <class Tensor>
+Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double kappa,
+                     double exponent, double gamma_p, double lambda_p) {
+  Tensor zeta = deviator;
+  zeta.add(lambda_p, multiplier);
+  const double complement = 1.0 - lambda_p * gamma_p;
+  const double load = lambda_p * kappa / std::pow(complement, exponent - 1.0) *
+                      material::creep_power(zeta.norm(), exponent);
+  const double eta = material::yosida_root(load, exponent);
+  const double factor = (1.0 - 1.0 / (eta * complement)) / lambda_p;
+  for (double& z : zeta.value) z *= factor;
+  return zeta;
+}
+
+}  // namespace dccast::mechanics

@@ -1,0 +1,197 @@
+#include <cmath>
+
+#include "core/mechanics/multiplier_method.hpp"
+#include "core/mechanics/step_constraints.hpp"
+
+namespace dccast::mechanics {
+
+namespace {
+
+/// gamma_p constant, but not zero creep compliance for elements without creep.
+template <class Element>
+std::vector<double> constant_gamma(const StepProblem<Element>& problem, double gamma_p) {
+  std::vector<double> gamma(std::size_t(problem.geometry->elements()) * Element::points, 0.0);
+  for (std::size_t i = 0; i < gamma.size(); ++i) {
+    if (problem.kappa[i / Element::points] > 0.0) gamma[i] = gamma_p;
+  }
+  return gamma;
+}
+
+/// Paper section 4.2.3, steps SBM2(a) to (e): both multipliers by the Yosida approximation with
+/// constant parameters, one matrix for the whole step.
+template <class Element>
+class Sbm : MultiplierMethod<Element> {
+  using Base = MultiplierMethod<Element>;
+  using Tensor = typename Base::Tensor;
+
+public:
+  Sbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
+      StepUnknowns<Element>& unknowns)
+      : Base(problem, options, work, unknowns,
+             constant_gamma(problem, options.parameters.gamma_p)),
+        system_(*problem.pattern, work) {
+    const AlgorithmParameters& p = options.parameters;
+    lambda_p_ = p.lambda_p.value_or(0.5 / p.gamma_p);
+    lambda_c_ = p.lambda_c.value_or(0.5 / p.gamma_c);
+    start_contact_multiplier();
+  }
+
+  StepOutcome solve() {
+    StepOutcome& outcome = this->outcome_;
+    const long factorizations = this->work_.solver.factorizations();
+    const long solves = this->work_.solver.solves();
+    iterate();
+    outcome.factorizations = static_cast<int>(this->work_.solver.factorizations() - factorizations);
+    outcome.solves = static_cast<int>(this->work_.solver.solves() - solves);
+    if (outcome.converged) store();
+    return outcome;
+  }
+
+private:
+  /// SBM1 and SBM2(a): the multiplier of the last step, in the first step the weight of the metal.
+  void start_contact_multiplier() {
+    auto& p = this->unknowns_.contact_multiplier;
+    const auto& area = this->problem_.contact_area;
+    if (p.size() == area.size()) return;
+    double sum = 0.0;
+    for (double a : area) sum += a;
+    p.assign(area.size(), sum > 0.0 ? this->problem_.weight / sum : 0.0);
+  }
+
+  void iterate() {
+    StepOutcome& outcome = this->outcome_;
+    const int most = iteration_limit(this->options_);
+    if (!factorize()) return;
+    add_contact_forces();
+    while (outcome.iterations < most) {
+      ++outcome.iterations;
+      system_.solve(this->problem_.fixed, step_);
+      this->advance();
+      step_.assign(step_.size(), 0.0);
+      this->evaluate(updating_law());
+      update_contact_multiplier();
+      add_contact_forces();
+      const double relative = relative_residual();
+      outcome.residual_history.push_back(relative);
+      outcome.equilibrium_residual = relative;
+      if (!std::isfinite(relative)) return;
+      if (relative > this->options_.tolerance) continue;
+      outcome.equilibrium_residual = own_residual();
+      if (outcome.equilibrium_residual <= this->options_.tolerance) {
+        outcome.converged = true;
+        return;
+      }
+      this->evaluate(this->multiplier_law());
+      add_contact_forces();
+    }
+  }
+
+  bool factorize() {
+    const auto& problem = this->problem_;
+    step_.assign(problem.unknowns(), 0.0);
+    for (std::size_t i = 0; i < step_.size(); ++i) {
+      if (problem.fixed[i] != 0) step_[i] = problem.target[i] - this->unknowns_.displacement[i];
+    }
+    this->evaluate(this->multiplier_law());
+    this->equilibrium_.tangent(this->work_.stiffness);
+    for (std::size_t i = 0; i < problem.contact.size(); ++i) {
+      const int diagonal = problem.pattern->diagonal(problem.contact[i]);
+      this->work_.stiffness[std::size_t(diagonal)] +=
+          this->options_.parameters.gamma_c * problem.contact_area[i];
+    }
+    return system_.factorize(problem.fixed, step_);
+  }
+
+  /// The terms gamma_c u_n v_n and p v_n of (51); u_n = -u upwards.
+  void add_contact_forces() {
+    const auto& problem = this->problem_;
+    for (std::size_t i = 0; i < problem.contact.size(); ++i) {
+      const std::size_t unknown = std::size_t(problem.contact[i]);
+      const double u_n = -this->unknowns_.displacement[unknown];
+      this->work_.residual[unknown] -=
+          problem.contact_area[i] * (this->unknowns_.contact_multiplier[i] +
+                                     this->options_.parameters.gamma_c * u_n);
+    }
+  }
+
+  /// SBM2(d), relaxed as Remark 4 says.
+  void update_contact_multiplier() {
+    const double theta = this->options_.parameters.relaxation;
+    const double gamma_c = this->options_.parameters.gamma_c;
+    for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
+      double& p = this->unknowns_.contact_multiplier[i];
+      const double s =
+          -this->unknowns_.displacement[std::size_t(this->problem_.contact[i])] + lambda_c_ * p;
+      const double projected = std::min(s / (1.0 - lambda_c_ * gamma_c), 0.0);
+      p = theta * (s - projected) / lambda_c_ + (1.0 - theta) * p;
+    }
+  }
+
+  /// SBM2(c) and (e) in one pass, as in vnbm but with constant parameters.
+  auto updating_law() {
+    return [this](std::size_t e, std::size_t point, const Tensor& trial) {
+      auto now = this->response(e, point, trial);
+      if (this->problem_.kappa[e] <= 0.0) return now;
+      const double theta = this->options_.parameters.relaxation;
+      Tensor& q = this->multiplier_[point];
+      const Tensor next = yosida_update(now.deviator, q, this->problem_.kappa[e],
+                                        this->problem_.exponent, this->gamma_p_[point], lambda_p_);
+      for (std::size_t i = 0; i < Tensor::components; ++i) {
+        q[i] = theta * next[i] + (1.0 - theta) * q[i];
+      }
+      return this->response(e, point, trial);
+    };
+  }
+
+  double relative_residual() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < this->work_.residual.size(); ++i) {
+      if (this->problem_.fixed[i] == 0) sum += this->work_.residual[i] * this->work_.residual[i];
+    }
+    return std::sqrt(sum) / this->acting_;
+  }
+
+  /// Residual of the step's own law and of Signorini's conditions: at a contact unknown with
+  /// internal minus external force r, zero of r - max(0, r - c u).
+  double own_residual() {
+    this->true_residual(this->problem_.fixed);
+    const double scale = 2.0 * this->options_.parameters.gamma_c;
+    for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
+      const std::size_t unknown = std::size_t(this->problem_.contact[i]);
+      double& r = this->work_.residual[unknown];
+      const double pushed = r - scale * this->problem_.contact_area[i] *
+                                    this->unknowns_.displacement[unknown];
+      r -= std::max(0.0, pushed);
+    }
+    return relative_residual();
+  }
+
+  void store() {
+    this->store_deviator();
+    for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
+      const double u = this->unknowns_.displacement[std::size_t(this->problem_.contact[i])];
+      this->unknowns_.contact[i] =
+          this->unknowns_.contact_multiplier[i] - this->options_.parameters.gamma_c * u > 0.0;
+    }
+  }
+
+  ConstrainedSystem system_;
+  std::vector<double> step_;
+  double lambda_p_ = 0.0;
+  double lambda_c_ = 0.0;
+};
+
+}  // namespace
+
+template <class Element>
+StepOutcome solve_sbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
+                      StepUnknowns<Element>& unknowns) {
+  return Sbm<Element>(problem, options, work, unknowns).solve();
+}
+
+template StepOutcome solve_sbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
+                               StepUnknowns<fem::P1Triangle>&);
+template StepOutcome solve_sbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
+                               Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
+
+}  // namespace dccast::mechanics

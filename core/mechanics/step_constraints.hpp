@@ -1,0 +1,99 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/contact/active_set.hpp"
+#include "core/mechanics/step_problem.hpp"
+
+namespace dccast::mechanics {
+
+/// The held unknowns of a step: those the problem fixes and those the contact set closes. Every
+/// algorithm that treats contact by an active set uses this one.
+template <class Element>
+class StepConstraints {
+public:
+  /// @param active  by contact unknown; the set the step starts from, and its outcome
+  StepConstraints(const StepProblem<Element>& problem, std::vector<char>& active)
+      : problem_(&problem), active_(&active), set_(active), gap_(problem.contact.size()),
+        reaction_(problem.contact.size()) {
+    mark();
+  }
+
+  std::span<const char> fixed() const { return fixed_; }
+
+  /// What the held unknowns have to move to reach their targets [m].
+  std::span<const double> step_from(std::span<const double> u) {
+    step_.assign(u.size(), 0.0);
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      if (fixed_[i] != 0) step_[i] = target(i) - u[i];
+    }
+    return step_;
+  }
+
+  /// Norm of the residual on the free unknowns [N/m].
+  double norm_of_free(std::span<const double> residual) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      if (fixed_[i] == 0) sum += residual[i] * residual[i];
+    }
+    return std::sqrt(sum);
+  }
+
+  /// Lets pairs change sides. @return number of pairs that did
+  int update(std::span<const double> u, std::span<const double> residual, bool one_by_one) {
+    if (problem_->contact.empty()) return 0;
+    collect(u, residual);
+    const contact::ActiveSet::Tolerance tolerance{gap_tolerance, force_tolerance()};
+    const int changes = set_.update(gap_, reaction_, tolerance, one_by_one);
+    if (changes > 0) mark();
+    return changes;
+  }
+
+  void store() { *active_ = set_.active(); }
+
+  /// Relative violation of the contact conditions; lengths against 1 mm, forces against the weight.
+  double complementarity_error(std::span<const double> u, std::span<const double> residual) {
+    if (problem_->contact.empty()) return 0.0;
+    collect(u, residual);
+    constexpr double length_scale = 1e-3;
+    return contact::complementarity_error(gap_, reaction_, length_scale,
+                                          std::max(problem_->weight, 1e-30));
+  }
+
+private:
+  static constexpr double gap_tolerance = 1e-10;           // [m]
+  static constexpr double force_share_of_weight = 1e-6;
+
+  double force_tolerance() const {
+    return std::max(force_share_of_weight * problem_->weight, 1e-12);
+  }
+  double target(std::size_t unknown) const {
+    return problem_->fixed[unknown] != 0 ? problem_->target[unknown] : 0.0;
+  }
+  void collect(std::span<const double> u, std::span<const double> residual) {
+    for (std::size_t i = 0; i < gap_.size(); ++i) {
+      const std::size_t unknown = std::size_t(problem_->contact[i]);
+      gap_[i] = u[unknown];
+      reaction_[i] = set_.active(i) ? residual[unknown] : 0.0;
+    }
+  }
+  void mark() {
+    fixed_ = problem_->fixed;
+    for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
+      if (set_.active(i)) fixed_[std::size_t(problem_->contact[i])] = 1;
+    }
+  }
+
+  const StepProblem<Element>* problem_;
+  std::vector<char>* active_;
+  contact::ActiveSet set_;
+  std::vector<char> fixed_;
+  std::vector<double> step_;
+  std::vector<double> gap_;
+  std::vector<double> reaction_;
+};
+
+}  // namespace dccast::mechanics

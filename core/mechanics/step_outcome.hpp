@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "core/contact/active_set.hpp"
+#include "core/linalg/cholmod_solver.hpp"
+
+namespace dccast::mechanics {
+
+/// How one step went. Non-convergence is an outcome that drives the step control, not an exception.
+struct StepOutcome {
+  bool converged = false;
+  int iterations = 0;
+  int contact_changes = 0;
+  int factorizations = 0;
+  int solves = 0;
+  double equilibrium_residual = 0.0;   ///< relative to the forces that act
+  double constitutive_residual = 0.0;  ///< relative; zero up to round-off where a return map is used
+  std::vector<double> residual_history;
+};
+
+/// What lives longer than a step: the factorisation's analysis and the storage, sized once per mesh.
+struct Workspace {
+  linalg::CholmodSolver solver;
+  std::vector<double> stiffness;
+  std::vector<double> residual;
+  std::vector<double> direction;
+  std::vector<double> lifted;
+
+  /// @param geometry  plane or solid, decides the ordering
+  void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry) {
+    solver.analyze(pattern, geometry);
+    stiffness.assign(pattern.entries(), 0.0);
+    for (auto* v : {&residual, &direction, &lifted}) {
+      v->assign(std::size_t(pattern.unknowns()), 0.0);
+    }
+  }
+};
+
+}  // namespace dccast::mechanics

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/symmetric_tensor.hpp"
+#include "core/fem/element_geometry.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
+
+namespace dccast::mechanics {
+
+/// One time step of backward Euler, frozen: what every algorithm solves, and all it may know.
+///
+/// The law of an element is, with e the deviator and tr the trace of the strain of u minus the
+/// inelastic strain of the step's start,
+///     s + 2 mu dt kappa |s|^(q-2) s = 2 mu e,     p = bulk (tr - 3 thermal) + prestress,
+/// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find u
+/// with the fixed unknowns at their targets, the contact unknowns not negative, reactions on them not
+/// negative, and zero residual elsewhere: paper eq. (45) to (47) discretised in time.
+template <class Element>
+struct StepProblem {
+  static constexpr int dimension = Element::dimension;
+  using Tensor = SymmetricTensor<dimension>;
+
+  const fem::ElementGeometry<Element>* geometry = nullptr;
+  const mesh::Mesh<dimension>* mesh = nullptr;
+  const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * dimension + direction
+
+  double dt = 0.0;        ///< [s]
+  double exponent = 2.0;  ///< q, the same in all elements
+
+  // By element.
+  std::vector<double> bulk;       ///< [Pa]
+  std::vector<double> shear;      ///< mu [Pa]
+  std::vector<double> kappa;      ///< [Pa^-(q-1)/s], zero without creep
+  std::vector<double> thermal;    ///< thermal stretch of the end of the step [1]
+  std::vector<double> prestress;  ///< [Pa], negative in a liquid under pressure
+
+  /// (element, point) strain that carries no stress: reference strain of birth and viscoplastic
+  /// strain up to the start of the step.
+  std::vector<Tensor> inelastic;
+
+  // By unknown.
+  std::vector<double> external_force;  ///< [N/m] in 2D, [N] in 3D
+  std::vector<char> fixed;             ///< not zero: held at `target`
+  std::vector<double> target;          ///< [m]
+
+  /// Unknowns of the bottom that may not become negative (outward normal -x_last), frictionless.
+  std::vector<int> contact;
+  std::vector<double> contact_area;  ///< share of the bottom that each stands for [m] in 2D
+  /// Force against which reactions are judged: the weight of the slab [N/m].
+  double weight = 0.0;
+
+  std::size_t unknowns() const { return external_force.size(); }
+};
+
+}  // namespace dccast::mechanics

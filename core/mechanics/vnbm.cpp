@@ -1,0 +1,137 @@
+#include <cmath>
+
+#include "core/mechanics/multiplier_method.hpp"
+#include "core/mechanics/step_constraints.hpp"
+
+namespace dccast::mechanics {
+
+namespace {
+
+// As in the paper's loop the contact set may move at every iteration, but not while the forces are
+// far from balance (numerics: it then swings).
+constexpr double contact_from_residual = 1e-2;
+constexpr int free_contact_changes = 8;
+
+/// gamma_p of eq. (77) at the stress of the step's start, sqrt(q-1) kappa |s|^(q-2). The formula is
+/// zero where there is no stress yet, and a multiplier with gamma_p = 0 does not contract; its floor
+/// is the compliance of one elastic step, 1 / (2 mu dt).
+template <class Element>
+std::vector<double> variable_gamma(const StepProblem<Element>& problem,
+                                   const StepUnknowns<Element>& unknowns) {
+  std::vector<double> gamma(std::size_t(problem.geometry->elements()) * Element::points, 0.0);
+  for (std::size_t i = 0; i < gamma.size(); ++i) {
+    const std::size_t e = i / Element::points;
+    if (problem.kappa[e] <= 0.0) continue;
+    const double norm = unknowns.deviator.empty() ? 0.0 : unknowns.deviator[i].norm();
+    gamma[i] = std::max(std::sqrt(problem.exponent - 1.0) * problem.kappa[e] *
+                            material::creep_power(norm, problem.exponent),
+                        1.0 / (2.0 * problem.shear[e] * problem.dt));
+  }
+  return gamma;
+}
+
+/// Paper section 4.4.1, steps VNBM2(a) to (e).
+template <class Element>
+class Vnbm : MultiplierMethod<Element> {
+  using Base = MultiplierMethod<Element>;
+  using Tensor = typename Base::Tensor;
+
+public:
+  Vnbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
+       StepUnknowns<Element>& unknowns)
+      : Base(problem, options, work, unknowns, variable_gamma(problem, unknowns)),
+        system_(*problem.pattern, work), constraints_(problem, unknowns.contact) {}
+
+  StepOutcome solve() {
+    StepOutcome& outcome = this->outcome_;
+    const long factorizations = this->work_.solver.factorizations();
+    const long solves = this->work_.solver.solves();
+    iterate();
+    outcome.factorizations = static_cast<int>(this->work_.solver.factorizations() - factorizations);
+    outcome.solves = static_cast<int>(this->work_.solver.solves() - solves);
+    if (outcome.converged) {
+      constraints_.store();
+      this->store_deviator();
+    }
+    return outcome;
+  }
+
+private:
+  void iterate() {
+    StepOutcome& outcome = this->outcome_;
+    bool refactor = true;
+    while (outcome.iterations < iteration_limit(this->options_)) {
+      ++outcome.iterations;
+      if (!solve_displacement(refactor)) return;
+      this->evaluate(updating_law());
+      refactor = close_contact();
+      const double relative = constraints_.norm_of_free(this->work_.residual) / this->acting_;
+      outcome.residual_history.push_back(relative);
+      outcome.equilibrium_residual = relative;
+      if (!std::isfinite(relative)) return;
+      if (refactor || relative > this->options_.tolerance) continue;
+      outcome.equilibrium_residual = this->true_residual(constraints_.fixed());
+      if (outcome.equilibrium_residual <= this->options_.tolerance) {
+        outcome.converged = true;
+        return;
+      }
+      this->evaluate(this->multiplier_law());
+    }
+  }
+
+  /// VNBM2(b)(i).
+  bool solve_displacement(bool refactor) {
+    const auto step = constraints_.step_from(this->unknowns_.displacement);
+    if (refactor && !this->factorize(system_, constraints_.fixed(), step)) return false;
+    system_.solve(constraints_.fixed(), step);
+    this->advance();
+    return true;
+  }
+
+  /// VNBM2(c) and (d) in one pass: stress from the old multiplier, new multiplier from that stress,
+  /// and the response with the new one for the next residual.
+  auto updating_law() {
+    return [this](std::size_t e, std::size_t point, const Tensor& trial) {
+      auto now = this->response(e, point, trial);
+      if (this->problem_.kappa[e] <= 0.0) return now;
+      const double gamma = this->gamma_p_[point], lambda = 0.5 / gamma;
+      const double theta = this->options_.parameters.relaxation;
+      Tensor& q = this->multiplier_[point];
+      Tensor next = yosida_update(now.deviator, q, this->problem_.kappa[e],
+                                  this->problem_.exponent, gamma, lambda);
+      for (std::size_t i = 0; i < Tensor::components; ++i) {
+        q[i] = theta * next[i] + (1.0 - theta) * q[i];
+      }
+      return this->response(e, point, trial);
+    };
+  }
+
+  /// VNBM2(b)(ii): the contact set, by Newton. @return whether it moved
+  bool close_contact() {
+    const double relative = constraints_.norm_of_free(this->work_.residual) / this->acting_;
+    if (relative > contact_from_residual) return false;
+    const bool careful = this->outcome_.contact_changes > free_contact_changes;
+    const int changes = constraints_.update(this->unknowns_.displacement, this->work_.residual,
+                                            careful);
+    this->outcome_.contact_changes += changes > 0 ? 1 : 0;
+    return changes > 0;
+  }
+
+  ConstrainedSystem system_;
+  StepConstraints<Element> constraints_;
+};
+
+}  // namespace
+
+template <class Element>
+StepOutcome solve_vnbm(const StepProblem<Element>& problem, const Options& options,
+                       Workspace& work, StepUnknowns<Element>& unknowns) {
+  return Vnbm<Element>(problem, options, work, unknowns).solve();
+}
+
+template StepOutcome solve_vnbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
+                                StepUnknowns<fem::P1Triangle>&);
+template StepOutcome solve_vnbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
+                                Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
+
+}  // namespace dccast::mechanics

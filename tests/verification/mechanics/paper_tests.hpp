@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+
+#include "core/mechanics/options.hpp"
+#include "core/mesh/section_spec.hpp"
+#include "tests/verification/mechanics/figures.hpp"
+
+namespace dccast::verification {
+
+/// How one of the paper's tests is run.
+struct TestRun {
+  mechanics::Options options;
+  double dt = 0.0625;                                  ///< [s]
+  int cells = 0;                                       ///< per side; 0: the paper's mesh
+  mesh::ElementKind element = mesh::ElementKind::p1;
+  std::optional<double> end;                           ///< [s]; absent: the paper's
+};
+
+using Result = std::variant<Figures, Failed>;
+
+/// Test T3, section 4.3.2: Maxwell-Norton in plane strain, homogeneous stress linear in time.
+Result run_t3(const TestRun& run);
+/// Test T4, section 4.3.4: T3 with Signorini contact at the bottom.
+Result run_t4(const TestRun& run);
+/// Test T2, section 4.3.1: thermo-elastic contact with a moving gap.
+Result run_t2(const TestRun& run);
+
+}  // namespace dccast::verification
