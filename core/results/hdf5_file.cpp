@@ -25,7 +25,9 @@ struct LibraryError {
 
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
   auto& error = *static_cast<LibraryError*>(into);
-  if (depth == 0) error.message = entry->desc;
+  // What follows repeats time, file and buffer; the error number is given by its own name.
+  if (depth == 0)
+    error.message = std::string(entry->desc).substr(0, std::string(entry->desc).find(": time ="));
   // The library hands errno over as text only.
   const std::string text = entry->desc;
   const std::string key = "errno = ";

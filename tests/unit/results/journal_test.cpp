@@ -1,0 +1,159 @@
+#include "core/results/journal.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <random>
+
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/result_reader.hpp"
+#include "tests/unit/results/sample_run.hpp"
+
+namespace dccast::results {
+namespace {
+
+constexpr std::int64_t last_step = 400;
+constexpr std::int64_t steps_per_frame = 7;
+constexpr std::int64_t steps_per_checkpoint = 20;
+
+/// A run as casting makes it, from its checkpoint on if there is one. @return false: begun anew
+bool run_sample(const TemporaryFolder& folder) {
+  std::int64_t step = 0;
+  std::optional<ResultWriter> writer;
+  if (const auto checkpoint = read_checkpoint(folder / "checkpoint.bin"); checkpoint.content) {
+    step = checkpoint.content->integer("step");
+    writer = ResultWriter::resume(folder / "results.journal", step).writer;
+  }
+  const bool resumed = writer.has_value();
+  if (!resumed) {
+    step = 0;
+    writer = ResultWriter::create(folder / "results.journal", sample_header());
+    writer->append(sample_frame(0, 3, 100));
+  }
+  while (step < last_step) {
+    writer->append(sample_step(++step));
+    if (step % steps_per_frame == 0) {
+      writer->append(sample_frame(step, 3, 100 + static_cast<int>(step)));
+      writer->flush();
+    }
+    if (step % steps_per_checkpoint == 0) {
+      writer->sync();
+      Sections content;
+      content.set_integer("step", step);
+      write_checkpoint(folder / "checkpoint.bin", content);
+    }
+  }
+  writer->publish(folder / "results.h5", {});
+  return resumed;
+}
+
+/// Runs the sample in a process that is killed after `delay` microseconds.
+/// @return whether it ended before
+bool run_and_kill(const TemporaryFolder& folder, int delay) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    run_sample(folder);
+    ::_exit(0);
+  }
+  ::usleep(static_cast<useconds_t>(delay));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status);
+}
+
+TEST(Journal, ReturnsWhatWasAppended) {
+  const TemporaryFolder folder;
+  Journal journal = Journal::create(folder / "j");
+  journal.append(RecordKind::header, to_sections(sample_header()));
+  journal.append(RecordKind::step, to_sections(sample_step(3)));
+  journal.append(RecordKind::frame, to_sections(sample_frame(3, 4, 5)));
+  journal.sync();
+  std::vector<RecordKind> kinds;
+  ASSERT_TRUE(visit_journal(folder / "j", [&](const Record& record) {
+    kinds.push_back(record.kind);
+    if (record.kind == RecordKind::header) {
+      EXPECT_EQ(header_of(record.content), sample_header());
+    }
+    if (record.kind == RecordKind::frame) {
+      EXPECT_EQ(frame_of(record.content), sample_frame(3, 4, 5));
+    }
+    if (record.kind == RecordKind::step) {
+      EXPECT_EQ(encode(to_sections(step_of(record.content))), encode(to_sections(sample_step(3))));
+    }
+    return true;
+  }));
+  EXPECT_EQ(kinds, (std::vector{RecordKind::header, RecordKind::step, RecordKind::frame}));
+}
+
+TEST(Journal, EndsBeforeARecordThatWasBeingWritten) {
+  const TemporaryFolder folder;
+  Journal journal = Journal::create(folder / "j");
+  journal.append(RecordKind::step, to_sections(sample_step(1)));
+  journal.write();
+  const auto whole = std::filesystem::file_size(folder / "j");
+  journal.append(RecordKind::step, to_sections(sample_step(2)));
+  journal.write();
+  const auto longer = std::filesystem::file_size(folder / "j");
+  for (auto size = longer - 1; size >= whole; --size) {
+    std::filesystem::resize_file(folder / "j", size);
+    int records = 0;
+    visit_journal(folder / "j", [&](const Record&) { return ++records > 0; });
+    EXPECT_EQ(records, 1) << "cut to " << size;
+  }
+}
+
+TEST(Journal, RefusesAForeignFile) {
+  const TemporaryFolder folder;
+  FileDescriptor(folder / "j", O_WRONLY | O_CREAT).write("something else altogether");
+  EXPECT_FALSE(visit_journal(folder / "j", [](const Record&) { return true; }));
+  EXPECT_EQ(ResultWriter::resume(folder / "j", 1).reason, "the journal is damaged");
+}
+
+TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
+  const TemporaryFolder folder;
+  {
+    auto writer = ResultWriter::create(folder / "j", sample_header());
+    for (std::int64_t step = 1; step <= 5; ++step) {
+      writer.append(sample_step(step));
+      writer.append(sample_frame(step, 3, 2));
+    }
+    writer.flush();
+  }
+  auto resumed = ResultWriter::resume(folder / "j", 3);
+  ASSERT_TRUE(resumed.writer) << resumed.reason;
+  resumed.writer->publish(folder / "r.h5", {});
+  const ResultReader reader(folder / "r.h5");
+  EXPECT_EQ(reader.history().size(), 3u);
+  EXPECT_EQ(reader.frames(), 3u);
+  EXPECT_EQ(reader.last_frame()->step, 3);
+}
+
+TEST(ResultWriter, DoesNotResumeBehindTheEndOfTheJournal) {
+  const TemporaryFolder folder;
+  ResultWriter::create(folder / "j", sample_header()).append(sample_step(1));
+  const auto resumed = ResultWriter::resume(folder / "j", 1);  // step 1 was never flushed
+  EXPECT_FALSE(resumed.writer);
+  EXPECT_EQ(resumed.reason, "the journal ends before the checkpoint");
+  EXPECT_EQ(ResultWriter::resume(folder / "none", 1).reason, "the journal is missing");
+}
+
+TEST(ResultWriter, KilledAndResumedGivesTheSameBytes) {
+  const TemporaryFolder whole;
+  run_sample(whole);
+  const TemporaryFolder broken;
+  std::mt19937 random(7);
+  int kills = 0;
+  // The longest life grows, so that the end, which is made in one go, is reached on any machine.
+  while (!run_and_kill(broken, std::uniform_int_distribution(500, 20000 + 10000 * kills)(random)))
+    ASSERT_LT(++kills, 500) << "the run makes no headway";
+  EXPECT_GT(kills, 0);
+  EXPECT_EQ(read_file(broken / "results.h5"), read_file(whole / "results.h5"));
+  EXPECT_EQ(read_file(broken / "results.xdmf"), read_file(whole / "results.xdmf"));
+  EXPECT_FALSE(std::filesystem::exists(broken / "results.h5.part"));
+}
+
+}  // namespace
+}  // namespace dccast::results

@@ -1,0 +1,133 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <stdexcept>
+
+#include "core/results/history_fields.hpp"
+#include "core/results/result_reader.hpp"
+#include "core/results/storage_error.hpp"
+#include "tests/unit/results/sample_run.hpp"
+
+namespace dccast::results {
+namespace {
+
+void publish_sample(const std::filesystem::path& results, int nodes_per_element, int cells) {
+  auto writer = ResultWriter::create(results.string() + ".journal", sample_header());
+  writer.append(sample_frame(0, nodes_per_element, cells));
+  for (std::int64_t step = 1; step <= 300; ++step) writer.append(sample_step(step));
+  writer.append(sample_frame(300, nodes_per_element, cells + 1));
+  writer.publish(results, {"check_failed", "the energy balance"});
+  writer.remove_journal();
+}
+
+TEST(ResultFile, ReturnsHeaderAndSummary) {
+  const TemporaryFolder folder;
+  publish_sample(folder / "r.h5", 3, 3);
+  const ResultReader reader(folder / "r.h5");
+  EXPECT_EQ(reader.header(), sample_header());
+  EXPECT_EQ(reader.summary().outcome, "check_failed");
+  EXPECT_EQ(reader.summary().message, "the energy balance");
+}
+
+TEST(ResultFile, ReturnsEveryFieldOfEveryStep) {
+  const TemporaryFolder folder;
+  publish_sample(folder / "r.h5", 3, 3);
+  const auto history = ResultReader(folder / "r.h5").history();
+  ASSERT_EQ(history.size(), 300u);
+  for (const StepReport& report : history)
+    EXPECT_EQ(encode(to_sections(report)), encode(to_sections(sample_step(report.step))));
+  EXPECT_EQ(history.back().step, 300);
+}
+
+TEST(ResultFile, ReturnsFramesOfEachElementFamily) {
+  for (const int nodes_per_element : {3, 4}) {
+    for (const int cells : {2, 400}) {  // below and above the size that is compressed
+      const TemporaryFolder folder;
+      publish_sample(folder / "r.h5", nodes_per_element, cells);
+      const ResultReader reader(folder / "r.h5");
+      ASSERT_EQ(reader.frames(), 2u);
+      EXPECT_EQ(reader.frame(0), sample_frame(0, nodes_per_element, cells));
+      EXPECT_EQ(reader.last_frame(), sample_frame(300, nodes_per_element, cells + 1));
+    }
+  }
+}
+
+TEST(ResultFile, LeavesOutWhatWasNotComputed) {
+  const TemporaryFolder folder;
+  Frame heat_only = sample_frame(0, 3, 3);
+  for (auto* array : {&heat_only.displacement, &heat_only.stress, &heat_only.viscoplastic_strain,
+                      &heat_only.bottom_gap, &heat_only.bottom_pressure})
+    array->clear();
+  RunHeader header = sample_header();
+  header.monitor_name.clear();
+  header.monitor_position.clear();
+  auto writer = ResultWriter::create(folder / "j", header);
+  writer.append(heat_only);
+  writer.publish(folder / "r.h5", {});
+  const ResultReader reader(folder / "r.h5");
+  EXPECT_EQ(reader.frame(0), heat_only);
+  EXPECT_EQ(reader.header(), header);
+  EXPECT_TRUE(reader.history().empty());
+}
+
+TEST(ResultFile, IsTheSameByteForByteAndHoldsNoTimes) {
+  const TemporaryFolder folder;
+  publish_sample(folder / "a.h5", 3, 400);
+  ::sleep(1);  // a stored time would differ by now
+  publish_sample(folder / "b.h5", 3, 400);
+  EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+}
+
+TEST(ResultFile, GivesEveryNumberAUnitAndAMeaning) {
+  for (const HistoryField& field : history_fields()) {
+    EXPECT_STRNE(field.unit, "") << field.name;
+    EXPECT_STRNE(field.meaning, "") << field.name;
+  }
+}
+
+TEST(ResultFile, OfAFrameThatDoesNotFitItsMeshIsABug) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create(folder / "j", sample_header());
+  Frame frame = sample_frame(0, 3, 3);
+  frame.temperature.pop_back();
+  EXPECT_THROW(writer.append(frame), std::logic_error);
+}
+
+TEST(ResultReader, NamesFileAndDatasetOfADamagedArray) {
+  const TemporaryFolder folder;
+  publish_sample(folder / "r.h5", 3, 400);
+  std::string bytes = read_file(folder / "r.h5");
+  const hid_t file = H5Fopen((folder / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, "/frames/000001/node_m", H5P_DEFAULT);
+  haddr_t address = 0;
+  hsize_t size = 0;
+  const hsize_t first[] = {0, 0};
+  ASSERT_GE(H5Dget_chunk_info_by_coord(dataset, first, nullptr, &address, &size), 0);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  bytes[address + size / 2] = static_cast<char>(bytes[address + size / 2] ^ 1);
+  write_file_atomically(folder / "r.h5", bytes);
+  const ResultReader reader(folder / "r.h5");
+  EXPECT_NO_THROW(reader.frame(0));
+  try {
+    reader.frame(1);
+    FAIL() << "a flipped bit went unseen";
+  } catch (const StorageError& error) {
+    EXPECT_NE(std::string(error.what()).find("r.h5:/frames/000001/node_m"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(ResultReader, RefusesWhatIsNotAResultFile) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(ResultReader(folder / "none.h5"), StorageError);
+  FileDescriptor(folder / "text.h5", O_WRONLY | O_CREAT).write("not HDF5");
+  EXPECT_THROW(ResultReader(folder / "text.h5"), StorageError);
+  publish_sample(folder / "r.h5", 3, 3);
+  write_file_atomically(folder / "half.h5", read_file(folder / "r.h5").substr(0, 3000));
+  EXPECT_THROW(ResultReader(folder / "half.h5"), StorageError);
+}
+
+}  // namespace
+}  // namespace dccast::results

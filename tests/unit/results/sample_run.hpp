@@ -1,0 +1,97 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "core/results/frame.hpp"
+#include "core/results/result_writer.hpp"
+#include "core/results/step_report.hpp"
+
+namespace dccast::results {
+
+/// A folder of its own for each test, gone at its end.
+class TemporaryFolder {
+public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "dccast-results-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+
+private:
+  std::filesystem::path path_;
+};
+
+inline RunHeader sample_header() {
+  RunHeader header;
+  header.program_version = "0.1.0";
+  header.build = "a compiler";
+  header.title = "butt <of> a & \"slab\"";
+  header.case_json = R"({"title": "butt"})";
+  header.section = "plane_strain";
+  header.liquidus = 649.0;
+  header.solidus = 620.0;
+  header.monitor_name = {"corner", "centre \xC2\xB5"};
+  header.monitor_position = {{0.28, 0.0}, {0.0, 0.0}};
+  return header;
+}
+
+/// Irrational everywhere, so that no lost bit goes unseen.
+inline StepReport sample_step(std::int64_t step) {
+  StepReport report;
+  const double s = static_cast<double>(step);
+  report.step = step;
+  report.time = s / 3.0;
+  report.time_step = 1.0 / 3.0;
+  report.cast_length = 1e-3 * std::sqrt(s);
+  report.iterations = static_cast<int>(step % 7);
+  report.heat_iterations = static_cast<int>(step % 5);
+  report.contact_changes = static_cast<int>(step % 3);
+  report.monitor_displacement = {{std::sin(s), std::cos(s)}, {std::exp(-s), std::sqrt(s)}};
+  report.equilibrium_residual = 1e-7 / (1.0 + s);
+  report.wall_heat_flux = 7e5 + s / 7.0;
+  report.solver_seconds = 0.25;
+  report.nodes = 6 + 2 * step;
+  report.elements = 4;
+  return report;
+}
+
+/// A strip of `cells` quadrilaterals, or twice as many triangles.
+inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
+  Frame frame;
+  frame.step = step;
+  frame.time = static_cast<double>(step) / 3.0;
+  frame.cast_length = 1e-3 * std::sqrt(static_cast<double>(step));
+  frame.metal_level = 0.1 + frame.cast_length;
+  frame.nodes_per_element = nodes_per_element;
+  for (int i = 0; i <= cells; ++i)
+    for (const double height : {0.0, 0.1}) frame.node.insert(frame.node.end(), {0.01 * i, height});
+  for (int i = 0; i < cells; ++i) {
+    const int a = 2 * i, b = a + 2, c = a + 3, d = a + 1;
+    if (nodes_per_element == 4) frame.element_node.insert(frame.element_node.end(), {a, b, c, d});
+    if (nodes_per_element == 3)
+      frame.element_node.insert(frame.element_node.end(), {a, b, c, a, c, d});
+  }
+  for (std::int64_t n = 0; n < frame.nodes(); ++n) {
+    const double value = std::sin(static_cast<double>(n + step));
+    frame.temperature.push_back(600.0 + 100.0 * value);
+    frame.liquid_fraction.push_back(value * value);
+    frame.displacement.insert(frame.displacement.end(), {1e-3 * value, -1e-4 * value});
+    if (n % 2 == 0) {
+      frame.bottom_node.push_back(static_cast<std::int32_t>(n));
+      frame.bottom_gap.push_back(std::abs(value) / 3.0);
+      frame.bottom_pressure.push_back(0.0);
+    }
+  }
+  for (std::int64_t i = 0; i < 4 * frame.elements(); ++i) {
+    frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
+    frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
+  }
+  return frame;
+}
+
+}  // namespace dccast::results

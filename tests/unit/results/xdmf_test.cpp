@@ -1,0 +1,72 @@
+#include "core/results/xdmf.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/results/sample_run.hpp"
+
+namespace dccast::results {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string sidecar_of(const Frame& frame) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create(folder / "j", sample_header());
+  writer.append(frame);
+  writer.publish(folder / "r.h5", {});
+  return read_file(folder / "r.xdmf");
+}
+
+TEST(Xdmf, ShowsTrianglesAndQuadrilaterals) {
+  EXPECT_THAT(sidecar_of(sample_frame(3, 3, 2)),
+              HasSubstr(R"(TopologyType="Triangle" NumberOfElements="4"><DataItem Format="HDF" )"
+                        R"(Dimensions="4 3" NumberType="Int" Precision="4">)"
+                        R"(r.h5:/frames/000000/element_node<)"));
+  EXPECT_THAT(sidecar_of(sample_frame(3, 4, 2)), HasSubstr(R"(TopologyType="Quadrilateral")"));
+}
+
+TEST(Xdmf, ShowsSolidElements) {
+  Frame frame = sample_frame(3, 4, 2);
+  frame.stress.clear();
+  frame.viscoplastic_strain.clear();
+  frame.displacement.clear();
+  frame.temperature.clear();
+  frame.liquid_fraction.clear();
+  frame.dimension = 3;  // its 12 numbers are four points now
+  frame.element_node = {0, 1, 2, 3};
+  EXPECT_THAT(sidecar_of(frame), HasSubstr(R"(TopologyType="Tetrahedron")"));
+  EXPECT_THAT(sidecar_of(frame),
+              HasSubstr(R"(GeometryType="XYZ"><DataItem Format="HDF" Dimensions="4 3")"));
+  frame.nodes_per_element = 8;
+  frame.element_node = {0, 1, 2, 3, 0, 1, 2, 3};
+  EXPECT_THAT(sidecar_of(frame), HasSubstr(R"(TopologyType="Hexahedron")"));
+}
+
+TEST(Xdmf, CentresStressesOnCellsAndLeavesOutWhatIsNotThere) {
+  Frame frame = sample_frame(3, 3, 2);
+  EXPECT_THAT(sidecar_of(frame),
+              HasSubstr(R"(Name="stress_pa" AttributeType="Matrix" Center="Cell")"));
+  EXPECT_THAT(sidecar_of(frame),
+              HasSubstr(R"(Name="temperature_c" AttributeType="Scalar" Center="Node")"));
+  frame.stress.clear();
+  EXPECT_THAT(sidecar_of(frame), Not(HasSubstr("stress_pa")));
+}
+
+TEST(Xdmf, GivesTheTimeExactly) {
+  EXPECT_THAT(sidecar_of(sample_frame(1, 3, 2)),
+              HasSubstr(R"(<Time Value="0.33333333333333331"/>)"));
+}
+
+TEST(Xdmf, RefersToTheFileUnderTheNameGiven) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create(folder / "j", sample_header());
+  writer.append(sample_frame(0, 3, 2));
+  writer.publish(folder / "r.h5", {});
+  write_xdmf(folder / "other.xdmf", folder / "r.h5", "a & b.h5");
+  EXPECT_THAT(read_file(folder / "other.xdmf"), HasSubstr(">a &amp; b.h5:/frames/000000/node_m<"));
+}
+
+}  // namespace
+}  // namespace dccast::results
