@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// What stands in a Gmsh file, before anything is made of it. Formats: the Gmsh reference manual,
+/// "MSH file format version 4.1" and "version 2 (Legacy)".
+namespace dccast::mesh::gmsh {
+
+/// The text is not a Gmsh file that can be read; what() says why.
+class FormatError : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Gmsh's numbers for the shapes of elements.
+enum Shape : int {
+  line = 1,
+  triangle = 2,
+  quadrilateral = 3,
+  tetrahedron = 4,
+  hexahedron = 5,
+  point = 15
+};
+
+/// Nodes of a linear element; 0 for a shape that is not read.
+int nodes_of(int shape);
+/// Dimension of a linear element; -1 for a shape that is not read.
+int dimension_of(int shape);
+
+struct Element {
+  int shape = 0;
+  std::vector<int> groups;     ///< tags of its physical groups
+  std::array<long, 8> node{};  ///< tags
+};
+
+struct File {
+  std::map<std::pair<int, int>, std::string> group_name;  ///< by dimension and tag
+  std::vector<long> node_tag;
+  std::vector<std::array<double, 3>> node;  ///< [m]
+  std::vector<Element> elements;            ///< of all dimensions
+};
+
+/// @param text  content of a file in MSH 2.2 or 4.1, ASCII
+/// @throws FormatError
+File parse(std::string_view text);
+
+}  // namespace dccast::mesh::gmsh

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/errors.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/mesh/section_spec.hpp"
+
+namespace dccast::mesh {
+
+/// Reads a Gmsh mesh, MSH 2.2 or 4.1 in ASCII, length unit the metre.
+///
+/// Boundary facets belong to physical groups named symmetry, bottom, side and top; bottom must be
+/// there, boundary without a group is free and insulated. Elements of negative orientation are
+/// turned round. Nodes keep the order of the file, which is the order of the columns of a
+/// temperature file. Facets of a patch are ordered along it: from the symmetry plane, or upwards.
+///
+/// @param path    the file
+/// @param kind    p1 wants triangles (tetrahedra in 3D), q1 quadrilaterals (hexahedra)
+/// @param faults  gets everything that is wrong, under the field "mesh.file"
+/// @return        nothing where there is a fault
+template <int Dim>
+std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKind kind,
+                                   Faults& faults);
+
+/// The same from the content of a file. @param name  for the faults
+template <int Dim>
+std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
+                                    ElementKind kind, Faults& faults);
+
+extern template std::optional<Mesh<2>> read_gmsh(const std::filesystem::path&, ElementKind,
+                                                 Faults&);
+extern template std::optional<Mesh<3>> read_gmsh(const std::filesystem::path&, ElementKind,
+                                                 Faults&);
+extern template std::optional<Mesh<2>> parse_gmsh(std::string_view, const std::string&, ElementKind,
+                                                  Faults&);
+extern template std::optional<Mesh<3>> parse_gmsh(std::string_view, const std::string&, ElementKind,
+                                                  Faults&);
+
+}  // namespace dccast::mesh

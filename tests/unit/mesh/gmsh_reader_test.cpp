@@ -1,0 +1,255 @@
+#include "core/mesh/gmsh_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace dccast::mesh {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string head_2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+const std::string head_4 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+const std::string names =
+    "$PhysicalNames\n5\n1 1 \"symmetry\"\n1 2 \"bottom\"\n1 3 \"side\"\n1 4 \"top\"\n"
+    "2 7 \"slab\"\n$EndPhysicalNames\n";
+// A strip of two squares with the tags 11 12 13 below and 21 22 23 above.
+const std::string nodes_2 =
+    "$Nodes\n6\n11 0 0 0\n12 1 0 0\n13 2 0 0\n21 0 1 0\n22 1 1 0\n23 2 1 0\n$EndNodes\n";
+const std::string boundary_2 =
+    "1 1 2 1 1 11 21\n2 1 2 2 2 13 12\n3 1 2 2 2 11 12\n4 1 2 3 3 13 23\n5 1 2 4 4 23 22\n"
+    "6 1 2 4 4 22 21\n";
+// The second triangle is given clockwise.
+const std::string triangles_2 =
+    "7 2 2 7 1 11 12 22\n8 2 2 7 1 11 21 22\n9 2 2 7 1 12 13 23\n10 2 2 7 1 12 23 22\n";
+const std::string quadrilaterals_2 = "7 3 2 7 1 11 12 22 21\n8 3 2 7 1 12 22 23 13\n";
+
+std::string elements_2(int count, const std::string& lines) {
+  return "$Elements\n" + std::to_string(count) + "\n" + lines + "$EndElements\n";
+}
+
+const std::string triangle_file =
+    head_2 + names + nodes_2 + elements_2(10, boundary_2 + triangles_2);
+const std::string quadrilateral_file =
+    head_2 + names + nodes_2 + elements_2(8, boundary_2 + quadrilaterals_2);
+
+/// The same triangles as Gmsh 4 writes them, with a point, parametric nodes and a foreign section.
+const std::string triangle_file_4 =
+    head_4 + names +
+    "$Entities\n1 4 1 0\n5 0 0 0 0\n"
+    "1 0 0 0 0 1 0 1 1 2 5 -6\n2 0 0 0 2 0 0 1 2 2 5 6\n3 2 0 0 2 1 0 1 3 0\n4 0 1 0 2 1 0 1 4 0\n"
+    "1 0 0 0 2 1 0 1 7 4 1 2 3 4\n$EndEntities\n"
+    "$Comments\nmade \"by hand\"\n$EndComments\n"
+    "$Nodes\n3 6 11 23\n0 5 0 1\n11\n0 0 0\n1 2 1 2\n12\n13\n1 0 0 0.5\n2 0 0 1\n"
+    "2 1 0 3\n21\n22\n23\n0 1 0\n1 1 0\n2 1 0\n$EndNodes\n"
+    "$Elements\n6 11 1 11\n0 5 15 1\n1 11\n1 1 1 1\n2 11 21\n1 2 1 2\n3 13 12\n4 11 12\n"
+    "1 3 1 1\n5 13 23\n1 4 1 2\n6 23 22\n7 22 21\n"
+    "2 1 2 4\n8 11 12 22\n9 11 21 22\n10 12 13 23\n11 12 23 22\n$EndElements\n";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), with);
+}
+
+Mesh2D mesh_of(const std::string& text, ElementKind kind = ElementKind::p1) {
+  Faults faults;
+  auto mesh = parse_gmsh<2>(text, "slab.msh", kind, faults);
+  EXPECT_TRUE(mesh) << (faults.empty() ? "" : faults.list()[0].message);
+  return mesh.value_or(Mesh2D{});
+}
+
+/// The message of the first fault; "" when the file was accepted.
+std::string fault_of(const std::string& text, ElementKind kind = ElementKind::p1) {
+  Faults faults;
+  if (parse_gmsh<2>(text, "slab.msh", kind, faults)) return "";
+  if (faults.empty()) return "refused without a fault";
+  EXPECT_EQ(faults.list()[0].field, "mesh.file");
+  EXPECT_EQ(faults.list()[0].value, "slab.msh");
+  return faults.list()[0].message;
+}
+
+double doubled_area(const Mesh2D& mesh, int element) {
+  double sum = 0.0;
+  const int* nodes = mesh.nodes_of(element);
+  for (int i = 0; i < mesh.nodes_per_element; ++i) {
+    const double* a = mesh.point(nodes[i]);
+    const double* b = mesh.point(nodes[(i + 1) % mesh.nodes_per_element]);
+    sum += a[0] * b[1] - a[1] * b[0];
+  }
+  return sum;
+}
+
+void expect_the_strip(const Mesh2D& mesh, int elements) {
+  EXPECT_EQ(mesh.nodes(), 6);
+  EXPECT_EQ(mesh.node, (std::vector<double>{0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1}));
+  ASSERT_EQ(mesh.elements(), elements);
+  for (int e = 0; e < elements; ++e) EXPECT_EQ(doubled_area(mesh, e), 4.0 / elements);
+  EXPECT_EQ(patch_nodes(mesh, Patch::bottom), (std::vector{0, 1, 2}));
+  EXPECT_EQ(patch_nodes(mesh, Patch::side), (std::vector{2, 5}));
+  EXPECT_EQ(patch_nodes(mesh, Patch::symmetry), (std::vector{3, 0}));
+  EXPECT_EQ(mesh.facets(Patch::top).size(), 2u);
+}
+
+/// The domain lies to the left of a facet of its element.
+void expect_facets_of_their_elements(const Mesh2D& mesh) {
+  for (const auto& patch : mesh.patch) {
+    for (const auto& facet : patch) {
+      const int* nodes = mesh.nodes_of(facet.element);
+      int found = 0;
+      for (int i = 0; i < mesh.nodes_per_element; ++i)
+        found +=
+            nodes[i] == facet.node[0] && nodes[(i + 1) % mesh.nodes_per_element] == facet.node[1];
+      EXPECT_EQ(found, 1);
+    }
+  }
+}
+
+TEST(GmshReader, ReadsTrianglesOfFormat2) {
+  const Mesh2D mesh = mesh_of(triangle_file);
+  expect_the_strip(mesh, 4);
+  expect_facets_of_their_elements(mesh);
+}
+
+TEST(GmshReader, ReadsTrianglesOfFormat4) {
+  const Mesh2D mesh = mesh_of(triangle_file_4);
+  expect_the_strip(mesh, 4);
+  expect_facets_of_their_elements(mesh);
+}
+
+TEST(GmshReader, ReadsQuadrilateralsAndTurnsThemRound) {
+  const Mesh2D mesh = mesh_of(quadrilateral_file, ElementKind::q1);
+  expect_the_strip(mesh, 2);
+  expect_facets_of_their_elements(mesh);
+}
+
+TEST(GmshReader, ReadsLineEndsOfWindows) {
+  std::string text;
+  for (const char c : triangle_file) text += c == '\n' ? "\r\n" : std::string(1, c);
+  expect_the_strip(mesh_of(text), 4);
+}
+
+TEST(GmshReader, TurnsSolidElementsRound) {
+  const std::string cube =
+      "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 "
+      "1\n$EndNodes\n";
+  const std::string group = "$PhysicalNames\n1\n2 1 \"bottom\"\n$EndPhysicalNames\n";
+  for (const char* hexahedron : {"1 2 3 4 5 6 7 8", "1 4 3 2 5 8 7 6"}) {
+    Faults faults;
+    const auto mesh = parse_gmsh<3>(
+        head_2 + group + cube +
+            elements_2(2, std::string("1 3 2 1 1 1 2 3 4\n2 5 2 9 1 ") + hexahedron + "\n"),
+        "cube.msh", ElementKind::q1, faults);
+    ASSERT_TRUE(mesh) << faults.list()[0].message;
+    EXPECT_EQ(mesh->element_node, (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
+    ASSERT_EQ(mesh->facets(Patch::bottom).size(), 1u);
+    EXPECT_EQ(mesh->facets(Patch::bottom)[0].node, (std::array{0, 3, 2, 1}));  // normal downwards
+  }
+  Faults faults;
+  const auto tetrahedron =
+      parse_gmsh<3>(head_2 + group + "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n" +
+                        elements_2(2, "1 2 2 1 1 1 2 3\n2 4 2 9 1 1 3 2 4\n"),
+                    "tetrahedron.msh", ElementKind::p1, faults);
+  ASSERT_TRUE(tetrahedron) << faults.list()[0].message;
+  EXPECT_EQ(tetrahedron->element_node, (std::vector{0, 1, 2, 3}));
+  EXPECT_EQ(tetrahedron->facets(Patch::bottom)[0].nodes, 3);
+}
+
+TEST(GmshReader, AllowsBoundaryWithoutAGroup) {
+  EXPECT_EQ(mesh_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 0 3 13 23"))
+                .facets(Patch::side)
+                .size(),
+            0u);
+}
+
+TEST(GmshReader, RefusesUnknownGroupsEachOnce) {
+  Faults faults;
+  const std::string text =
+      replaced(replaced(triangle_file, "\"top\"", "\"head\""), "\"side\"", "\"mould\"");
+  EXPECT_FALSE(parse_gmsh<2>(text, "slab.msh", ElementKind::p1, faults));
+  ASSERT_EQ(faults.list().size(), 2u);
+  EXPECT_EQ(faults.list()[0].message, "has the unknown physical group 'mould'");
+  EXPECT_EQ(faults.list()[1].message, "has the unknown physical group 'head'");
+  EXPECT_EQ(faults.list()[0].permitted, "symmetry, bottom, side, top");
+}
+
+TEST(GmshReader, WantsABottom) {
+  std::string text = replaced(triangle_file, "2 1 2 2 2 13 12", "2 1 2 0 2 13 12");
+  text = replaced(text, "3 1 2 2 2 11 12", "3 1 2 0 2 11 12");
+  EXPECT_EQ(fault_of(text), "has no physical group 'bottom'");
+}
+
+TEST(GmshReader, RefusesTheWrongElementsOrAMixture) {
+  EXPECT_EQ(fault_of(triangle_file, ElementKind::q1), "has triangles");
+  EXPECT_EQ(fault_of(quadrilateral_file), "has quadrilaterals");
+  const std::string mixture = head_2 + names + nodes_2 +
+                              elements_2(9, boundary_2 +
+                                                "7 2 2 7 1 11 12 22\n8 2 2 7 1 11 22 21\n"
+                                                "9 3 2 7 1 12 13 23 22\n");
+  EXPECT_EQ(fault_of(mixture), "has triangles and quadrilaterals");
+  EXPECT_EQ(fault_of(head_2 + names + nodes_2 + elements_2(6, boundary_2)), "has no elements");
+  EXPECT_THAT(fault_of(replaced(triangle_file, "7 2 2 7 1 11 12 22", "7 9 2 7 1 11 12 22 1 1 1")),
+              HasSubstr("Gmsh's type 9; only linear ones are read"));
+}
+
+TEST(GmshReader, RefusesNodesThatDoNotFit) {
+  std::string text = replaced(triangle_file, "$Nodes\n6\n", "$Nodes\n8\n31 5 5 0\n32 6 6 0\n");
+  EXPECT_EQ(fault_of(text), "has 2 nodes that belong to no element");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "12 1 0 0.5")),
+            "has nodes with z other than 0");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "11 1 0 0")), "has node 11 twice");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "12 nan 0 0")),
+            "has a coordinate that is not finite");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "7 2 2 7 1 11 12 22", "7 2 2 7 1 11 12 99")),
+            "has an element with the unknown node 99");
+}
+
+TEST(GmshReader, RefusesFoldedAndOverlappingElements) {
+  EXPECT_THAT(fault_of(replaced(triangle_file, "12 1 0 0", "12 1 1 0")),
+              HasSubstr("folded or flat"));
+  EXPECT_THAT(fault_of(replaced(quadrilateral_file, "11 12 22 21", "11 12 21 22"), ElementKind::q1),
+              HasSubstr("folded or flat"));
+  std::string twice = replaced(triangle_file, "10 2 2 7 1 12 23 22", "10 2 2 7 1 11 12 22");
+  twice = replaced(twice, "9 2 2 7 1 12 13 23", "9 2 2 7 1 11 12 22");
+  EXPECT_NE(fault_of(twice), "");
+}
+
+TEST(GmshReader, RefusesFacetsOutOfPlace) {
+  EXPECT_EQ(fault_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 3 3 12 22")),
+            "has a facet of group side that is not on the boundary of the mesh");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 3 3 11 12")),
+            "has a facet in two groups, bottom and side");
+}
+
+TEST(GmshReader, RefusesOtherFormats) {
+  EXPECT_EQ(fault_of(""), "does not begin with $MeshFormat: not a Gmsh mesh");
+  EXPECT_THAT(fault_of(std::string(5000, '\0')), HasSubstr("not a Gmsh mesh"));
+  EXPECT_THAT(fault_of(replaced(triangle_file, "2.2 0", "2.2 1")), HasSubstr("is binary"));
+  EXPECT_THAT(fault_of(replaced(triangle_file, "2.2 0", "3 0")), HasSubstr("format version 3"));
+  EXPECT_THAT(fault_of(replaced(triangle_file, "$Nodes\n6", "$Nodes\n1000000000000")),
+              HasSubstr("ends in the middle of $Nodes"));
+  EXPECT_THAT(fault_of(replaced(triangle_file, "12 1 0 0", "12 1,0 0 0")),
+              HasSubstr("has '1,0' in $Nodes where a number belongs"));
+}
+
+TEST(GmshReader, RefusesAFileWhereverItIsCut) {
+  for (const std::string& text : {triangle_file, triangle_file_4})
+    for (std::size_t size = 0; size + 1 < text.size(); ++size)
+      EXPECT_NE(fault_of(text.substr(0, size)), "") << "cut to " << size;
+}
+
+TEST(GmshReader, NamesAFileThatIsNotThere) {
+  for (const auto& path : {std::filesystem::path("nowhere.msh"), std::filesystem::path(".")}) {
+    Faults faults;
+    EXPECT_FALSE(read_gmsh<2>(path, ElementKind::p1, faults));
+    ASSERT_EQ(faults.list().size(), 1u);
+    EXPECT_EQ(faults.list()[0].value, path.filename().string());
+    EXPECT_EQ(faults.list()[0].message, "cannot be read");
+  }
+}
+
+}  // namespace
+}  // namespace dccast::mesh
