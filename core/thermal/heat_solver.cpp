@@ -161,8 +161,9 @@ void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInp
     moved_ += std::abs(stored) + input.time_step * std::abs(flux_[i]);
     const double conductance =
         conduction_.stiffness()[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))];
-    magnitude += volume[i] * std::abs(enthalpy[i]) +
-                 input.time_step * 2.0 * conductance * std::abs(kirchhoff_[i]);
+    magnitude +=
+        (volume[i] + input.time_step * std::abs(flux_derivative_[i])) * std::abs(enthalpy[i]) +
+        input.time_step * 2.0 * conductance * std::abs(kirchhoff_[i]);
     if (held_[i] == 0) residual_sum_ += std::abs(residual_[i]);
   }
   round_off_ = 2.0 * std::numeric_limits<double>::epsilon() * magnitude;

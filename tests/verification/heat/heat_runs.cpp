@@ -1,0 +1,373 @@
+#include "tests/verification/heat/heat_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <numbers>
+
+#include "core/mesh/slab_mesh.hpp"
+#include "core/thermal/heat_solver.hpp"
+
+namespace dccast::verification {
+namespace {
+
+using thermal::CoolingSpec;
+using thermal::HeatField;
+using thermal::HeatSolver;
+using thermal::HeatStepInput;
+using thermal::HeatStepOutcome;
+
+/// A jump in a table is a ramp of this width [K].
+constexpr double ramp = 1e-6;
+
+/// Metal of density 1 whose H(T) has the given slopes: `capacity[i]` above `from[i]`.
+Curve stepped_capacity(const std::vector<double>& from, const std::vector<double>& capacity) {
+  std::vector<double> at{from.front()}, value{capacity.front()};
+  for (std::size_t i = 1; i < from.size(); ++i) {
+    at.insert(at.end(), {from[i], from[i] + ramp});
+    value.insert(value.end(), {capacity[i - 1], capacity[i]});
+  }
+  return {Abscissa::temperature, std::move(at), std::move(value)};
+}
+
+material::AlloyCard metal_of(const StefanData& stefan) {
+  material::AlloyCard card;
+  card.solidus = card.liquidus = stefan.change;
+  card.latent_heat = stefan.latent_heat;
+  card.density = Curve(1.0);
+  card.specific_heat = {Abscissa::temperature,
+                        {stefan.change - ramp, stefan.change},
+                        {stefan.solid_capacity, stefan.liquid_capacity}};
+  card.conductivity = Curve(stefan.solid_conductivity);
+  card.melt_conductivity_factor = {Abscissa::liquid_fraction,
+                                   {0.0, 1.0},
+                                   {1.0, stefan.liquid_conductivity / stefan.solid_conductivity}};
+  return card;
+}
+
+material::AlloyCard metal_of(const MushyStefanData& mushy) {
+  material::AlloyCard card;
+  card.solidus = mushy.solidus;
+  card.liquidus = mushy.liquidus;
+  card.latent_heat = mushy.latent_heat;
+  card.density = Curve(1.0);
+  card.specific_heat =
+      stepped_capacity({0.0, mushy.solidus, mushy.liquidus},
+                       {mushy.solid_capacity, 0.5 * (mushy.solid_capacity + mushy.liquid_capacity),
+                        mushy.liquid_capacity});
+  card.conductivity = stepped_capacity(
+      {0.0, mushy.solidus, mushy.liquidus},
+      {mushy.solid_conductivity, mushy.mushy_conductivity, mushy.liquid_conductivity});
+  return card;
+}
+
+material::AlloyCard metal_of(const StrandData& strand) {
+  std::vector<double> capacity;
+  for (std::size_t i = 1; i < strand.temperature.size(); ++i) {
+    capacity.push_back((strand.enthalpy[i] - strand.enthalpy[i - 1]) /
+                       (strand.temperature[i] - strand.temperature[i - 1]));
+  }
+  material::AlloyCard card;
+  // The whole of H(T) stands in the specific heat; the card's own change lies out of the way.
+  card.solidus = strand.top_temperature + 1000.0;
+  card.liquidus = card.solidus + 1.0;
+  card.density = Curve(1.0);
+  card.specific_heat =
+      stepped_capacity({strand.temperature.begin(), strand.temperature.end() - 1}, capacity);
+  card.conductivity = Curve(strand.conductivity);
+  return card;
+}
+
+/// No heat passes but through what the caller opens.
+CoolingSpec insulated() {
+  CoolingSpec cooling;
+  cooling.water.enabled = false;
+  cooling.dry_coefficient = 0.0;
+  cooling.bottom_block.contact_coefficient = Curve(0.0);
+  cooling.bottom_block.temperature = Curve(0.0);
+  return cooling;
+}
+
+mesh::SectionSpec uniform_section(double width, int columns, double depth, int rows,
+                                  mesh::ElementKind element) {
+  mesh::SectionSpec section;
+  section.half_width = width;
+  section.columns = columns;
+  section.side_cell = width / columns;
+  section.initial_depth = depth;
+  section.rows = rows;
+  section.bottom_cell = depth / rows;
+  section.element = element;
+  section.growth = false;
+  return section;
+}
+
+void take(RunSize& size, const HeatStepOutcome& outcome) {
+  ++size.steps;
+  size.iterations += outcome.iterations;
+  size.worst_balance = std::max(size.worst_balance, outcome.balance.error);
+  size.converged = size.converged && outcome.converged;
+}
+
+double seconds_since(std::clock_t start) {
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+/// One column of a strip, whose cold wall is the "metal level" at its top: temperatures by depth.
+class Strip {
+public:
+  Strip(const material::AlloyCard& metal, const CoolingSpec& cooling, double length, int cells,
+        mesh::ElementKind element)
+      : slab_(uniform_section(2.0 * length / cells, 2, length, cells, element)),
+        solver_(material::ThermalProperties(metal), cooling, mesh::SectionKind::plane_strain),
+        length_(length) {
+    solver_.set_mesh(slab_.mesh());
+  }
+
+  HeatSolver& solver() { return solver_; }
+  int rows() const { return slab_.rows(); }
+  int nodes() const { return slab_.mesh().nodes(); }
+  double length() const { return length_; }
+  double depth(int row) const { return length_ - slab_.row_heights()[std::size_t(rows() - row)]; }
+  /// Node of the middle column; rows are counted downwards.
+  std::size_t node(int row) const {
+    return std::size_t((rows() - row) * slab_.nodes_per_row() + slab_.nodes_per_row() / 2);
+  }
+
+  HeatStepOutcome step(HeatField& field, double time, double time_step, double top) {
+    return solver_.step(field, {time, time_step, length_, top, 0.0, {}, {}});
+  }
+
+  double temperature_at(const HeatField& field, double depth) const {
+    for (int row = 1; row <= rows(); ++row) {
+      if (this->depth(row) < depth) continue;
+      const double share =
+          (depth - this->depth(row - 1)) / (this->depth(row) - this->depth(row - 1));
+      return (1.0 - share) * field.temperature[node(row - 1)] +
+             share * field.temperature[node(row)];
+    }
+    return field.temperature[node(rows())];
+  }
+
+  /// Depth at which the temperature passes a value, linear between nodes.
+  double isotherm(const HeatField& field, double temperature) const {
+    for (int row = 1; row <= rows(); ++row) {
+      const double above = field.temperature[node(row - 1)], below = field.temperature[node(row)];
+      if ((above - temperature) * (below - temperature) > 0.0 || above == below) continue;
+      const double share = (temperature - above) / (below - above);
+      return depth(row - 1) + share * (depth(row) - depth(row - 1));
+    }
+    return NAN;
+  }
+
+  double solid_depth(const HeatField& field) const {
+    const auto& volume = solver_.conduction().volume();
+    double solid = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < volume.size(); ++i) {
+      solid += volume[i] * (1.0 - field.liquid_fraction[i]);
+      all += volume[i];
+    }
+    return solid / all * length_;
+  }
+
+  double mean_error(const HeatField& field, const std::function<double(double)>& exact) const {
+    double sum = 0.0;
+    for (int row = 0; row <= rows(); ++row) {
+      const double share = row == 0 || row == rows() ? 0.5 : 1.0;
+      sum += share * std::abs(field.temperature[node(row)] - exact(depth(row)));
+    }
+    return sum / rows();
+  }
+
+private:
+  mesh::SlabMesh slab_;
+  HeatSolver solver_;
+  double length_;
+};
+
+constexpr double probe_depth = 0.010;  // [m]
+
+int cells_of(const StripSpec& strip) {
+  return static_cast<int>(std::lround(strip.length / strip.cell));
+}
+
+}  // namespace
+
+StefanFigures run_stefan(const StefanData& stefan, const StripSpec& spec) {
+  const std::clock_t start = std::clock();
+  const NeumannSolution exact(stefan);
+  Strip strip(metal_of(stefan), insulated(), spec.length, cells_of(spec), spec.element);
+  StefanFigures figures;
+  figures.similarity_constant = exact.similarity_constant();
+  HeatField field = strip.solver().uniform_field(stefan.initial);
+  const int steps = static_cast<int>(std::lround(spec.end / spec.time_step));
+  const int first_look = static_cast<int>(std::lround(1.0 / spec.time_step));
+  for (int i = 1; i <= steps; ++i) {
+    const double time = i * spec.time_step;
+    take(figures.size, strip.step(field, time, spec.time_step, stefan.wall));
+    if (i != first_look && i != steps) continue;
+    figures.front.push_back({time, strip.solid_depth(field), exact.front(time)});
+  }
+  figures.probe_temperature = strip.temperature_at(field, probe_depth);
+  figures.probe_exact = exact.temperature(probe_depth, spec.end);
+  figures.mean_temperature_error =
+      strip.mean_error(field, [&](double depth) { return exact.temperature(depth, spec.end); });
+  figures.size.nodes = strip.nodes();
+  figures.size.cpu_s = seconds_since(start);
+  return figures;
+}
+
+MushyFigures run_mushy_stefan(const MushyStefanData& mushy, const StripSpec& spec) {
+  const std::clock_t start = std::clock();
+  const MushySolution exact(mushy);
+  Strip strip(metal_of(mushy), insulated(), spec.length, cells_of(spec), spec.element);
+  MushyFigures figures;
+  HeatField field = strip.solver().uniform_field(mushy.initial);
+  const int steps = static_cast<int>(std::lround(spec.end / spec.time_step));
+  for (int i = 1; i <= steps; ++i) {
+    take(figures.size, strip.step(field, i * spec.time_step, spec.time_step, mushy.wall));
+  }
+  figures.solidus = {spec.end, strip.isotherm(field, mushy.solidus), exact.solidus_front(spec.end)};
+  figures.liquidus = {spec.end, strip.isotherm(field, mushy.liquidus),
+                      exact.liquidus_front(spec.end)};
+  figures.probe_temperature = strip.temperature_at(field, probe_depth);
+  figures.probe_exact = exact.temperature(probe_depth, spec.end);
+  figures.mean_temperature_error =
+      strip.mean_error(field, [&](double depth) { return exact.temperature(depth, spec.end); });
+  figures.size.nodes = strip.nodes();
+  figures.size.cpu_s = seconds_since(start);
+  return figures;
+}
+
+StrandFigures run_strand(const StrandData& strand, int cells) {
+  const std::clock_t start = std::clock();
+  const StrandSolution exact(strand);
+  const double cell = strand.length / cells;
+  CoolingSpec cooling = insulated();
+  // As good as a given temperature: the cell's own conductance is k / cell.
+  cooling.bottom_block.contact_coefficient = Curve(1e6 * strand.conductivity / cell);
+  cooling.bottom_block.temperature = Curve(strand.bottom_temperature);
+  Strip strip(metal_of(strand), cooling, strand.length, cells, mesh::ElementKind::q1);
+  StrandFigures figures;
+
+  // The exact profile is a good start, no more: the steady state does not depend on it.
+  HeatField field = strip.solver().uniform_field(strand.top_temperature);
+  const auto& properties = strip.solver().properties();
+  const std::size_t row_nodes = std::size_t(strip.nodes() / (cells + 1));
+  for (int row = 0; row <= cells; ++row) {
+    const std::size_t first = std::size_t(cells - row) * row_nodes;
+    const double depth = std::min(strip.depth(row), strand.length);
+    std::fill_n(field.enthalpy.begin() + static_cast<std::ptrdiff_t>(first), row_nodes,
+                properties.enthalpy(exact.temperature(depth)));
+  }
+  strip.solver().refresh(field);
+  const double entering = properties.enthalpy(strand.top_temperature);
+  const double time_step = cell / strand.speed;
+  double change = INFINITY;
+  for (int i = 1; change > 1e-7 && i < 100 * cells && figures.size.converged; ++i) {
+    const std::vector<double> before = field.temperature;
+    // The level rises by a cell: seen from the level all metal sinks by one row.
+    std::rotate(field.enthalpy.begin(),
+                field.enthalpy.begin() + static_cast<std::ptrdiff_t>(row_nodes),
+                field.enthalpy.end());
+    std::fill(field.enthalpy.end() - static_cast<std::ptrdiff_t>(row_nodes), field.enthalpy.end(),
+              entering);
+    take(figures.size, strip.step(field, i * time_step, time_step, strand.top_temperature));
+    change = 0.0;
+    for (std::size_t n = 0; n < before.size(); ++n) {
+      change = std::max(change, std::abs(field.temperature[n] - before[n]));
+    }
+  }
+  figures.size.converged = figures.size.converged && change <= 1e-7;
+  for (int row = 0; row <= cells; ++row) {
+    figures.depth.push_back(strip.depth(row));
+    figures.temperature.push_back(field.temperature[strip.node(row)]);
+    figures.exact.push_back(exact.temperature(strip.depth(row)));
+  }
+  for (std::size_t i = 1; i + 1 < strand.temperature.size(); ++i) {
+    const double t = strand.temperature[i];
+    if (t >= strand.top_temperature || t <= strand.bottom_temperature) continue;
+    figures.isotherm.push_back({0.0, strip.isotherm(field, t), exact.depth(t)});
+  }
+  for (std::size_t i = 0; i < figures.depth.size(); ++i) {
+    const double error = std::abs(figures.temperature[i] - figures.exact[i]);
+    figures.largest_temperature_error = std::max(figures.largest_temperature_error, error);
+    figures.mean_temperature_error += error / static_cast<double>(figures.depth.size());
+  }
+  figures.size.nodes = strip.nodes();
+  figures.size.cpu_s = seconds_since(start);
+  return figures;
+}
+
+StrandFigures run_strand_extrapolated(const StrandData& strand, int cells) {
+  StrandFigures coarse = run_strand(strand, cells);
+  const StrandFigures fine = run_strand(strand, 2 * cells);
+  coarse.largest_temperature_error = coarse.mean_temperature_error = 0.0;
+  for (std::size_t i = 0; i < coarse.depth.size(); ++i) {
+    coarse.temperature[i] = 2.0 * fine.temperature[2 * i] - coarse.temperature[i];
+    const double error = std::abs(coarse.temperature[i] - coarse.exact[i]);
+    coarse.largest_temperature_error = std::max(coarse.largest_temperature_error, error);
+    coarse.mean_temperature_error += error / static_cast<double>(coarse.depth.size());
+  }
+  for (std::size_t i = 0; i < coarse.isotherm.size(); ++i) {
+    coarse.isotherm[i].computed = 2.0 * fine.isotherm[i].computed - coarse.isotherm[i].computed;
+  }
+  coarse.size.steps += fine.size.steps;
+  coarse.size.iterations += fine.size.iterations;
+  coarse.size.cpu_s += fine.size.cpu_s;
+  coarse.size.nodes = fine.size.nodes;
+  coarse.size.worst_balance = std::max(coarse.size.worst_balance, fine.size.worst_balance);
+  coarse.size.converged = coarse.size.converged && fine.size.converged;
+  return coarse;
+}
+
+CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element) {
+  const std::clock_t start = std::clock();
+  const double side = 0.1, diffusivity = 1e-4, end = 5.0;  // [m], [m2/s], [s]
+  const double mean = 300.0, amplitude = 100.0;            // [°C], [K]
+  material::AlloyCard card;
+  card.solidus = 600.0;
+  card.liquidus = 650.0;
+  card.density = Curve(2500.0);
+  card.specific_heat = Curve(1000.0);
+  card.conductivity = Curve(diffusivity * 2500.0 * 1000.0);
+  CoolingSpec cooling = insulated();
+  cooling.top = thermal::Top::insulated;
+  const mesh::SlabMesh slab(uniform_section(side, cells, side, cells, element));
+  HeatSolver solver(material::ThermalProperties(card), cooling, mesh::SectionKind::plane_strain);
+  solver.set_mesh(slab.mesh());
+  const auto mode = [&](int node) {
+    const double* x = slab.mesh().point(node);
+    return std::cos(std::numbers::pi * x[0] / side) * std::cos(std::numbers::pi * x[1] / side);
+  };
+  HeatField field = solver.uniform_field(mean);
+  for (int n = 0; n < slab.mesh().nodes(); ++n) {
+    field.enthalpy[std::size_t(n)] = solver.properties().enthalpy(mean + amplitude * mode(n));
+  }
+  CosineFigures figures;
+  const double time_step = end / steps;
+  for (int i = 1; i <= steps; ++i) {
+    take(figures.size, solver.step(field, {i * time_step, time_step, side, mean, 0.0, {}, {}}));
+  }
+  const double decay =
+      std::exp(-2.0 * diffusivity * std::numbers::pi * std::numbers::pi * end / (side * side));
+  const auto& volume = solver.conduction().volume();
+  double square = 0.0, all = 0.0;
+  for (int n = 0; n < slab.mesh().nodes(); ++n) {
+    const std::size_t i = std::size_t(n);
+    const double error = field.temperature[i] - mean - amplitude * decay * mode(n);
+    square += volume[i] * error * error;
+    all += volume[i] * amplitude * amplitude * decay * decay * 0.25;
+  }
+  figures.error = std::sqrt(square / all);
+  figures.size.nodes = slab.mesh().nodes();
+  figures.size.cpu_s = seconds_since(start);
+  return figures;
+}
+
+double observed_order(double coarse_error, double fine_error, double ratio) {
+  return std::log(coarse_error / fine_error) / std::log(ratio);
+}
+
+}  // namespace dccast::verification
