@@ -27,7 +27,9 @@ struct HeatStepInput {
   double time_step = 0.0;            ///< [s]
   double metal_level = 0.0;          ///< [m] at the end of the step
   double casting_temperature = 0.0;  ///< [°C] held at the metal level when the top is poured
-  double water_flow = 0.0;           ///< [m2/s]; none: the side below the water line is dry
+  /// [m2/s]. Water runs in a step in whose middle Water::start has passed; else, and without flow,
+  /// the side below the water line is dry.
+  double water_flow = 0.0;
   /// [m], in the order of mesh::patch_nodes(mesh, Patch::bottom); empty: contact everywhere.
   std::span<const double> bottom_gap;
   /// What carry_enthalpy() gave, so that the balance covers the growth too.
@@ -42,7 +44,8 @@ struct HeatBalance {
   double side = 0.0;     ///< [J/m] out
   double bottom = 0.0;   ///< [J/m] out
   double moved = 0.0;    ///< [J/m] all heat that moved, the measure of the errors
-  /// stored + side + bottom - top - entered, relative to `moved`
+  /// stored + side + bottom - top - entered, beyond what the rounding of the stored totals
+  /// explains, relative to `moved`.
   double error = 0.0;
 };
 
@@ -103,10 +106,13 @@ private:
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
   SurfaceState surface_state(int node) const;
-  bool factorize();
+  enum class Slope { newton, bounded };  ///< which dTheta/dH the matrix takes
+  bool factorize(Slope kind, double time_step);
   void newton_direction();
   double relative_residual(double time_step) const;
   bool line_search(const HeatStepInput& input, double reference);
+  bool bounded_step(const HeatStepInput& input);
+  bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
   HeatBalance balance(const HeatStepInput& input) const;
 
   material::ThermalProperties properties_;
@@ -135,7 +141,6 @@ private:
   std::vector<double> flux_derivative_;  ///< (node) dq/dH
   std::vector<double> residual_;         ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;
-  std::vector<double> slope_;     ///< D in the factor
   std::vector<double> capacity_;  ///< c in the factor
   std::vector<double> right_, y_, stiffness_y_, direction_;
   double side_power_ = 0.0;     ///< [W/m]

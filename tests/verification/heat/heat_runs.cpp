@@ -187,6 +187,7 @@ private:
 };
 
 constexpr double probe_depth = 0.010;  // [m]
+constexpr double first_zero_of_j1 = 3.8317059702075123;
 
 int cells_of(const StripSpec& strip) {
   return static_cast<int>(std::lround(strip.length / strip.cell));
@@ -322,7 +323,8 @@ StrandFigures run_strand_extrapolated(const StrandData& strand, int cells) {
   return coarse;
 }
 
-CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element) {
+CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
+                              mesh::SectionKind kind) {
   const std::clock_t start = std::clock();
   const double side = 0.1, diffusivity = 1e-4, end = 5.0;  // [m], [m2/s], [s]
   const double mean = 300.0, amplitude = 100.0;            // [°C], [K]
@@ -335,11 +337,15 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element) {
   CoolingSpec cooling = insulated();
   cooling.top = thermal::Top::insulated;
   const mesh::SlabMesh slab(uniform_section(side, cells, side, cells, element));
-  HeatSolver solver(material::ThermalProperties(card), cooling, mesh::SectionKind::plane_strain);
+  HeatSolver solver(material::ThermalProperties(card), cooling, kind);
   solver.set_mesh(slab.mesh());
+  const bool round = kind == mesh::SectionKind::axisymmetric;
+  const double across = round ? first_zero_of_j1 : std::numbers::pi;
   const auto mode = [&](int node) {
     const double* x = slab.mesh().point(node);
-    return std::cos(std::numbers::pi * x[0] / side) * std::cos(std::numbers::pi * x[1] / side);
+    const double radial = across * x[0] / side;
+    return (round ? std::cyl_bessel_j(0.0, radial) : std::cos(radial)) *
+           std::cos(std::numbers::pi * x[1] / side);
   };
   HeatField field = solver.uniform_field(mean);
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
@@ -350,15 +356,16 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element) {
   for (int i = 1; i <= steps; ++i) {
     take(figures.size, solver.step(field, {i * time_step, time_step, side, mean, 0.0, {}, {}}));
   }
-  const double decay =
-      std::exp(-2.0 * diffusivity * std::numbers::pi * std::numbers::pi * end / (side * side));
+  const double decay = std::exp(-diffusivity * end / (side * side) *
+                                (across * across + std::numbers::pi * std::numbers::pi));
   const auto& volume = solver.conduction().volume();
   double square = 0.0, all = 0.0;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     const std::size_t i = std::size_t(n);
-    const double error = field.temperature[i] - mean - amplitude * decay * mode(n);
+    const double exact = amplitude * decay * mode(n);
+    const double error = field.temperature[i] - mean - exact;
     square += volume[i] * error * error;
-    all += volume[i] * amplitude * amplitude * decay * decay * 0.25;
+    all += volume[i] * exact * exact;
   }
   figures.error = std::sqrt(square / all);
   figures.size.nodes = slab.mesh().nodes();

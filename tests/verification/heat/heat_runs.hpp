@@ -82,8 +82,10 @@ struct CosineFigures {
 };
 
 /// Decay of cos(pi x/a) cos(pi y/a) in an insulated square of constant properties, in `cells` by
-/// `cells` cells and `steps` steps.
-CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element);
+/// `cells` cells and `steps` steps; in an axisymmetric section of J0(j r/a) cos(pi y/a), j the
+/// first zero of J1.
+CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
+                              mesh::SectionKind kind = mesh::SectionKind::plane_strain);
 
 /// Order observed between two errors when the size falls by `ratio`.
 double observed_order(double coarse_error, double fine_error, double ratio = 2.0);

@@ -108,18 +108,22 @@ TEST(Strand, ConvergesToTheClosedFormAtFirstOrder) {
   EXPECT_LT(run_strand_extrapolated({}, 200).largest_temperature_error, 0.1);
 }
 
-class CosineModeOn : public ::testing::TestWithParam<ElementKind> {};
+class DecayingModeOn : public ::testing::TestWithParam<std::tuple<ElementKind, mesh::SectionKind>> {
+};
 
-TEST_P(CosineModeOn, IsSecondOrderInSpaceAndFirstInTime) {
+TEST_P(DecayingModeOn, IsSecondOrderInSpaceAndFirstInTime) {
   const auto error = [&](int cells, int steps) {
-    return run_cosine_mode(cells, steps, GetParam()).error;
+    const auto [element, kind] = GetParam();
+    return run_cosine_mode(cells, steps, element, kind).error;
   };
   EXPECT_NEAR(observed_order(error(8, 40), error(16, 160)), 2.0, 0.15);
   EXPECT_NEAR(observed_order(error(48, 20), error(48, 40)), 1.0, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, CosineModeOn,
-                         ::testing::Values(ElementKind::p1, ElementKind::q1));
+INSTANTIATE_TEST_SUITE_P(Sections, DecayingModeOn,
+                         ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1),
+                                            ::testing::Values(mesh::SectionKind::plane_strain,
+                                                              mesh::SectionKind::axisymmetric)));
 
 }  // namespace
 }  // namespace dccast::verification
