@@ -62,12 +62,14 @@ public:
 
   const std::vector<Response>& response() const { return response_; }
   /// Strain of a displacement at a point, its trace replaced by the element's mean dilatation.
-  Tensor strain(int element, std::size_t point, std::span<const double> u) const {
-    return point_strain(cell(element), cell(element).point[point], local(element, u));
+  static Tensor strain_of(const typename fem::ElementGeometry<Element>::Cell& cell,
+                          std::size_t point, const int* node, std::span<const double> u) {
+    return point_strain(cell, cell.point[point], local(node, u));
   }
   /// Mean normal stress of an element at displacement `u` [Pa].
   double pressure(int element, std::span<const double> u) const {
-    return pressure_of(element, mean_dilatation(cell(element), local(element, u)), 0);
+    const Vectors v = local(problem_->mesh->nodes_of(element), u);
+    return pressure_of(element, mean_dilatation(cell(element), v), 0);
   }
 
 private:
@@ -78,9 +80,8 @@ private:
 
   const typename Geometry::Cell& cell(int e) const { return problem_->geometry->cell(e); }
 
-  Vectors local(int e, std::span<const double> u) const {
+  static Vectors local(const int* node, std::span<const double> u) {
     Vectors v;
-    const int* node = problem_->mesh->nodes_of(e);
     for (std::size_t i = 0; i < nodes; ++i) {
       for (std::size_t a = 0; a < dim; ++a) v[i][a] = u[std::size_t(node[i]) * dim + a];
     }
@@ -129,7 +130,7 @@ private:
   template <class Law>
   Vectors element_force(int e, std::span<const double> u, Law&& law) {
     const auto& c = cell(e);
-    const Vectors v = local(e, u);
+    const Vectors v = local(problem_->mesh->nodes_of(e), u);
     const double dilatation = mean_dilatation(c, v);
     Vectors force{};
     for (std::size_t q = 0; q < points; ++q) {

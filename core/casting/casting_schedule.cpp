@@ -1,0 +1,63 @@
+#include "core/casting/casting_schedule.hpp"
+
+#include <algorithm>
+
+namespace dccast::casting {
+
+namespace {
+
+double value(const Curve& curve, double time, double length) {
+  return curve(curve.abscissa() == Abscissa::cast_length ? length : time);
+}
+
+// Two times closer than this are one: steps are sums of decimal fractions.
+constexpr double same_time = 1e-9;  // [s]
+
+}  // namespace
+
+CastingSchedule::CastingSchedule(const Case& c)
+    : schedule_(c.schedule), step_(c.time.step), water_(c.cooling.water.enabled),
+      water_start_(c.cooling.water.start), begin_(-c.schedule.hold), end_(c.time.end) {
+  events_ = {0.0, end_};
+  if (water_) events_.push_back(water_start_);
+  if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
+  if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
+  std::sort(events_.begin(), events_.end());
+}
+
+double CastingSchedule::speed(double time, double length) const {
+  return value(schedule_.casting_speed, time, length);
+}
+
+double CastingSchedule::cast_length(double length, double time, double step) const {
+  const double to = time + step;
+  if (to <= 0.0) return length;
+  const double from = std::max(time, 0.0), h = to - from;
+  if (schedule_.casting_speed.abscissa() != Abscissa::cast_length) {
+    return length + schedule_.casting_speed.integral(from, to);
+  }
+  const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
+  const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
+  return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+}
+
+double CastingSchedule::casting_temperature(double time, double length) const {
+  return value(schedule_.casting_temperature, time, length);
+}
+
+double CastingSchedule::water_flow(double time, double length) const {
+  // The step that ends at the start of the water is still dry.
+  const bool runs = water_ && time > water_start_ + same_time;
+  return runs ? value(schedule_.water_flow, time, length) : 0.0;
+}
+
+double CastingSchedule::step_at(double time) const {
+  const double wanted = step_(time);
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  if (next == events_.end()) return wanted;
+  const double left = *next - time;
+  if (left <= wanted * (1.0 + same_time)) return left;
+  return left < 2.0 * wanted ? 0.5 * left : wanted;
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "core/casting/case.hpp"
+
+namespace dccast::casting {
+
+/// What the pit does, as functions of time and of the length cast so far.
+class CastingSchedule {
+public:
+  explicit CastingSchedule(const Case& casting_case);
+
+  /// Time at which the simulation begins, minus the hold [s].
+  double begin() const { return begin_; }
+  double end() const { return end_; }  ///< [s]
+
+  /// Length cast at the end of a step [m]; nothing is cast before time zero. Exact where the speed
+  /// is a table against time, by the classical Runge-Kutta formula where it is one against length.
+  double cast_length(double length, double time, double step) const;
+  double casting_temperature(double time, double length) const;  ///< [°C]
+  double water_flow(double time, double length) const;           ///< [m2/s]; zero while it is off
+
+  /// Step the case asks for at a time [s], ending at the latest where something changes at once: the
+  /// block starts, water or mechanics starts, the table of steps has a point, the simulation ends.
+  /// A remainder below two steps is halved, so that no sliver is left over.
+  double step_at(double time) const;
+
+private:
+  double speed(double time, double length) const;
+
+  Schedule schedule_;
+  Curve step_;
+  bool water_;
+  double water_start_;
+  double begin_;
+  double end_;
+  std::vector<double> events_;  ///< increasing
+};
+
+}  // namespace dccast::casting

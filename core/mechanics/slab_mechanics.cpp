@@ -1,0 +1,354 @@
+#include "core/mechanics/slab_mechanics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/step_constraints.hpp"
+#include "core/mechanics/viscoplastic_history.hpp"
+
+namespace dccast::mechanics {
+
+namespace {
+
+/// Displacements are along these directions: first away from the symmetry plane, last upwards.
+constexpr int across = 0;
+template <class Element>
+constexpr int up = Element::dimension - 1;
+
+}  // namespace
+
+template <class Element>
+SlabMechanics<Element>::SlabMechanics(material::MechanicalProperties properties, Options options)
+    : properties_(std::move(properties)), options_(std::move(options)) {}
+
+template <class Element>
+void SlabMechanics<Element>::set_mesh(const Mesh& mesh, int first_moved) {
+  const bool is_new = mesh.elements() != geometry_.elements() ||
+                      std::size_t(mesh.nodes()) * dimension != problem_.unknowns();
+  mesh_ = &mesh;
+  geometry_.update(mesh, is_new && mesh.elements() < geometry_.elements() ? 0 : first_moved);
+  if (is_new) new_pattern();
+  problem_.geometry = &geometry_;
+  problem_.mesh = mesh_;
+  problem_.pattern = &pattern_;
+  problem_.exponent = properties_.creep().exponent;
+}
+
+template <class Element>
+void SlabMechanics<Element>::new_pattern() {
+  std::vector<int> unknown;
+  unknown.reserve(mesh_->element_node.size() * dimension);
+  for (int n : mesh_->element_node) {
+    for (int d = 0; d < dimension; ++d) unknown.push_back(n * dimension + d);
+  }
+  const int unknowns = mesh_->nodes() * dimension;
+  pattern_ = linalg::SparsityPattern(unknowns, unknown, Element::nodes * dimension);
+  work_.resize(pattern_, dimension == 2 ? linalg::Geometry::plane : linalg::Geometry::solid);
+  for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
+                      &problem_.prestress}) {
+    field->assign(std::size_t(mesh_->elements()), 0.0);
+  }
+  problem_.external_force.assign(std::size_t(unknowns), 0.0);
+  problem_.fixed.assign(std::size_t(unknowns), 0);
+  problem_.target.assign(std::size_t(unknowns), 0.0);
+  find_boundaries();
+}
+
+template <class Element>
+void SlabMechanics<Element>::find_boundaries() {
+  bottom_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::bottom);
+  side_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::side);
+  symmetry_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::symmetry);
+  std::vector<int> place(std::size_t(mesh_->nodes()), -1);
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    place[std::size_t(bottom_nodes_[i])] = static_cast<int>(i);
+  }
+  problem_.contact.clear();
+  for (int n : bottom_nodes_) problem_.contact.push_back(n * dimension + up<Element>);
+  problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
+  for (const auto& facet : mesh_->facets(mesh::Patch::bottom)) {
+    const double* a = mesh_->point(facet.node[0]);
+    const double* b = mesh_->point(facet.node[1]);
+    const double half = 0.5 * std::hypot(b[0] - a[0], b[1] - a[1]);
+    for (int n : facet.node) {
+      problem_.contact_area[std::size_t(place[std::size_t(n)])] += half;
+    }
+  }
+  if (!options_.contact) {
+    for (int unknown : problem_.contact) problem_.fixed[std::size_t(unknown)] = 1;
+    problem_.contact.clear();
+  }
+}
+
+template <class Element>
+auto SlabMechanics<Element>::initial_state() const -> State {
+  State state;
+  const std::size_t all_points = std::size_t(mesh_->elements()) * points;
+  state.displacement.assign(std::size_t(mesh_->nodes()) * dimension, 0.0);
+  state.released.assign(std::size_t(mesh_->nodes()), 0);
+  state.solid.assign(std::size_t(mesh_->elements()), 0);
+  state.inelastic.resize(all_points);
+  state.viscoplastic.resize(all_points);
+  state.deviator.resize(all_points);
+  state.pressure.assign(all_points, 0.0);
+  state.contact.assign(bottom_nodes_.size(), 1);
+  state.reaction.assign(bottom_nodes_.size(), 0.0);
+  return state;
+}
+
+template <class Element>
+auto SlabMechanics<Element>::strain(int e, std::size_t point, std::span<const double> u) const
+    -> Tensor {
+  return Equilibrium<Element>::strain_of(geometry_.cell(e), point, mesh_->nodes_of(e), u);
+}
+
+template <class Element>
+void SlabMechanics<Element>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
+                                           int first_moved) {
+  const std::size_t first = std::size_t(first_moved) * points;
+  std::vector<Tensor> elastic;  // of the elements that move
+  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
+    elastic.push_back(strain(static_cast<int>(i / points), i % points, state.displacement));
+    elastic.back().add(-1.0, state.inelastic[i]);
+  }
+  const std::size_t stride = std::size_t(nodes_per_row) * dimension;
+  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * dimension; ++i) {
+    state.displacement.push_back(state.displacement[i - stride]);
+  }
+  for (int n : mesh::patch_nodes(grown, mesh::Patch::side)) {
+    // A node that is new stands at the mould, whatever the one below it did.
+    if (n >= static_cast<int>(state.released.size())) {
+      state.displacement[std::size_t(n) * dimension + across] = 0.0;
+    }
+  }
+  state.released.resize(std::size_t(grown.nodes()), 0);
+  state.solid.resize(std::size_t(grown.elements()), 0);
+  const std::size_t all_points = std::size_t(grown.elements()) * points;
+  state.inelastic.resize(all_points);
+  state.viscoplastic.resize(all_points);
+  state.deviator.resize(all_points);
+  state.pressure.resize(all_points, 0.0);
+  set_mesh(grown, first_moved);
+  for (std::size_t i = first; i < all_points; ++i) {
+    state.inelastic[i] = strain(static_cast<int>(i / points), i % points, state.displacement);
+    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
+  }
+}
+
+template <class Element>
+double SlabMechanics<Element>::element_temperature(int e, std::span<const double> t) const {
+  const int* node = mesh_->nodes_of(e);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < nodes; ++i) sum += t[std::size_t(node[i])];
+  return sum / static_cast<double>(nodes);
+}
+
+template <class Element>
+double SlabMechanics<Element>::centroid_height(int e) const {
+  const int* node = mesh_->nodes_of(e);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < nodes; ++i) sum += mesh_->point(node[i])[up<Element>];
+  return sum / static_cast<double>(nodes);
+}
+
+template <class Element>
+void SlabMechanics<Element>::start(State& state, std::span<const double> temperature) const {
+  state.started = true;
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    const double t = element_temperature(e, temperature);
+    const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
+    state.solid[std::size_t(e)] = solid ? 1 : 0;
+    if (!solid) continue;
+    for (std::size_t q = 0; q < points; ++q) {
+      state.inelastic[std::size_t(e) * points + q].add_identity(-properties_.thermal_stretch(t));
+    }
+  }
+}
+
+/// Birth of solid: strain counts from the total strain of this moment, thermal strain from the
+/// coherency temperature, stress from minus the metallostatic pressure.
+template <class Element>
+void SlabMechanics<Element>::be_born(State& state, int e, double metal_level) const {
+  const double pressure = properties_.liquid_density() * options_.gravity *
+                          std::max(0.0, metal_level - centroid_height(e));
+  const double at = properties_.coherency();
+  const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
+  state.solid[std::size_t(e)] = 1;
+  for (std::size_t q = 0; q < points; ++q) {
+    const std::size_t i = std::size_t(e) * points + q;
+    state.inelastic[i] = strain(e, q, state.displacement);
+    state.inelastic[i].add_identity(compression - properties_.thermal_stretch(at));
+    state.viscoplastic[i] = {};
+    state.deviator[i] = {};
+  }
+}
+
+template <class Element>
+void SlabMechanics<Element>::melt(State& state, int e) const {
+  state.solid[std::size_t(e)] = 0;
+  for (std::size_t q = 0; q < points; ++q) {
+    const std::size_t i = std::size_t(e) * points + q;
+    state.inelastic[i] = strain(e, q, state.displacement);
+    state.viscoplastic[i] = {};
+    state.deviator[i] = {};
+  }
+}
+
+template <class Element>
+void SlabMechanics<Element>::set_phases(State& state, const SlabStepInput& input) const {
+  if (options_.liquid == Liquid::solid) return;
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    const bool solid = element_temperature(e, input.temperature) < properties_.coherency();
+    if (solid && state.solid[std::size_t(e)] == 0) be_born(state, e, input.metal_level);
+    if (!solid && state.solid[std::size_t(e)] != 0) melt(state, e);
+  }
+}
+
+template <class Element>
+void SlabMechanics<Element>::set_materials(const State& state, const SlabStepInput& input) {
+  // The paper's weak material, eq. (38), or the weak elasticity under metallostatic prestress.
+  const bool weak = options_.liquid == Liquid::weak;
+  const double at = properties_.liquidus();
+  const double mu_liquid =
+      weak ? std::pow(options_.liquid_epsilon, options_.liquid_delta) * properties_.shear_modulus(at)
+           : options_.liquid_modulus;
+  const double lambda_solid =
+      properties_.bulk_modulus(at) - 2.0 / 3.0 * properties_.shear_modulus(at);
+  const double lambda_liquid =
+      weak ? std::pow(options_.liquid_epsilon, options_.liquid_beta) * lambda_solid
+           : options_.liquid_modulus;
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    const std::size_t i = std::size_t(e);
+    problem_.prestress[i] = 0.0;
+    if (state.solid[i] != 0) {
+      const double t = element_temperature(e, input.temperature);
+      problem_.bulk[i] = properties_.bulk_modulus(t);
+      problem_.shear[i] = properties_.shear_modulus(t);
+      problem_.kappa[i] = properties_.creep().kappa(t);
+      problem_.thermal[i] = properties_.thermal_stretch(t);
+    } else {
+      problem_.bulk[i] = lambda_liquid + 2.0 / 3.0 * mu_liquid;
+      problem_.shear[i] = mu_liquid;
+      problem_.kappa[i] = 0.0;
+      problem_.thermal[i] = 0.0;
+      if (!weak) {
+        problem_.prestress[i] = -properties_.liquid_density() * options_.gravity *
+                                (input.metal_level - centroid_height(e));
+      }
+    }
+  }
+}
+
+template <class Element>
+void SlabMechanics<Element>::set_weight(const State& state, std::span<const double> temperature) {
+  auto& force = problem_.external_force;
+  std::fill(force.begin(), force.end(), 0.0);
+  problem_.weight = 0.0;
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    const double density = state.solid[std::size_t(e)] != 0
+                               ? properties_.density(element_temperature(e, temperature))
+                               : properties_.liquid_density();
+    const auto& cell = geometry_.cell(e);
+    const int* node = mesh_->nodes_of(e);
+    for (std::size_t q = 0; q < points; ++q) {
+      const auto shape = Element::shape(Element::point[q]);
+      const double weight = density * options_.gravity * cell.point[q].weight;
+      problem_.weight += weight;
+      for (std::size_t i = 0; i < nodes; ++i) {
+        force[std::size_t(node[i]) * dimension + std::size_t(up<Element>)] -= shape[i] * weight;
+      }
+    }
+  }
+}
+
+template <class Element>
+void SlabMechanics<Element>::set_supports(State& state, std::span<const double> temperature) {
+  const auto hold_across = [&](int n, bool held) {
+    problem_.fixed[std::size_t(n) * dimension + across] = held ? 1 : 0;
+  };
+  for (int n : side_nodes_) {
+    auto& released = state.released[std::size_t(n)];
+    if (!options_.confinement || temperature[std::size_t(n)] < properties_.solidus()) released = 1;
+    hold_across(n, released == 0);
+  }
+  for (int n : symmetry_nodes_) hold_across(n, true);
+}
+
+template <class Element>
+StepOutcome SlabMechanics<Element>::step(State& state, const SlabStepInput& input) {
+  set_phases(state, input);
+  set_materials(state, input);
+  set_weight(state, input.temperature);
+  set_supports(state, input.temperature);
+  problem_.dt = input.time_step;
+  problem_.inelastic = state.inelastic;
+  StepUnknowns<Element> unknowns{state.displacement, state.contact, state.contact_multiplier,
+                                 state.deviator};
+  if (!options_.contact) unknowns.contact.clear();
+  const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
+  if (outcome.converged) finish(state, unknowns, input);
+  return outcome;
+}
+
+template <class Element>
+void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknowns,
+                                    const SlabStepInput& input) {
+  Equilibrium<Element> equilibrium(problem_);
+  const double acting = std::max(
+      equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
+      problem_.weight);
+  StepConstraints<Element> constraints(problem_, unknowns.contact);
+  checks_.weight = problem_.weight;
+  checks_.equilibrium_residual =
+      acting > 0.0 ? constraints.norm_of_free(work_.residual) / acting : 0.0;
+  checks_.complementarity_error =
+      constraints.complementarity_error(unknowns.displacement, work_.residual);
+  checks_.bottom_reaction = checks_.contact_length = 0.0;
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    const bool closed = problem_.contact.empty() || unknowns.contact[i] != 0;
+    state.reaction[i] =
+        closed ? work_.residual[std::size_t(bottom_nodes_[i] * dimension + up<Element>)] : 0.0;
+    checks_.bottom_reaction += state.reaction[i];
+    if (closed) checks_.contact_length += problem_.contact_area[i];
+  }
+  for (std::size_t i = 0; i < state.pressure.size(); ++i) {
+    state.deviator[i] = equilibrium.response()[i].deviator;
+    state.pressure[i] = equilibrium.pressure(static_cast<int>(i / points), unknowns.displacement);
+  }
+  accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic);
+  accumulate_viscoplastic_strain(problem_, state.deviator, state.viscoplastic);
+  state.displacement = std::move(unknowns.displacement);
+  if (options_.contact) state.contact = std::move(unknowns.contact);
+  state.contact_multiplier = std::move(unknowns.contact_multiplier);
+  checks_.liquid_pressure_error = liquid_pressure_error(state, input.metal_level);
+}
+
+template <class Element>
+double SlabMechanics<Element>::liquid_pressure_error(const State& state, double metal_level) const {
+  std::vector<char> of_solid(std::size_t(mesh_->nodes()), 0);
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    if (state.solid[std::size_t(e)] == 0) continue;
+    for (std::size_t i = 0; i < nodes; ++i) of_solid[std::size_t(mesh_->nodes_of(e)[i])] = 1;
+  }
+  double difference = 0.0, scale = 0.0;
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    if (state.solid[std::size_t(e)] != 0) continue;
+    const int* node = mesh_->nodes_of(e);
+    const bool at_front = std::any_of(
+        node, node + nodes, [&](int n) { return of_solid[std::size_t(n)] != 0; });
+    if (!at_front) continue;
+    const double exact = -properties_.liquid_density() * options_.gravity *
+                         (metal_level - centroid_height(e));
+    const double error = state.pressure[std::size_t(e) * points] - exact;
+    difference += geometry_.cell(e).volume * error * error;
+    scale += geometry_.cell(e).volume * exact * exact;
+  }
+  return scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
+}
+
+template class SlabMechanics<fem::P1Triangle>;
+template class SlabMechanics<fem::Q1Quadrilateral>;
+
+}  // namespace dccast::mechanics

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/material/mechanical_properties.hpp"
+#include "core/mechanics/slab_state.hpp"
+#include "core/mechanics/solve_step.hpp"
+
+namespace dccast::mechanics {
+
+/// What the mechanics of a step needs to know of its surroundings.
+struct SlabStepInput {
+  std::span<const double> temperature;  ///< (node) at the end of the step [°C]
+  double time_step = 0.0;               ///< [s]
+  double metal_level = 0.0;             ///< h(t) [m]
+};
+
+/// The checks every step is reported with; they are computed anew from displacement and state, not
+/// taken from the algorithm that found them.
+struct SlabChecks {
+  double equilibrium_residual = 0.0;   ///< relative to the forces that act
+  double complementarity_error = 0.0;  ///< of gap and reaction, against 1 mm and the weight
+  double bottom_reaction = 0.0;        ///< [N/m] upwards
+  double weight = 0.0;                 ///< [N/m]
+  double contact_length = 0.0;         ///< [m] of the bottom that stands on the block
+  /// Root mean square error of the pressure in the liquid along its front against rho_l g depth,
+  /// relative; zero without liquid.
+  double liquid_pressure_error = 0.0;
+};
+
+/// The slab as a mechanical body (paper sections 2.2 and 3.4): which elements carry stress, what
+/// stands for the liquid, what the mould and the block hold, and one step in time of all that.
+template <class Element>
+class SlabMechanics {
+public:
+  static constexpr int dimension = Element::dimension;
+  using State = SlabState<dimension>;
+  using Mesh = mesh::Mesh<dimension>;
+
+  SlabMechanics(material::MechanicalProperties properties, Options options);
+
+  /// Takes a mesh or its new coordinates; analyses the matrix only if elements are new.
+  /// @param mesh         must stay where it is until the next call
+  /// @param first_moved  first element that is new or has moved
+  void set_mesh(const Mesh& mesh, int first_moved = 0);
+
+  /// A slab without displacement and history.
+  State initial_state() const;
+
+  /// Carries a state over to a mesh that has grown by stretching and adding rows of cells: new
+  /// nodes take the displacement of the node below, elements keep their elastic strain. The mesh of
+  /// the state must be the present one; `set_mesh` is called for the new one.
+  void follow_growth(State& state, const Mesh& grown, int nodes_per_row, int first_moved);
+
+  /// Begins the mechanics: what is below the coherency temperature is a shell without stress.
+  void start(State& state, std::span<const double> temperature) const;
+
+  /// One step. On convergence the state is that of its end, else unspecified.
+  StepOutcome step(State& state, const SlabStepInput& input);
+
+  /// Checks of the last converged step.
+  const SlabChecks& checks() const { return checks_; }
+  const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
+  const std::vector<double>& bottom_area() const { return problem_.contact_area; }
+  const Options& options() const { return options_; }
+
+private:
+  using Tensor = SymmetricTensor<dimension>;
+  static constexpr std::size_t points = Element::points, nodes = Element::nodes;
+
+  void new_pattern();
+  void find_boundaries();
+  double element_temperature(int e, std::span<const double> temperature) const;
+  double centroid_height(int e) const;
+  Tensor strain(int e, std::size_t point, std::span<const double> u) const;
+  void be_born(State& state, int e, double metal_level) const;
+  void melt(State& state, int e) const;
+  void set_phases(State& state, const SlabStepInput& input) const;
+  void set_materials(const State& state, const SlabStepInput& input);
+  void set_weight(const State& state, std::span<const double> temperature);
+  void set_supports(State& state, std::span<const double> temperature);
+  void finish(State& state, StepUnknowns<Element>& unknowns, const SlabStepInput& input);
+  double liquid_pressure_error(const State& state, double metal_level) const;
+
+  material::MechanicalProperties properties_;
+  Options options_;
+  const Mesh* mesh_ = nullptr;
+  fem::ElementGeometry<Element> geometry_;
+  linalg::SparsityPattern pattern_;
+  Workspace work_;
+  StepProblem<Element> problem_;
+  SlabChecks checks_;
+  std::vector<int> bottom_nodes_;
+  std::vector<int> side_nodes_;
+  std::vector<int> symmetry_nodes_;
+};
+
+}  // namespace dccast::mechanics
