@@ -78,6 +78,7 @@ Handle layout_of(const Shape& shape) {
 /// Takes over the strings HDF5 allocated.
 std::vector<std::string> take_texts(std::vector<char*>& texts) {
   std::vector<std::string> taken;
+  taken.reserve(texts.size());
   for (char* text : texts) {
     taken.emplace_back(text == nullptr ? "" : text);
     H5free_memory(text);
@@ -173,6 +174,7 @@ void File::write_strings(const std::string& object, const Handle& space, const c
 void File::write_texts(const std::string& object, const std::vector<std::string>& texts,
                        const char* meaning) {
   std::vector<const char*> pointers;
+  pointers.reserve(texts.size());
   for (const std::string& text : texts) pointers.push_back(text.c_str());
   write_strings(object, space_of({texts.size()}), pointers.data());
   write_attribute(object, "meaning", std::string(meaning));

@@ -1,0 +1,195 @@
+#!/usr/bin/python3
+"""Which part may see which: scans includes, target links, packages and paths of the project."""
+import pathlib
+import re
+import subprocess
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".cc", ".c"}
+
+# client -> proto <- server -> core, and nothing else.
+PARTS_SEEN = {
+    "client": {"client", "proto"},
+    "proto": {"proto"},
+    "server": {"server", "proto", "core"},
+    "core": {"core"},
+}
+
+# A core room sees the rooms before it. Those named here see less.
+CORE_ROOMS = ["base", "mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics",
+              "results", "casting"]
+CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
+CORE_ROOMS_SEEN["results"] = {"results", "base", "mesh"}
+for room in ("contact", "mechanics"):  # thermal and mechanics meet only in casting
+    CORE_ROOMS_SEEN[room] -= {"thermal"}
+
+# The daemon never runs a solver: of the server only these rooms see core.
+SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
+
+# Headers that only one place may include; tests of that place may too.
+ONLY_IN = {
+    "hdf5.h": "core/results",
+    "cholmod.h": "core/linalg",
+    "sqlite3.h": "server/jobs",
+}
+NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
+NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
+
+# Debian packages behind each find_package and each own Find module.
+DEBIAN_PACKAGES = {
+    "Threads": [],
+    "PkgConfig": ["pkg-config"],
+    "Protobuf": ["libprotobuf-dev", "protobuf-compiler"],
+    "gRPC": ["libgrpc++-dev", "protobuf-compiler-grpc"],
+    "spdlog": ["libspdlog-dev", "libfmt-dev"],
+    "CLI11": ["libcli11-dev"],
+    "SQLite3": ["libsqlite3-dev"],
+    "tomlplusplus": ["libtomlplusplus-dev"],
+    "nlohmann_json": ["nlohmann-json3-dev"],
+    "HDF5": ["libhdf5-dev"],
+    "Eigen3": ["libeigen3-dev"],
+    "OpenSSL": ["libssl-dev"],
+    "Udunits2": ["libudunits2-dev"],
+    "Cholmod": ["libsuitesparse-dev", "libopenblas-pthread-dev", "libmetis-dev"],
+    "GTest": ["libgtest-dev", "libgmock-dev"],
+    "benchmark": ["libbenchmark-dev"],
+    "prometheus-cpp": ["prometheus-cpp-dev"],
+    "Python3": ["python3"],
+}
+
+
+def tracked_files():
+    """Files of the project, relative to its root; without git every file outside build trees."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "--cached"], capture_output=True,
+                            text=True, check=False)
+    if listed.returncode == 0:
+        names = listed.stdout.splitlines()
+    else:
+        names = [str(path.relative_to(ROOT)) for path in ROOT.rglob("*") if path.is_file()]
+        names = [name for name in names
+                 if not name.startswith(("build/", ".git/", "dccast-quickstart/"))]
+    return [pathlib.PurePosixPath(name) for name in names if (ROOT / name).is_file()]
+
+
+def text_of(path):
+    return (ROOT / path).read_text(encoding="utf-8", errors="replace")
+
+
+def includes_of(path):
+    return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', text_of(path), re.MULTILINE)
+
+
+FILES = tracked_files()
+SOURCES = [path for path in FILES if path.suffix in SOURCE_SUFFIXES]
+CMAKE_FILES = [path for path in FILES if path.name == "CMakeLists.txt" or path.suffix == ".cmake"]
+
+
+def part_of(include):
+    """The part of the project an include belongs to; None for the world outside."""
+    if include.startswith("dccast/v1/"):
+        return "proto"
+    first = include.split("/")[0]
+    return first if first in PARTS_SEEN and "/" in include else None
+
+
+class Sources(unittest.TestCase):
+    def assert_none(self, broken):
+        self.assertFalse(broken, "\n" + "\n".join(broken))
+
+    def test_there_are_sources_to_scan(self):
+        self.assertGreater(len(SOURCES), 20)
+        self.assertIn("core/results/frame.hpp",
+                      includes_of(pathlib.PurePosixPath("core/results/journal.hpp")))
+
+    def test_parts_see_only_what_they_may(self):
+        self.assert_none([
+            f"{path} includes {include}"
+            for path in SOURCES if path.parts[0] in PARTS_SEEN
+            for include in includes_of(path)
+            if part_of(include) not in PARTS_SEEN[path.parts[0]] | {None}])
+
+    def test_core_rooms_see_only_rooms_above_them(self):
+        broken = []
+        for path in SOURCES:
+            if path.parts[0] != "core":
+                continue
+            for include in includes_of(path):
+                parts = include.split("/")
+                if parts[0] == "core" and parts[1] not in CORE_ROOMS_SEEN[path.parts[1]]:
+                    broken.append(f"{path} includes {include}")
+        self.assert_none(broken)
+
+    def test_core_targets_link_only_rooms_above_them(self):
+        broken = []
+        for room in CORE_ROOMS:
+            path = pathlib.PurePosixPath(f"core/{room}/CMakeLists.txt")
+            if not (ROOT / path).is_file():
+                continue
+            for linked in re.findall(r"\bdccast_(\w+)", text_of(path)):
+                if linked in CORE_ROOMS and linked not in CORE_ROOMS_SEEN[room]:
+                    broken.append(f"{path} links dccast_{linked}")
+        self.assert_none(broken)
+
+    def test_client_and_proto_link_nothing_of_core(self):
+        core_targets = {f"dccast_{room}" for room in CORE_ROOMS}
+        self.assert_none([
+            f"{path} links {target}"
+            for path in CMAKE_FILES if path.parts[0] in ("client", "proto")
+            for target in re.findall(r"\bdccast_\w+", text_of(path)) if target in core_targets])
+
+    def test_the_daemon_never_sees_the_solver(self):
+        self.assert_none([
+            f"{path} includes {include}"
+            for path in SOURCES
+            if path.parts[0] == "server" and path.parts[1] not in SERVER_ROOMS_THAT_SEE_CORE
+            for include in includes_of(path) if include.startswith("core/")])
+
+    def test_libraries_are_wrapped_once(self):
+        broken = []
+        for path in SOURCES:
+            for include in includes_of(path):
+                owner = ONLY_IN.get(include.split("/")[-1])
+                folder = str(path.parent)
+                mirror = folder.replace("tests/unit/", "core/", 1)
+                if owner and not folder.startswith(owner) and not mirror.startswith(owner):
+                    broken.append(f"{path} includes {include}, which belongs to {owner}")
+        self.assert_none(broken)
+
+    def test_core_knows_no_wire_no_toml_and_no_database(self):
+        self.assert_none([
+            f"{path} includes {include}" for path in SOURCES if path.parts[0] == "core"
+            for include in includes_of(path) if NEVER_IN_CORE.match(include)])
+
+    def test_the_queue_knows_no_wire(self):
+        self.assert_none([
+            f"{path} includes {include}" for path in SOURCES if path.parts[:2] == ("server", "jobs")
+            for include in includes_of(path) if NEVER_IN_JOBS.match(include)])
+
+    def test_no_file_names_a_place_of_one_machine(self):
+        # Spelt so that this file does not find itself.
+        machine_path = re.compile(r"(?<![A-Za-z0-9_.}~])/(?:work|farm|root|home/[a-z])\w*/")
+        self.assert_none([
+            f"{path}:{number}: {line.strip()[:120]}"
+            for path in FILES if path.name != "LICENSE"
+            for number, line in enumerate(text_of(path).splitlines(), 1)
+            if machine_path.search(line) and path.name != pathlib.Path(__file__).name])
+
+    def test_every_package_found_is_a_package_installed(self):
+        entries = [line.split() for line in text_of("deploy/packages.txt").splitlines()
+                   if line and not line.startswith("#")]
+        listed = {package for _, package in entries}
+        self.assertEqual(len(listed), len(entries), "a package is listed twice")
+        self.assertTrue(all(group in ("build", "test") for group, _ in entries))
+        broken = []
+        for path in CMAKE_FILES:
+            for name in re.findall(r"^\s*find_package\(\s*([\w-]+)", text_of(path), re.MULTILINE):
+                if name not in DEBIAN_PACKAGES:
+                    broken.append(f"{path}: find_package({name}) is unknown to {__file__}")
+                broken += [f"{path}: find_package({name}) needs {package} in deploy/packages.txt"
+                           for package in DEBIAN_PACKAGES.get(name, []) if package not in listed]
+        self.assert_none(broken)
+
+
+if __name__ == "__main__":
+    unittest.main()
