@@ -6,7 +6,7 @@
 #include <spawn.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -85,7 +85,8 @@ void LocalExecutor::spawn(const WorkerLaunch& launch) {
                  "cannot start " + worker_program_.string() + ": " + ::strerror(error));
     return;
   }
-  FileDescriptor handle(::pidfd_open(process, 0));
+  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
+  FileDescriptor handle(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
   const auto identity = identify(process);  // not collected yet: it is there, if only as a zombie
   children_[{launch.job_id, launch.attempt}] = {launch, process, std::move(handle)};
   calls_.started(launch.job_id, launch.attempt, identity.value_or(ProcessIdentity{process, 0}));

@@ -94,9 +94,9 @@ public:
   int queued();
   int running();
 
-  /// A worker has called. @return its run, and fills `start`; null for a wrong token
+  /// A worker has called; it gets its order to start. @return its run; null for a wrong token
   std::shared_ptr<Run> attach(const v1::WorkerMessage::Hello& hello,
-                              std::shared_ptr<WorkerChannel> channel, v1::WorkerOrder* start);
+                              std::shared_ptr<WorkerChannel> channel);
   /// Takes what a worker says; never waits for watchers.
   void report(const std::shared_ptr<Run>& run, const v1::WorkerMessage& message);
   /// The link to a worker has ended.

@@ -154,8 +154,7 @@ Reply Scheduler::pause(const std::string& id) {
 }
 
 std::shared_ptr<Run> Scheduler::attach(const v1::WorkerMessage::Hello& hello,
-                                       std::shared_ptr<WorkerChannel> channel,
-                                       v1::WorkerOrder* start) {
+                                       std::shared_ptr<WorkerChannel> channel) {
   const std::lock_guard lock(mutex_);
   const auto found = runs_.find(hello.job_id());
   if (found == runs_.end() || found->second->channel ||
@@ -165,12 +164,14 @@ std::shared_ptr<Run> Scheduler::attach(const v1::WorkerMessage::Hello& hello,
     return nullptr;
   }
   Run& run = *found->second;
+  v1::WorkerOrder order;
+  auto* start = order.mutable_start();
   const auto complete_case = store_.complete_case(run.job_id);
-  if (!complete_case || !start->mutable_start()->mutable_case_()->ParseFromString(*complete_case))
-    return nullptr;  // a job deleted this very moment
-  start->mutable_start()->set_directory(options_.jobs_directory / run.job_id);
-  start->mutable_start()->set_resume(run.attempt > 1);
+  if (!complete_case || !start->mutable_case_()->ParseFromString(*complete_case)) return nullptr;
+  start->set_directory(options_.jobs_directory / run.job_id);
+  start->set_resume(run.attempt > 1);
   run.channel = std::move(channel);
+  run.channel->send(order);  // here, so that no order to stop can come before it
   return found->second;
 }
 

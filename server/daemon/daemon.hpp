@@ -1,0 +1,11 @@
+#pragma once
+
+#include "dccast/v1/config.pb.h"
+
+namespace dccast::daemon {
+
+/// Serves until SIGTERM or SIGINT, which must be blocked in all threads. @return 0
+/// @throws std::runtime_error  the address or the data directory cannot be used
+int serve(const v1::DaemonConfig& config);
+
+}  // namespace dccast::daemon

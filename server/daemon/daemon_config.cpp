@@ -1,0 +1,66 @@
+#include "server/daemon/daemon_config.hpp"
+
+#include <array>
+
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::daemon {
+
+namespace {
+
+constexpr std::array log_levels{"trace", "debug", "info", "warn", "error"};
+
+std::string text_of(const v1::Fault& fault) {
+  std::string text =
+      fault.field() + (fault.value().empty() ? "" : " = " + fault.value()) + ": " + fault.message();
+  if (!fault.permitted().empty()) text += "; permitted: " + fault.permitted();
+  if (!fault.remedy().empty()) text += "; " + fault.remedy();
+  return text;
+}
+
+void add(const std::vector<v1::Fault>& faults, const std::string& where, std::string& text) {
+  for (const v1::Fault& fault : faults) text += where + ": " + text_of(fault) + "\n";
+}
+
+/// One "key=value" as a line of TOML. On a command line quotes are a nuisance: what is no TOML
+/// value by itself is taken as text.
+void override_key(const std::string& override_text, v1::DaemonConfig& config, std::string& faults) {
+  const std::string where = "--set " + override_text;
+  const auto equals = override_text.find('=');
+  if (equals == std::string::npos) {
+    faults += where + ": write it as key=value\n";
+    return;
+  }
+  const std::string key = override_text.substr(0, equals);
+  const std::string value = override_text.substr(equals + 1);
+  v1::DaemonConfig one;
+  auto outcome = case_file::read_text(key + " = " + value, where, one);
+  if (!outcome.ok()) {
+    one.Clear();
+    const auto quoted = case_file::read_text(key + " = '" + value + "'", where, one);
+    if (!quoted.ok()) return add(quoted.faults, where, faults);
+  }
+  config.MergeFrom(one);
+}
+
+}  // namespace
+
+v1::DaemonConfig read_config(const std::string& file, const std::vector<std::string>& overrides) {
+  v1::DaemonConfig config;
+  std::string faults;
+  if (!file.empty()) add(case_file::read_file(file, config).faults, file, faults);
+  for (const std::string& text : overrides) override_key(text, config, faults);
+  case_file::apply_defaults(config);
+  if (faults.empty()) add(case_file::check_ranges(config), "settings", faults);
+  bool known_level = false;
+  for (const char* level : log_levels) known_level = known_level || config.log_level() == level;
+  if (!known_level)
+    faults +=
+        "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
+  if (config.listen().rfind(':') == std::string::npos)
+    faults += "listen = " + config.listen() + ": write host:port, e.g. 127.0.0.1:7117\n";
+  if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
+  return config;
+}
+
+}  // namespace dccast::daemon

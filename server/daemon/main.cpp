@@ -1,0 +1,47 @@
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <iostream>
+
+#include "server/daemon/command_line.hpp"
+#include "server/daemon/daemon.hpp"
+#include "server/daemon/daemon_config.hpp"
+
+namespace {
+
+// Exit codes of every program, see README.
+constexpr int exit_invalid = 2;
+constexpr int exit_refused = 4;
+
+/// Before any thread: all of them inherit the mask, and one place waits for the signals.
+void prepare_signals() {
+  sigset_t awaited;
+  sigemptyset(&awaited);
+  sigaddset(&awaited, SIGTERM);
+  sigaddset(&awaited, SIGINT);
+  ::pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto line = dccast::daemon::read_command_line(argc, argv);
+  if (line.exit_code >= 0) return line.exit_code;
+  prepare_signals();
+  spdlog::set_default_logger(spdlog::stderr_color_mt("dccastd"));
+  try {
+    const auto config = dccast::daemon::read_config(line.config_file, line.overrides);
+    spdlog::set_level(spdlog::level::from_str(config.log_level()));
+    return dccast::daemon::serve(config);
+  } catch (const dccast::daemon::InvalidConfig& error) {
+    std::cerr << error.what() << '\n';
+    return exit_invalid;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return exit_refused;
+  }
+}

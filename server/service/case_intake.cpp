@@ -1,0 +1,98 @@
+#include "server/service/case_intake.hpp"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <chrono>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "dccast/v1/worker.pb.h"
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "server/jobs/ask_worker.hpp"
+#include "server/jobs/digest.hpp"
+#include "server/service/attachment_names.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+// The core estimates a mesh and reads attached files; a minute is far beyond the largest permitted.
+constexpr std::chrono::seconds check_time_limit{60};
+
+/// Parses what the worker program answered. @throws jobs::WorkerDidNotAnswer
+template <class Message>
+Message parsed(const std::string& bytes) {
+  Message message;
+  if (!message.ParseFromString(bytes))
+    throw jobs::WorkerDidNotAnswer("the worker program's answer cannot be read");
+  return message;
+}
+
+}  // namespace
+
+CaseIntake::CaseIntake(std::filesystem::path worker_program, std::filesystem::path alloy_directory,
+                       std::filesystem::path check_directory)
+    : worker_program_(std::move(worker_program)),
+      alloy_directory_(std::move(alloy_directory)),
+      check_directory_(std::move(check_directory)) {
+  for (const std::string& name : case_file::alloy_names(alloy_directory_)) {
+    const auto card = case_file::alloy_card(name, alloy_directory_);
+    if (!card.ok())
+      throw std::runtime_error("alloy card " + name + ": " + card.faults.front().field() + ": " +
+                               card.faults.front().message());
+    alloys_.push_back(card.alloy);
+  }
+}
+
+ExaminedCase CaseIntake::examine(const v1::Case& submitted,
+                                 const jobs::Attachments& attachments) const {
+  ExaminedCase examined{submitted, {}};
+  v1::ValidateCaseResponse& verdict = examined.verdict;
+  check_attachment_names(submitted, attachments, verdict);
+  for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
+  // The core is asked only about a case whose single values are sound: it computes with them.
+  if (verdict.faults_size() == 0) verdict.MergeFrom(ask_core(examined.complete, attachments));
+  return examined;
+}
+
+std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
+  case_file::apply_defaults(submitted);
+  const auto card = case_file::alloy_card(submitted.alloy().card(), alloy_directory_);
+  if (card.ok()) case_file::complete_alloy(card.alloy, *submitted.mutable_alloy());
+  std::vector<v1::Fault> faults = card.faults;
+  const auto ranges = case_file::check_ranges(submitted);
+  faults.insert(faults.end(), ranges.begin(), ranges.end());
+  return faults;
+}
+
+v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
+                                              const jobs::Attachments& attachments) const {
+  const jobs::CheckFolder folder(check_directory_, attachments);
+  v1::WorkerOrder::Start question;
+  *question.mutable_case_() = complete;
+  question.set_directory(folder.path());
+  return parsed<v1::ValidateCaseResponse>(
+      jobs::ask_worker(worker_program_, "--check", question.SerializeAsString(), check_time_limit));
+}
+
+v1::Frame CaseIntake::last_frame(const std::filesystem::path& job_folder) const {
+  v1::WorkerOrder::Start question;
+  question.set_directory(job_folder);
+  return parsed<v1::Frame>(
+      jobs::ask_worker(worker_program_, "--frame", question.SerializeAsString(), check_time_limit));
+}
+
+std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);
+  if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
+  std::set<std::string> files;  // in any order they are the same files
+  for (const v1::Attachment& attachment : attachments)
+    files.insert(attachment.name() + " " + jobs::sha256(attachment.content()));
+  for (const std::string& file : files) text += "\n" + file;
+  return jobs::sha256(text);
+}
+
+}  // namespace dccast::service

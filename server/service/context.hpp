@@ -1,0 +1,27 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "server/jobs/event_logs.hpp"
+#include "server/jobs/job_store.hpp"
+#include "server/jobs/scheduler.hpp"
+#include "server/service/case_intake.hpp"
+
+namespace dccast::service {
+
+/// What the handlers work with; owned by the daemon.
+struct Context {
+  jobs::Scheduler& scheduler;
+  jobs::EventLogs& logs;
+  jobs::JobStore& store;
+  const CaseIntake& intake;
+  std::filesystem::path jobs_directory;
+  std::string version;
+  int workers = 1;
+  int maximum_queued = 0;
+  std::int64_t maximum_message_bytes = 0;
+  std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
+};
+
+}  // namespace dccast::service

@@ -1,0 +1,22 @@
+#include <google/protobuf/stubs/common.h>
+#include <grpcpp/grpcpp.h>
+
+#include "server/service/handlers.hpp"
+
+namespace dccast::service {
+
+grpc::Status get_server_info(Context& context, const v1::GetServerInfoRequest&,
+                             v1::GetServerInfoResponse& response) {
+  response.set_version(context.version);
+  response.set_workers(context.workers);
+  response.set_queued(context.scheduler.queued());
+  response.set_running(context.scheduler.running());
+  response.set_maximum_message_bytes(context.maximum_message_bytes);
+  response.set_maximum_queued(context.maximum_queued);
+  response.set_build(std::string("g++ ") + __VERSION__ + ", gRPC " + grpc::Version() +
+                     ", protobuf " +
+                     google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION));
+  return grpc::Status::OK;
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,12 @@
+#include "server/service/handlers.hpp"
+#include "server/service/status.hpp"
+
+namespace dccast::service {
+
+grpc::Status resume_job(Context& context, const v1::ResumeJobRequest& request, v1::Job& response) {
+  if (const auto status = check_id(request.id()); !status.ok()) return status;
+  return answer(context.scheduler.resume(request.id()), request.id(),
+                "only a paused job can be resumed", &response);
+}
+
+}  // namespace dccast::service

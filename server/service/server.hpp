@@ -1,0 +1,66 @@
+#pragma once
+
+#include <grpcpp/server.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "server/jobs/scheduler.hpp"
+#include "server/service/context.hpp"
+#include "server/service/simulation_service.hpp"
+#include "server/service/worker_link.hpp"
+
+namespace dccast::service {
+
+/// Whether clients on other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
+/// "localhost:7117").
+bool is_loopback(const std::string& address);
+
+/// Where workers find the daemon: a Unix socket in the data directory, or, where that path is too
+/// long for a socket, in a private folder of its own under the system's temporary directory.
+class LinkAddress {
+public:
+  explicit LinkAddress(const std::filesystem::path& data_directory);
+  LinkAddress(const LinkAddress&) = delete;
+  ~LinkAddress();
+  std::string grpc_address() const { return "unix:" + socket_.string(); }
+
+private:
+  std::filesystem::path socket_;
+  std::filesystem::path private_folder_;  ///< empty: the socket is in the data directory
+};
+
+/// The worker link, listening.
+class LinkServer {
+public:
+  /// @throws std::runtime_error  it cannot listen there
+  LinkServer(jobs::Scheduler& scheduler, const LinkAddress& address);
+  ~LinkServer();
+
+private:
+  WorkerLink link_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+/// SimulationService, health and reflection, listening on TCP.
+class PublicServer {
+public:
+  /// @param listen  host and port; port 0 takes a free one
+  /// @throws std::runtime_error  it cannot listen there
+  PublicServer(Context& context, const std::string& listen);
+  ~PublicServer();
+  /// Host and port in use.
+  const std::string& address() const { return address_; }
+  /// Health says NOT_SERVING from now on.
+  void announce_end();
+  /// Ends all calls: those that end by themselves within a second do.
+  void shut_down();
+
+private:
+  SimulationService service_;
+  std::unique_ptr<grpc::Server> server_;
+  std::string address_;
+};
+
+}  // namespace dccast::service

@@ -1,0 +1,11 @@
+#include "server/service/handlers.hpp"
+
+namespace dccast::service {
+
+grpc::Status validate_case(Context& context, const v1::ValidateCaseRequest& request,
+                           v1::ValidateCaseResponse& response) {
+  response = context.intake.examine(request.case_(), request.attachments()).verdict;
+  return grpc::Status::OK;
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,125 @@
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/service/status.hpp"
+#include "server/service/streams.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+/// One watcher: a cursor into the job's event log and one event under way. It lives until gRPC has
+/// done with it and the notifier has let go of it.
+class WatchStream final : public grpc::ServerWriteReactor<v1::JobEvent>,
+                          public jobs::Watcher,
+                          public std::enable_shared_from_this<WatchStream> {
+public:
+  explicit WatchStream(Context& context) : context_(context) {}
+
+  void begin(const v1::WatchJobRequest& request) {
+    self_ = shared_from_this();
+    const grpc::Status status = guarded([&] { return open(request); });
+    if (!status.ok()) return end(status);
+    context_.logs.watch(request.id(), weak_from_this());  // calls on_appended() soon
+  }
+
+  void on_appended() override { go_on(); }
+
+  void OnWriteDone(bool ok) override {
+    {
+      const std::lock_guard lock(mutex_);
+      writing_ = false;
+      cancelled_ = cancelled_ || !ok;
+    }
+    go_on();
+  }
+
+  void OnCancel() override {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+    }
+    go_on();
+  }
+
+  void OnDone() override { self_.reset(); }
+
+private:
+  grpc::Status open(const v1::WatchJobRequest& request) {
+    if (const auto status = check_id(request.id()); !status.ok()) return status;
+    if (!context_.scheduler.find(request.id())) return job_not_found(request.id());
+    log_ = context_.scheduler.log(request.id());
+    cursor_.sequence = std::max<std::int64_t>(request.from_sequence(), 1);
+    if (cursor_.sequence <= log_->last_sequence() + 1) return grpc::Status::OK;
+    return {grpc::StatusCode::OUT_OF_RANGE,
+            "job " + request.id() + " has " + std::to_string(log_->last_sequence()) +
+                " events so far; watch from one of them, or the next"};
+  }
+
+  void end(const grpc::Status& status) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(ended_, true)) return;
+    }
+    Finish(status);
+  }
+
+  /// What the stream does next, decided under the lock and done outside of it.
+  void go_on() {
+    std::optional<grpc::Status> finish;
+    {
+      const std::lock_guard lock(mutex_);
+      if (writing_ || ended_) return;
+      finish = next();
+      if (!finish && !writing_) return;  // nothing new
+      ended_ = finish.has_value();
+    }
+    if (finish)
+      Finish(*finish);
+    else
+      StartWrite(&event_);
+  }
+
+  /// Sets writing_ when there is an event to send. @return the status when the stream is over
+  std::optional<grpc::Status> next() {
+    if (cancelled_) return grpc::Status::CANCELLED;
+    try {
+      if (auto event = log_->read(cursor_)) {
+        event_ = std::move(*event);
+        writing_ = true;
+        return std::nullopt;
+      }
+    } catch (const std::exception& error) {
+      return grpc::Status(grpc::StatusCode::DATA_LOSS, error.what());
+    }
+    if (log_->terminal_event()) return grpc::Status::OK;
+    if (!context_.leaving) return std::nullopt;
+    return grpc::Status(
+        grpc::StatusCode::UNAVAILABLE,
+        "dccastd is shutting down; the job goes on when it is back: watch again from " +
+            std::to_string(cursor_.sequence));
+  }
+
+  Context& context_;
+  std::shared_ptr<WatchStream> self_;
+  std::shared_ptr<jobs::EventLog> log_;
+  std::mutex mutex_;  ///< of all below
+  jobs::EventLog::Cursor cursor_;
+  v1::JobEvent event_;
+  bool writing_ = false;
+  bool cancelled_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context,
+                                                  const v1::WatchJobRequest& request) {
+  const auto stream = std::make_shared<WatchStream>(context);
+  stream->begin(request);
+  return stream.get();
+}
+
+}  // namespace dccast::service

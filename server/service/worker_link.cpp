@@ -1,0 +1,121 @@
+#include "server/service/worker_link.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace dccast::service {
+
+namespace {
+
+/// One worker's call. Orders may come from any thread; one is under way at a time.
+class WorkerStream final : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::WorkerOrder>,
+                           public jobs::WorkerChannel,
+                           public std::enable_shared_from_this<WorkerStream> {
+public:
+  WorkerStream(jobs::Scheduler& scheduler, WorkPool& in_order)
+      : scheduler_(scheduler), in_order_(in_order) {}
+
+  void begin() {
+    self_ = shared_from_this();
+    StartRead(&message_);
+  }
+
+  void send(const v1::WorkerOrder& order) override {
+    {
+      const std::lock_guard lock(mutex_);
+      orders_.push_back(order);
+    }
+    go_on();
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return end(grpc::Status::OK);
+    if (!run_) return greet();
+    if (message_.has_finished())
+      in_order_.post(
+          [this, self = shared_from_this(), last = message_] { scheduler_.report(run_, last); });
+    else
+      scheduler_.report(run_, message_);
+    StartRead(&message_);
+  }
+
+  void OnWriteDone(bool ok) override {
+    {
+      const std::lock_guard lock(mutex_);
+      writing_ = false;
+      if (!ok) orders_.clear();
+    }
+    go_on();
+  }
+
+  void OnDone() override {
+    if (run_) in_order_.post([self = shared_from_this()] { self->scheduler_.detach(self->run_); });
+    self_.reset();
+  }
+
+private:
+  void greet() {
+    if (message_.has_hello()) run_ = scheduler_.attach(message_.hello(), shared_from_this());
+    if (!run_)
+      return end({grpc::StatusCode::PERMISSION_DENIED, "the token is not the one of this worker"});
+    StartRead(&message_);
+  }
+
+  void end(const grpc::Status& status) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (ending_) return;
+      ending_ = status;
+    }
+    go_on();
+  }
+
+  /// Sends the next order, or ends the call once none is under way.
+  void go_on() {
+    bool finish = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (writing_ || ended_) return;
+      if (!orders_.empty() && !ending_) {
+        order_ = std::move(orders_.front());
+        orders_.pop_front();
+        writing_ = true;
+      } else if (ending_) {
+        finish = ended_ = true;
+      } else {
+        return;
+      }
+    }
+    if (finish)
+      Finish(*ending_);
+    else
+      StartWrite(&order_);
+  }
+
+  jobs::Scheduler& scheduler_;
+  WorkPool& in_order_;
+  std::shared_ptr<WorkerStream> self_;
+  std::shared_ptr<jobs::Run> run_;
+  v1::WorkerMessage message_;
+  std::mutex mutex_;  ///< of all below
+  std::deque<v1::WorkerOrder> orders_;
+  v1::WorkerOrder order_;
+  std::optional<grpc::Status> ending_;
+  bool writing_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::WorkerMessage, v1::WorkerOrder>* WorkerLink::Run(
+    grpc::CallbackServerContext*) {
+  const auto stream = std::make_shared<WorkerStream>(scheduler_, in_order_);
+  stream->begin();
+  return stream.get();
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,250 @@
+#include "server/translate/case_to_core.hpp"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <optional>
+
+namespace dccast::translate {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Abscissa abscissa_of(v1::Abscissa abscissa) {
+  switch (abscissa) {
+    case v1::TIME:
+      return Abscissa::time;
+    case v1::CAST_LENGTH:
+      return Abscissa::cast_length;
+    case v1::TEMPERATURE:
+      return Abscissa::temperature;
+    case v1::GAP:
+      return Abscissa::gap;
+    case v1::DISTANCE:
+      return Abscissa::distance;
+    case v1::LIQUID_FRACTION:
+      return Abscissa::liquid_fraction;
+    default:
+      return Abscissa::none;
+  }
+}
+
+fs::path attached(const std::string& name, const fs::path& attachments) {
+  return name.empty() ? fs::path() : attachments / name;
+}
+
+mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
+  mesh::SectionSpec to;
+  to.kind = from.section().kind() == v1::Section::AXISYMMETRIC ? mesh::SectionKind::axisymmetric
+                                                               : mesh::SectionKind::plane_strain;
+  to.half_width = from.section().half_width_m();
+  to.initial_depth = from.section().initial_depth_m();
+  const v1::Mesh& mesh = from.mesh();
+  to.element = mesh.element() == v1::Q1 ? mesh::ElementKind::q1 : mesh::ElementKind::p1;
+  if (mesh.has_columns()) to.columns = mesh.columns();
+  if (mesh.has_rows()) to.rows = mesh.rows();
+  if (mesh.has_side_cell_m()) to.side_cell = mesh.side_cell_m();
+  if (mesh.has_bottom_cell_m()) to.bottom_cell = mesh.bottom_cell_m();
+  if (mesh.has_growth_cell_m()) to.growth_cell = mesh.growth_cell_m();
+  if (mesh.has_refinement()) to.refinement = mesh.refinement();
+  to.file = attached(mesh.file(), attachments);
+  if (mesh.has_growth()) to.growth = mesh.growth();
+  return to;
+}
+
+std::variant<material::NortonHoffConstants, material::ReferenceCreep> creep(const v1::Alloy& from) {
+  if (from.has_norton_hoff()) {
+    const v1::NortonHoff& law = from.norton_hoff();
+    return material::NortonHoffConstants{.material_resistance = law.material_resistance_pa_per_s(),
+                                         .shear_limit = law.shear_limit_pa(),
+                                         .activation_energy = law.activation_energy_j_per_mol(),
+                                         .exponent = law.exponent()};
+  }
+  const v1::ReferenceCreep& law = from.reference_creep();
+  return material::ReferenceCreep{.stress = law.stress_pa(),
+                                  .strain_rate = law.strain_rate_per_s(),
+                                  .temperature = law.temperature_c(),
+                                  .stress_exponent = law.stress_exponent(),
+                                  .activation_energy = law.activation_energy_j_per_mol()};
+}
+
+material::AlloyCard alloy(const v1::Alloy& from) {
+  material::AlloyCard to;
+  to.name = from.card();
+  to.liquidus = from.liquidus_c();
+  to.solidus = from.solidus_c();
+  to.coherency = from.has_coherency_c() ? from.coherency_c() : from.liquidus_c();
+  to.latent_heat = from.latent_heat_j_per_kg();
+  to.density = to_core(from.density_kg_per_m3());
+  to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
+  to.conductivity = to_core(from.conductivity_w_per_m_k());
+  to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
+  to.young_modulus = to_core(from.young_modulus_pa());
+  to.poisson_ratio = to_core(from.poisson_ratio());
+  to.creep = creep(from);
+  return to;
+}
+
+casting::Schedule schedule(const v1::Schedule& from) {
+  return {.hold = from.hold_s(),
+          .casting_speed = to_core(from.casting_speed_m_per_s()),
+          .casting_temperature = to_core(from.casting_temperature_c()),
+          .water_flow = to_core(from.water_flow_m2_per_s())};
+}
+
+thermal::SideZone zone(const v1::SideZone& from) {
+  return {.name = from.name(),
+          .from = from.from_m(),
+          .to = from.to_m(),
+          .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
+          .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
+          .temperature = to_core(from.temperature_c())};
+}
+
+thermal::Water water(const v1::Water& from) {
+  thermal::Water to;
+  if (from.has_enabled()) to.enabled = from.enabled();
+  if (from.has_from_m()) to.from = from.from_m();
+  if (from.has_start_s()) to.start = from.start_s();
+  to.temperature = to_core(from.temperature_c());
+  if (from.has_critical_heat_flux_w_per_m2())
+    to.critical_heat_flux = from.critical_heat_flux_w_per_m2();
+  if (from.has_film_boiling()) to.film_boiling = from.film_boiling();
+  if (from.has_film_boiling_coefficient_w_per_m2_k())
+    to.film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k();
+  if (from.has_film_boiling_above_c()) to.film_boiling_above = from.film_boiling_above_c();
+  to.coefficient = to_core(from.coefficient_w_per_m2_k());
+  return to;
+}
+
+thermal::CoolingSpec cooling(const v1::Cooling& from) {
+  thermal::CoolingSpec to;
+  for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
+  to.water = water(from.water());
+  const v1::BottomBlock& block = from.bottom_block();
+  to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
+                     .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
+                     .temperature_factor = to_core(block.temperature_factor()),
+                     .temperature = to_core(block.temperature_c())};
+  if (from.has_dry_coefficient_w_per_m2_k()) to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
+  if (from.has_ambient_temperature_c()) to.ambient_temperature = from.ambient_temperature_c();
+  to.top = from.top() == v1::Cooling::INSULATED ? thermal::Top::insulated : thermal::Top::pouring;
+  return to;
+}
+
+casting::ThermalOptions thermal_options(const v1::Thermal& from, const fs::path& attachments) {
+  casting::ThermalOptions to;
+  if (from.has_initial_temperature_c()) to.initial_temperature = from.initial_temperature_c();
+  if (from.has_tolerance()) to.tolerance = from.tolerance();
+  if (from.has_maximum_iterations()) to.maximum_iterations = from.maximum_iterations();
+  to.file = attached(from.file(), attachments);
+  return to;
+}
+
+mechanics::Algorithm algorithm_of(v1::Mechanics::Algorithm algorithm) {
+  switch (algorithm) {
+    case v1::Mechanics::VNBM:
+      return mechanics::Algorithm::vnbm;
+    case v1::Mechanics::SBM:
+      return mechanics::Algorithm::sbm;
+    case v1::Mechanics::NBM:
+      return mechanics::Algorithm::nbm;
+    default:
+      return mechanics::Algorithm::newton;
+  }
+}
+
+mechanics::Liquid liquid_of(v1::Mechanics::Liquid liquid) {
+  switch (liquid) {
+    case v1::Mechanics::WEAK:
+      return mechanics::Liquid::weak;
+    case v1::Mechanics::SOLID:
+      return mechanics::Liquid::solid;
+    default:
+      return mechanics::Liquid::prestressed;
+  }
+}
+
+mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
+  mechanics::AlgorithmParameters to;
+  if (from.has_gamma_p_per_pa_s()) to.gamma_p = from.gamma_p_per_pa_s();
+  if (from.has_lambda_p_pa_s()) to.lambda_p = from.lambda_p_pa_s();
+  if (from.has_gamma_c_pa_per_m()) to.gamma_c = from.gamma_c_pa_per_m();
+  if (from.has_lambda_c_m_per_pa()) to.lambda_c = from.lambda_c_m_per_pa();
+  if (from.has_relaxation()) to.relaxation = from.relaxation();
+  to.plain = from.plain();
+  to.increment_test = from.increment_test();
+  return to;
+}
+
+casting::MechanicsCase mechanics_case(const v1::Mechanics& from) {
+  casting::MechanicsCase to;
+  if (from.has_enabled()) to.enabled = from.enabled();
+  to.start = from.start_s();
+  mechanics::Options& options = to.options;
+  options.algorithm = algorithm_of(from.algorithm());
+  if (from.has_gravity_m_per_s2()) options.gravity = from.gravity_m_per_s2();
+  options.liquid = liquid_of(from.liquid());
+  if (from.has_liquid_modulus_pa()) options.liquid_modulus = from.liquid_modulus_pa();
+  if (from.has_liquid_epsilon()) options.liquid_epsilon = from.liquid_epsilon();
+  if (from.has_liquid_delta()) options.liquid_delta = from.liquid_delta();
+  if (from.has_liquid_beta()) options.liquid_beta = from.liquid_beta();
+  if (from.has_confinement()) options.confinement = from.confinement();
+  if (from.has_contact()) options.contact = from.contact();
+  if (from.has_tolerance()) options.tolerance = from.tolerance();
+  if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();
+  options.parameters = parameters(from.parameters());
+  return to;
+}
+
+casting::TimeControl time_control(const v1::TimeControl& from) {
+  casting::TimeControl to;
+  to.end = from.end_s();
+  to.step = to_core(from.step_s());
+  if (from.has_minimum_step_s()) to.minimum_step = from.minimum_step_s();
+  return to;
+}
+
+void small_tables(const v1::Case& from, casting::Case& to) {
+  if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
+  if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
+  for (const v1::Monitor& monitor : from.monitor())
+    to.monitors.push_back({monitor.name(), monitor.x_m(), monitor.y_m()});
+  if (from.output().has_frame_interval_s())
+    to.output.frame_interval = from.output().frame_interval_s();
+  if (from.output().has_stresses()) to.output.stresses = from.output().stresses();
+  if (from.checkpoint().has_every_steps())
+    to.checkpoint.every_steps = from.checkpoint().every_steps();
+  if (from.checkpoint().has_every_s()) to.checkpoint.every_seconds = from.checkpoint().every_s();
+  if (from.limits().has_maximum_nodes()) to.limits.maximum_nodes = from.limits().maximum_nodes();
+  if (from.limits().has_maximum_steps()) to.limits.maximum_steps = from.limits().maximum_steps();
+}
+
+}  // namespace
+
+Curve to_core(const v1::Curve& curve) {
+  if (curve.value_size() == 0) return {};
+  return Curve(abscissa_of(curve.abscissa()), {curve.at().begin(), curve.at().end()},
+               {curve.value().begin(), curve.value().end()});
+}
+
+casting::Case to_core(const v1::Case& complete, const std::filesystem::path& attachments) {
+  casting::Case to;
+  to.title = complete.title();
+  to.section = section(complete, attachments);
+  to.alloy = alloy(complete.alloy());
+  to.schedule = schedule(complete.schedule());
+  to.cooling = cooling(complete.cooling());
+  to.thermal = thermal_options(complete.thermal(), attachments);
+  to.mechanics = mechanics_case(complete.mechanics());
+  to.time = time_control(complete.time());
+  small_tables(complete, to);
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  const auto status =
+      google::protobuf::util::MessageToJsonString(complete, &to.source_json, options);
+  if (!status.ok()) to.source_json.clear();  // provenance only; a case that came here is printable
+  return to;
+}
+
+}  // namespace dccast::translate

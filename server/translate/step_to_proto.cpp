@@ -1,0 +1,62 @@
+#include "server/translate/step_to_proto.hpp"
+
+namespace dccast::translate {
+
+namespace {
+
+void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
+                  v1::StepReport& to) {
+  for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
+    auto* value = to.add_monitors();
+    if (i < monitors.size()) value->set_name(monitors[i].name);
+    for (const double component : report.monitor_displacement[i])
+      value->add_displacement_m(component);
+  }
+}
+
+}  // namespace
+
+v1::StepReport to_proto(const results::StepReport& report,
+                        const std::vector<casting::Monitor>& monitors) {
+  v1::StepReport to;
+  to.set_step(report.step);
+  to.set_time_s(report.time);
+  to.set_time_step_s(report.time_step);
+  to.set_cast_length_m(report.cast_length);
+  to.set_iterations(report.iterations);
+  to.set_heat_iterations(report.heat_iterations);
+  to.set_contact_changes(report.contact_changes);
+  to.set_factorizations(report.factorizations);
+  to.set_solves(report.solves);
+  to.set_failed_attempts(report.failed_attempts);
+  add_monitors(report, monitors, to);
+  to.set_equilibrium_residual(report.equilibrium_residual);
+  to.set_energy_balance_error(report.energy_balance_error);
+  to.set_wall_heat_flux_w_per_m(report.wall_heat_flux);
+  to.set_bottom_reaction_n_per_m(report.bottom_reaction);
+  to.set_weight_n_per_m(report.weight);
+  to.set_sump_depth_m(report.sump_depth);
+  to.set_contact_length_m(report.contact_length);
+  to.set_solver_s(report.solver_seconds);
+  to.set_progress(report.progress);
+  to.set_nodes(report.nodes);
+  to.set_elements(report.elements);
+  to.set_maximum_surface_temperature_at_mould_exit_c(report.mould_exit_temperature);
+  to.set_complementarity_error(report.complementarity_error);
+  to.set_constitutive_residual(report.constitutive_residual);
+  to.set_liquid_pressure_error(report.liquid_pressure_error);
+  return to;
+}
+
+v1::Failure to_proto(const casting::RunFailure& failure, v1::Failure::Kind kind) {
+  v1::Failure to;
+  to.set_kind(kind);
+  to.set_message(failure.message);
+  to.set_time_s(failure.time);
+  to.set_time_step_s(failure.time_step);
+  to.mutable_residual_history()->Add(failure.residual_history.begin(),
+                                     failure.residual_history.end());
+  return to;
+}
+
+}  // namespace dccast::translate

@@ -1,0 +1,72 @@
+#include "server/worker/main.hpp"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "server/worker/answers.hpp"
+#include "server/worker/link_client.hpp"
+#include "server/worker/run_job.hpp"
+
+namespace dccast::worker {
+
+namespace {
+
+constexpr int exit_not_answered = 1;
+constexpr int exit_usage = 2;
+constexpr int exit_daemon_gone = 70;
+
+std::string take_variable(const char* name) {
+  const char* value = ::getenv(name);
+  std::string text = value == nullptr ? "" : value;
+  ::unsetenv(name);
+  return text;
+}
+
+/// Two workers must never write one folder: a worker does not outlive its daemon, which would start
+/// another one. Checkpoints are complete at any moment, so the kill costs no more than some steps.
+bool tie_to_parent(const std::string& parent) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return std::to_string(::getppid()) == parent;  // else it died before the line above
+}
+
+int run_job_of_daemon() {
+  const std::string address = take_variable("DCCAST_WORKER_LINK");
+  const std::string parent = take_variable("DCCAST_WORKER_PARENT");
+  v1::WorkerMessage::Hello hello;
+  hello.set_job_id(take_variable("DCCAST_WORKER_JOB"));
+  hello.set_token(take_variable("DCCAST_WORKER_TOKEN"));
+  hello.set_process_id(::getpid());
+  if (address.empty() || hello.token().empty()) {
+    std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
+    return exit_usage;
+  }
+  if (!tie_to_parent(parent)) return exit_daemon_gone;
+  LinkClient link(address);
+  const auto start = link.begin(hello);
+  if (!start) return exit_daemon_gone;
+  return link.finish(run_job(*start, link)) ? 0 : exit_daemon_gone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+  try {
+    if (argc == 2 && ::strcmp(argv[1], "--check") == 0) return answer_check(std::cin, std::cout);
+    if (argc == 2 && ::strcmp(argv[1], "--frame") == 0) return answer_frame(std::cin, std::cout);
+    return run_job_of_daemon();
+  } catch (const std::exception& error) {
+    std::cerr << "dccast-worker: " << error.what() << '\n';
+    return exit_not_answered;
+  }
+}
+
+}  // namespace dccast::worker

@@ -1,0 +1,30 @@
+#include "server/worker/reporting_observer.hpp"
+
+#include <utility>
+
+#include "server/translate/step_to_proto.hpp"
+
+namespace dccast::worker {
+
+casting::Order ReportingObserver::on_step(const results::StepReport& report) {
+  v1::WorkerMessage message;
+  *message.mutable_step() = translate::to_proto(report, monitors_);
+  link_.send(std::move(message));
+  return link_.order();
+}
+
+void ReportingObserver::on_resumed(std::int64_t step, double time) {
+  v1::WorkerMessage message;
+  message.mutable_resumed()->set_step(step);
+  message.mutable_resumed()->set_time_s(time);
+  link_.send(std::move(message));
+}
+
+void ReportingObserver::on_message(std::string_view text) {
+  v1::WorkerMessage message;
+  message.mutable_message()->set_level(v1::JobEvent::Message::INFO);
+  message.mutable_message()->set_text(std::string(text));
+  link_.send(std::move(message));
+}
+
+}  // namespace dccast::worker

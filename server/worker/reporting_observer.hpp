@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "core/casting/case.hpp"
+#include "core/casting/step_observer.hpp"
+#include "server/worker/link_client.hpp"
+
+namespace dccast::worker {
+
+/// Sends what the run reports to the daemon, and brings back its orders.
+class ReportingObserver : public casting::StepObserver {
+public:
+  ReportingObserver(LinkClient& link, const std::vector<casting::Monitor>& monitors)
+      : link_(link), monitors_(monitors) {}
+  casting::Order on_step(const results::StepReport& report) override;
+  void on_resumed(std::int64_t step, double time) override;
+  void on_message(std::string_view text) override;
+
+private:
+  LinkClient& link_;
+  const std::vector<casting::Monitor>& monitors_;
+};
+
+}  // namespace dccast::worker

@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+"""What is not right is refused with a remedy, and the daemon goes on."""
+import os
+import socket
+import subprocess
+
+import grpc
+
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, ServiceTest, fake_case, main
+
+
+class Refusal(ServiceTest):
+    settings = {"maximum_queued": 3, "workers": 1, "maximum_message": "65536 bytes"}
+
+    def tearDown(self):
+        self.assertTrue(self.daemon.running())
+        job = self.client.submit(fake_case("steps=1")) if not self.busy else None
+        if job:
+            self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        super().tearDown()
+
+    busy = False  # the queue is full on purpose
+
+    def test_ids_that_are_none(self):
+        for job_id in ("", "7", "../../etc", "x" * 100000 if False else "x" * 1000, "é" * 36,
+                       "0F2B9A4E-0000-4000-8000-000000000000"):
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.job, job_id)
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.watch, job_id)
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.cancel, job_id)
+
+    def test_an_id_of_elsewhere(self):
+        job_id = "0f2b9a4e-0000-4000-8000-000000000000"
+        error = self.refused(grpc.StatusCode.NOT_FOUND, self.client.job, job_id)
+        self.assertIn("ListJobs", error.details())
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.watch, job_id)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.fetch, job_id)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.steps, job_id)
+
+    def test_a_sequence_beyond_the_log(self):
+        job = self.client.submit(fake_case("steps=1"))
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        self.refused(grpc.StatusCode.OUT_OF_RANGE, self.client.watch, job.id, 1000)
+
+    def test_a_full_queue(self):
+        self.busy = True
+        running = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
+        self.client.until_step(running.id, 1)
+        for _ in range(3):
+            self.client.submit(fake_case("steps=1"))
+        error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit,
+                             fake_case("steps=1"))
+        self.assertIn("queue is full", error.details())
+
+    def test_a_case_with_faults(self):
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
+                             fake_case("check=fault"))
+        details = dict(error.trailing_metadata())["grpc-status-details-bin"]
+        verdict = service_pb2.ValidateCaseResponse.FromString(details)
+        self.assertEqual([fault.field for fault in verdict.faults],
+                         ["monitor[0].y", "limits.maximum_steps"])
+        checked = self.client.stub.ValidateCase(
+            service_pb2.ValidateCaseRequest(case=fake_case("check=fault")), timeout=10)
+        self.assertEqual(checked.faults, verdict.faults)
+
+    def test_values_out_of_range_all_at_once(self):
+        case = fake_case()
+        case.section.half_width_m = float("nan")
+        case.mesh.columns = -3
+        case.alloy.card = "unobtainium"
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(case=case),
+                                                timeout=10)
+        fields = [fault.field for fault in checked.faults]
+        self.assertIn("section.half_width", fields)
+        self.assertIn("mesh.columns", fields)
+        self.assertIn("alloy.card", fields)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+
+    def test_an_empty_case(self):
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, None)
+
+    def test_a_check_that_dies(self):
+        error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, fake_case("check=crash"))
+        self.assertIn("signal 6", error.details())
+
+    def test_attachments(self):
+        case = fake_case("steps=1")
+        for name in ("", "..", "a/b", "/etc/passwd", "x" * 300):
+            attachment = job_pb2.Attachment(name=name, content=b"x")
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case,
+                         attachments=[attachment])
+        twice = [job_pb2.Attachment(name="a", content=b"x")] * 2
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case, attachments=twice)
+        case.mesh.file = "slab.msh"
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+        self.assertIn("attachments", error.details())
+        job = self.client.submit(case, attachments=[
+            job_pb2.Attachment(name="slab.msh", content=b"mesh")])
+        path = os.path.join(self.folder, "data", "jobs", job.id, "attachments", "slab.msh")
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), b"mesh")
+        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+
+    def test_a_message_too_large(self):
+        case = fake_case("steps=1")
+        case.mesh.file = "slab.msh"
+        attachment = job_pb2.Attachment(name="slab.msh", content=b"x" * 100000)
+        self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, case,
+                     attachments=[attachment])
+
+    def test_garbage_on_the_socket(self):
+        host, port = self.daemon.address.rsplit(":", 1)
+        for garbage in (b"", b"GET / HTTP/1.1\r\n\r\n", os.urandom(5000),
+                        b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + os.urandom(2000)):
+            with socket.create_connection((host, int(port)), timeout=5) as connection:
+                connection.sendall(garbage)
+
+    def test_a_broken_message(self):
+        for method in ("SubmitJob", "GetJob", "WatchJob"):
+            call = self.client.channel.unary_unary(
+                f"/dccast.v1.SimulationService/{method}", request_serializer=lambda b: b,
+                response_deserializer=lambda b: b)
+            with self.assertRaises(grpc.RpcError):
+                call(b"\xff\xff\xff\x07nonsense", timeout=10)
+
+    def test_the_worker_link_is_not_public(self):
+        call = self.client.channel.stream_stream("/dccast.v1.WorkerLink/Run")
+        self.refused(grpc.StatusCode.UNIMPLEMENTED, call, iter([b""]), timeout=10)
+        socket_address = "unix:" + os.path.join(self.folder, "data", "worker.sock")
+        with grpc.insecure_channel(socket_address) as channel:
+            call = channel.stream_stream("/dccast.v1.WorkerLink/Run")
+            # Hello {job_id: "a", token: "b"}, by hand: a caller who knows no token.
+            hello = b"\x0a\x06\x0a\x01a\x12\x01b"
+            self.refused(grpc.StatusCode.PERMISSION_DENIED, call, iter([hello]), timeout=10)
+
+
+class CommandLine(ServiceTest):
+    def run_daemon(self, *words):
+        return subprocess.run([os.path.join(BIN, "dccastd"), *words], capture_output=True, text=True,
+                              timeout=20, check=False, cwd=self.folder)
+
+    def test_an_open_address_is_refused(self):
+        ended = self.run_daemon("--set", "listen=0.0.0.0:0", "--set", "data_directory=other")
+        self.assertEqual(ended.returncode, 4)
+        self.assertIn("TLS", ended.stderr)
+        self.assertIn("127.0.0.1", ended.stderr)
+
+    def test_a_port_in_use(self):
+        ended = self.run_daemon("--set", f"listen={self.daemon.address}", "--set",
+                                "data_directory=other", "--set",
+                                f"worker_program={self.daemon.settings['worker_program']}")
+        self.assertEqual(ended.returncode, 4)
+        self.assertIn("cannot listen", ended.stderr)
+
+    def test_settings_with_faults(self):
+        ended = self.run_daemon("--set", "workers=-1", "--set", "wrokers=2")
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("workers", ended.stderr)
+        self.assertIn("wrokers", ended.stderr)
+        self.assertEqual(self.run_daemon("--nonsense").returncode, 2)
+        self.assertEqual(self.run_daemon("--help").returncode, 0)
+        self.assertIn("dccastd 0.", self.run_daemon("--version").stdout)
+
+
+if __name__ == "__main__":
+    main()

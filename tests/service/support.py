@@ -1,0 +1,201 @@
+"""What the service tests share: a daemon of their own in a fresh folder, and a client for it.
+
+Everything is started on a free loopback port and stopped by its process id.
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import grpc
+
+from dccast.v1 import case_pb2, job_pb2, service_pb2, service_pb2_grpc
+
+BIN = os.environ["DCCAST_BIN"]
+TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
+
+
+class Daemon:
+    """One dccastd; its folder outlives it, so that it can be started again on it."""
+
+    def __init__(self, folder, worker="dccast-worker-fake", **settings):
+        self.folder = folder
+        self.port_file = os.path.join(folder, "port")
+        self.settings = {"listen": "127.0.0.1:0", "port_file": self.port_file,
+                         "data_directory": os.path.join(folder, "data"),
+                         "worker_program": os.path.join(BIN, worker), "workers": 2, **settings}
+        self.process = None
+
+    def command(self):
+        words = [os.path.join(BIN, "dccastd")]
+        for key, value in self.settings.items():
+            words += ["--set", f"{key}={value}"]
+        return words
+
+    def start(self):
+        if os.path.exists(self.port_file):
+            os.remove(self.port_file)
+        self.log = open(os.path.join(self.folder, "daemon.log"), "ab")
+        self.process = subprocess.Popen(self.command(), stderr=self.log)
+        until(lambda: os.path.exists(self.port_file) or self.process.poll() is not None, 15)
+        if self.process.poll() is not None:
+            raise RuntimeError(f"dccastd ended with {self.process.returncode}:\n{self.said()}")
+        with open(self.port_file, encoding="ascii") as file:
+            self.address = file.read().strip()
+        return self
+
+    def said(self):
+        with open(os.path.join(self.folder, "daemon.log"), encoding="utf-8") as file:
+            return file.read()
+
+    def terminate(self):
+        """SIGTERM. Returns the exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.wait()
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.wait()
+
+    def wait(self):
+        code = self.process.wait(timeout=30)
+        self.log.close()
+        return code
+
+    def running(self):
+        return self.process is not None and self.process.poll() is None
+
+    def worker_processes(self):
+        """Process ids of this daemon's workers."""
+        found = []
+        for name in os.listdir("/proc"):
+            if not name.isdigit():
+                continue
+            try:
+                with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
+                    fields = file.read().rsplit(")", 1)[1].split()
+                if fields[1] == str(self.process.pid) and fields[0] != "Z":
+                    found.append(int(name))
+            except OSError:
+                pass  # it ended while we looked
+        return found
+
+
+class Client:
+    """A Python client made from the .proto files alone."""
+
+    def __init__(self, address):
+        self.channel = grpc.insecure_channel(address, options=[("grpc.use_local_subchannel_pool", 1)])
+        self.stub = service_pb2_grpc.SimulationServiceStub(self.channel)
+
+    def close(self):
+        self.channel.close()
+
+    def submit(self, case, **rest):
+        return self.stub.SubmitJob(service_pb2.SubmitJobRequest(case=case, **rest), timeout=20)
+
+    def job(self, job_id):
+        return self.stub.GetJob(service_pb2.GetJobRequest(id=job_id), timeout=10)
+
+    def watch(self, job_id, start=1, timeout=60):
+        return self.stub.WatchJob(
+            service_pb2.WatchJobRequest(id=job_id, from_sequence=start), timeout=timeout)
+
+    def cancel(self, job_id, reason=""):
+        return self.stub.CancelJob(service_pb2.CancelJobRequest(id=job_id, reason=reason), timeout=10)
+
+    def steps(self, job_id):
+        return list(self.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id),
+                                          timeout=20).steps)
+
+    def fetch(self, job_id, artifact="", offset=0):
+        return list(self.stub.FetchResult(service_pb2.FetchResultRequest(
+            id=job_id, artifact=artifact, offset=offset), timeout=30))
+
+    def until_state(self, job_id, *states, seconds=20):
+        until(lambda: self.job(job_id).state in states, seconds)
+        return self.job(job_id)
+
+    def until_step(self, job_id, step, seconds=20):
+        until(lambda: self.job(job_id).last_step.step >= step, seconds)
+
+
+def until(condition, seconds):
+    """Waits for a condition; fails when it does not come true in time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError("waited in vain")
+        time.sleep(0.01)
+
+
+def fake_case(title="", **rest):
+    """A sound case; what dccast-worker-fake does with it stands in its title."""
+    case = case_pb2.Case(title=title, **rest)
+    case.section.half_width_m = 0.25
+    case.section.initial_depth_m = 0.05
+    case.time.end_s = 145
+    monitor = case.monitor.add()
+    monitor.name, monitor.x_m, monitor.y_m = "corner", 0.25, 0.0
+    return case
+
+
+def curve(steps):
+    return [(step.step, step.monitors[0].displacement_m[1]) for step in steps]
+
+
+class ServiceTest(unittest.TestCase):
+    """A test with a daemon and a client; both are gone after it."""
+    settings = {}
+    worker = "dccast-worker-fake"
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="dccast-service-")
+        self.daemon = Daemon(self.folder, self.worker, **self.settings).start()
+        self.clients = []
+        self.client = self.new_client()
+
+    def new_client(self):
+        self.clients.append(Client(self.daemon.address))
+        return self.clients[-1]
+
+    def restart(self):
+        """Starts the daemon again, on its folder, and connects to it anew."""
+        self.daemon.start()
+        self.client = self.new_client()
+
+    def tearDown(self):
+        for client in self.clients:
+            client.close()
+        if self.daemon.running():
+            self.daemon.kill()
+        if self._outcome.result.failures or self._outcome.result.errors:
+            sys.stderr.write(self.daemon.said())
+        shutil.rmtree(self.folder)
+
+    def refused(self, code, call, *arguments, **rest):
+        """Calls, expects this status, returns the error."""
+        with self.assertRaises(grpc.RpcError) as caught:
+            result = call(*arguments, **rest)
+            if hasattr(result, "__next__"):
+                list(result)
+        self.assertEqual(caught.exception.code(), code, caught.exception.details())
+        self.assertTrue(caught.exception.details())
+        return caught.exception
+
+    def sound_events(self, events):
+        """Sequence numbers without a hole, one terminal event, at the end."""
+        first = events[0].sequence
+        self.assertEqual([event.sequence for event in events],
+                         list(range(first, first + len(events))))
+        self.assertEqual([event.sequence for event in events if event.state_change.terminal],
+                         [events[-1].sequence])
+        return events
+
+
+def main():
+    unittest.main()
