@@ -1,0 +1,87 @@
+#include "proto/case_file/alloy_cards.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/case_file/text_checks.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+bool plain_name(const std::string& name) {
+  constexpr const char* permitted =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  return !name.empty() && name.size() <= 100 && name.front() != '.' &&
+         name.find_first_not_of(permitted) == std::string::npos;
+}
+
+AlloyCard finished(v1::Alloy alloy, ReadOutcome outcome, const std::string& name) {
+  AlloyCard card{std::move(alloy), {}};
+  card.alloy.set_card(name);
+  for (v1::Fault& fault : outcome.faults) {
+    fault.set_message("in alloy card " + describe(fault, outcome.source));
+    fault.set_field("alloy.card");
+    card.faults.push_back(std::move(fault));
+  }
+  return card;
+}
+
+AlloyCard unknown(const std::string& name, const std::filesystem::path& directory) {
+  const std::vector<std::string> names = alloy_names(directory);
+  std::string known;
+  for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
+  const std::string near = nearest(name, names);
+  return {{},
+          {make_fault("alloy.card", quoted(name.substr(0, 100)), "unknown alloy", known,
+                      near.empty() ? "see `dccast alloys`" : "did you mean \"" + near + "\"?")}};
+}
+
+}  // namespace
+
+AlloyCard alloy_card(const std::string& name, const std::filesystem::path& directory) {
+  if (!plain_name(name)) return unknown(name, directory);
+  v1::Alloy alloy;
+  std::error_code error;
+  const std::filesystem::path file = directory / (name + ".toml");
+  if (!directory.empty() && std::filesystem::is_regular_file(file, error)) {
+    ReadOutcome outcome = read_file(file, alloy);
+    return finished(std::move(alloy), std::move(outcome), name);
+  }
+  for (const auto& shipped : shipped::alloy_cards()) {
+    if (shipped.name != name) continue;
+    ReadOutcome outcome = read_text(shipped.text, name + ".toml", alloy);
+    return finished(std::move(alloy), std::move(outcome), name);
+  }
+  return unknown(name, directory);
+}
+
+std::vector<std::string> alloy_names(const std::filesystem::path& directory) {
+  std::set<std::string> names;
+  for (const auto& shipped : shipped::alloy_cards()) names.insert(shipped.name);
+  std::error_code error;
+  if (!directory.empty())
+    for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+      if (entry.path().extension() == ".toml" && plain_name(entry.path().stem().string()))
+        names.insert(entry.path().stem().string());
+  return {names.begin(), names.end()};
+}
+
+void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
+  v1::Alloy complete = card;
+  if (overrides.has_norton_hoff() && !card.has_norton_hoff()) complete.clear_reference_creep();
+  if (overrides.has_reference_creep() && !card.has_reference_creep()) complete.clear_norton_hoff();
+  const Descriptor& descriptor = *v1::Alloy::descriptor();
+  for (int i = 0; i < descriptor.field_count(); ++i)
+    // Merging would append the points of a curve to those of the card.
+    if (is_curve(*descriptor.field(i)) && is_present(overrides, *descriptor.field(i)))
+      complete.GetReflection()->ClearField(&complete, descriptor.field(i));
+  complete.MergeFrom(overrides);
+  apply_defaults(complete);
+  overrides = std::move(complete);
+}
+
+}  // namespace dccast::case_file

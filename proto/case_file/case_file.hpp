@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include "dccast/v1/job.pb.h"
+#include "proto/case_file/source_map.hpp"
+
+/// TOML with units <-> any message of the schema (Case, Alloy, DaemonConfig), by reflection over
+/// the (key) options of options.proto. Keys are field names without their unit suffix, quantities
+/// are strings with a unit, enums are lower-case value names.
+///
+/// The life of a case: the client calls `read_file` and sends what the file says, nothing more. The
+/// server calls `apply_defaults`, `complete_alloy` (alloy_cards.hpp) and `check_ranges`, so a
+/// message that came over the wire from another client is treated in the same way.
+namespace dccast::case_file {
+
+/// A file larger than this is refused before it is parsed [bytes].
+inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
+
+/// What reading a file found besides the message.
+struct ReadOutcome {
+  std::vector<v1::Fault> faults;            ///< empty: the message is complete and in range
+  std::vector<v1::Attachment> attachments;  ///< files named by attachment fields
+  SourceMap source;
+
+  bool ok() const { return faults.empty(); }
+};
+
+/// Reads a TOML file into `message`. Every fault is collected: unknown key, missing or wrong unit,
+/// out of range, NaN, table not increasing, required key absent, broken TOML. What could be read is
+/// in the message all the same. Files named by attachment fields are looked for relative to the
+/// file's folder and read; the field's value becomes the file's base name.
+/// No default is applied. Never throws for what the file holds.
+ReadOutcome read_file(const std::filesystem::path& file, google::protobuf::Message& message);
+
+/// The same from a text. `name` stands in positions; attachments are looked for in `folder`.
+ReadOutcome read_text(std::string_view text, const std::string& name,
+                      google::protobuf::Message& message, const std::filesystem::path& folder = {});
+
+/// Fills every absent key that has a default. In an Alloy *inside* another message only `card` is
+/// filled: a default must not hide what the card says, see `complete_alloy`.
+/// Idempotent; safe from several threads.
+void apply_defaults(google::protobuf::Message& message);
+
+/// Checks a message that may come from anywhere: required keys, ranges, finite numbers, known enum
+/// values, curves well formed (as many values as abscissae, strictly increasing, a permitted
+/// abscissa). Absent keys that are not required are no fault. All faults at once, paths as in a
+/// file.
+std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
+
+/// Writes the keys that are present as a TOML file that reads back to the same message.
+std::string to_toml(const google::protobuf::Message& message);
+
+/// One row of the reference of all keys.
+struct KeyReference {
+  std::string path;  ///< "schedule.casting_speed"; "monitor[].x" in arrays of tables
+  std::string type;  ///< "quantity", "number", "integer", "flag", "text", "choice", "file", "table"
+  std::string unit;  ///< schema unit; empty when there is none
+  std::string permitted;  ///< range or choices, as text
+  std::string against;    ///< for curves: "time, cast length"
+  std::string default_text;
+  std::string doc;
+  bool curve = false;  ///< a table of pairs may stand instead of one value
+  bool required = false;
+};
+
+/// Every key of a message, in the order of the schema; tables before their keys.
+std::vector<KeyReference> reference(const google::protobuf::Descriptor& descriptor);
+
+}  // namespace dccast::case_file

@@ -1,0 +1,58 @@
+#include <stdexcept>
+
+#include <toml++/toml.h>
+
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+/// Sets one field from its default text, by the reader itself: a default is written as in a file.
+void set_default(Message& message, const FieldDescriptor& field) {
+  const std::string& text = key_of(field).default_text();
+  if (text.empty() || text == "\"\"") return;
+  const std::unique_ptr<Message> read(message.New());
+  const ReadOutcome outcome = read_text(toml_key(field) + " = " + text, "default", *read);
+  // The text holds one key only, so required ones are missing by design.
+  for (const v1::Fault& fault : outcome.faults)
+    if (fault.field().starts_with(toml_key(field)) && fault.message() != "required key is missing")
+      throw std::logic_error("default of " + field.full_name() + ": " + fault.message());
+  message.MergeFrom(*read);
+}
+
+void apply(Message& message, bool alloy_inside);
+
+void apply_below(Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  if (!field.is_repeated())
+    return apply(*reflection.MutableMessage(&message, &field), is_alloy(field));
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+    apply(*reflection.MutableRepeatedMessage(&message, &field, i), is_alloy(field));
+}
+
+/// A creep law is there or not; an empty one must not appear by itself.
+bool appears_by_itself(const FieldDescriptor& field) {
+  return field.containing_type()->full_name() != v1::Alloy::descriptor()->full_name();
+}
+
+void apply(Message& message, bool alloy_inside) {
+  const Descriptor& descriptor = *message.GetDescriptor();
+  for (int i = 0; i < descriptor.field_count(); ++i) {
+    const FieldDescriptor& field = *descriptor.field(i);
+    if (is_table(field)) {
+      if (appears_by_itself(field) || is_present(message, field)) apply_below(message, field);
+    } else if (!is_present(message, field) && (!alloy_inside || field.name() == "card")) {
+      set_default(message, field);
+    }
+  }
+}
+
+}  // namespace
+
+void apply_defaults(Message& message) {
+  apply(message, false);
+}
+
+}  // namespace dccast::case_file

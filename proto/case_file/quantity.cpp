@@ -1,0 +1,155 @@
+#include "proto/case_file/quantity.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+
+#include <udunits2.h>
+
+namespace dccast::case_file {
+namespace {
+
+constexpr std::size_t maximum_unit_length = 64;  // longer ones are no unit anybody writes
+
+struct FreeUnit {
+  void operator()(ut_unit* unit) const { ut_free(unit); }
+};
+struct FreeConverter {
+  void operator()(cv_converter* converter) const { cv_free(converter); }
+};
+using Unit = std::unique_ptr<ut_unit, FreeUnit>;
+using Converter = std::unique_ptr<cv_converter, FreeConverter>;
+
+/// UDUNITS-2 keeps its parser's state in globals, so one call at a time.
+std::mutex& udunits_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// The units database, read once. Must be called with the mutex held.
+ut_system* unit_system() {
+  static ut_system* const system = [] {
+    ut_set_error_message_handler(ut_ignore);
+    ut_system* const read = ut_read_xml(nullptr);
+    if (read == nullptr)
+      throw std::runtime_error(
+          "the units database of UDUNITS-2 cannot be read; is libudunits2-data there?");
+    // The database knows the byte only by its name.
+    const Unit byte(ut_parse(read, "byte", UT_UTF8));
+    ut_map_symbol_to_unit("B", UT_UTF8, byte.get());
+    return read;
+  }();
+  return system;
+}
+
+Converter converter_between(const std::string& from, const std::string& to) {
+  const Unit source(ut_parse(unit_system(), from.c_str(), UT_UTF8));
+  const Unit target(ut_parse(unit_system(), to.c_str(), UT_UTF8));
+  if (!source || !target) return nullptr;
+  return Converter(ut_get_converter(source.get(), target.get()));
+}
+
+bool known(const std::string& unit) {
+  return Unit(ut_parse(unit_system(), unit.c_str(), UT_UTF8)) != nullptr;
+}
+
+/// UDUNITS-2 also reads time stamps, logarithmic references and offsets; none is a unit in a case.
+bool plain_unit(const std::string& unit) {
+  if (unit.size() > maximum_unit_length || unit.find('@') != std::string::npos) return false;
+  if (unit.find_first_of("0123456789+-.") == 0) return false;
+  for (const char* const word : {"since", "after", "from", "ref", "re ", "re:", "RE", "(re"})
+    if (unit.find(word) != std::string::npos) return false;
+  return true;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+Quantity refused(std::string unit, std::string message) {
+  return {std::nullopt, std::move(unit), std::move(message)};
+}
+
+std::string hint_for(const std::string& unit, const std::string& wanted) {
+  if (wanted == "degC" && unit == "C") return " (C is the coulomb; write degC or °C)";
+  if (wanted == "degC" && unit == "F") return " (F is the farad; write degF or °F)";
+  return {};
+}
+
+Quantity converted(double number, const std::string& unit, const std::string& wanted) {
+  const std::lock_guard lock(udunits_mutex());
+  if (!plain_unit(unit) || !known(unit)) return refused(unit, "unknown unit '" + unit + "'");
+  const Converter converter = converter_between(unit, wanted);
+  if (!converter)
+    return refused(
+        unit, "unit '" + unit + "' is of another kind than " + wanted + hint_for(unit, wanted));
+  const double value = cv_convert_double(converter.get(), number);
+  if (!std::isfinite(value)) return refused(unit, "not a finite number");
+  return {value, unit, {}};
+}
+
+}  // namespace
+
+Quantity parse_quantity(std::string_view text, const std::string& unit) {
+  const std::string_view body = trimmed(text);
+  const std::string_view digits = body.starts_with('+') ? body.substr(1) : body;
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error == std::errc::result_out_of_range) return refused({}, "number too large or too small");
+  if (error != std::errc{}) return refused({}, "no number at its beginning");
+  if (!std::isfinite(number)) return refused({}, "not a finite number");
+  const std::string_view rest = trimmed(digits.substr(end - digits.data()));
+  if (rest.starts_with(',')) return refused({}, "decimal comma; write a point");
+  if (!rest.empty()) return converted(number, std::string(rest), unit.empty() ? "1" : unit);
+  if (unit.empty() || unit == "1") return {number, {}, {}};
+  return refused({}, "the unit is missing");
+}
+
+bool convertible(const std::string& from, const std::string& to) {
+  const std::lock_guard lock(udunits_mutex());
+  return plain_unit(from) && converter_between(from, to) != nullptr;
+}
+
+std::optional<double> convert(double value, const std::string& from, const std::string& to) {
+  const std::lock_guard lock(udunits_mutex());
+  const Converter converter = converter_between(from, to);
+  if (!converter) return std::nullopt;
+  return cv_convert_double(converter.get(), value);
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::string quantity_text(double value, const std::string& unit) {
+  if (unit.empty() || unit == "1") return number_text(value);
+  return number_text(value) + " " + unit;
+}
+
+std::string quoted(const std::string& text) {
+  std::string result(1, '"');
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(c));
+      result += escape;
+    } else {
+      result += c;
+    }
+  }
+  result += '"';
+  return result;
+}
+
+}  // namespace dccast::case_file

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace dccast::case_file {
+
+/// A number read from a text with a unit, or why it could not be read.
+struct Quantity {
+  std::optional<double> value;  ///< in the unit asked for
+  std::string unit;             ///< as written
+  std::string message;          ///< what is wrong; empty when there is a value
+};
+
+/// Reads "60 mm/min" and converts it by UDUNITS-2. Temperatures are converted with their offset.
+/// @param text  number, blanks, unit; UTF-8, so "°C" and "µm" are units
+/// @param unit  unit of the result in UDUNITS-2 syntax; with "1" the text may have no unit, or "%"
+Quantity parse_quantity(std::string_view text, const std::string& unit);
+
+/// Whether a quantity in one unit can be converted to the other.
+bool convertible(const std::string& from, const std::string& to);
+
+/// Converts a number; nothing if the units have different dimensions or one is unknown.
+std::optional<double> convert(double value, const std::string& from, const std::string& to);
+
+/// The shortest text that reads back to the same double: "0.1", "4e+12".
+std::string number_text(double value);
+
+/// "0.1 m/s"; the bare number for units "" and "1".
+std::string quantity_text(double value, const std::string& unit);
+
+/// A basic string of TOML, in quotes and with its escapes.
+std::string quoted(const std::string& text);
+
+}  // namespace dccast::case_file

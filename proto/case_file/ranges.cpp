@@ -1,0 +1,128 @@
+#include <cmath>
+
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+using Faults = std::vector<v1::Fault>;
+
+void check_message(const Message& message, const std::string& path, Faults& faults);
+
+void check_curve_values(const v1::Curve& curve, const FieldDescriptor& field,
+                        const std::string& path, Faults& faults) {
+  for (int i = 0; i < curve.value_size(); ++i) {
+    const std::string written = quantity_text(curve.value(i), key_of(field).unit());
+    if (auto fault =
+            range_fault(field, curve.value(i), path + "[" + std::to_string(i) + "]", written, ""))
+      faults.push_back(std::move(*fault));
+  }
+}
+
+void check_curve_abscissae(const v1::Curve& curve, const FieldDescriptor& field,
+                           const std::string& path, Faults& faults) {
+  const auto permitted = abscissae_of(field);
+  if (std::find(permitted.begin(), permitted.end(), curve.abscissa()) == permitted.end())
+    faults.push_back(make_fault(path, abscissa_name(curve.abscissa()),
+                                "not a quantity this table may stand against"));
+  for (int i = 0; i < curve.at_size(); ++i) {
+    const std::string point = path + "[" + std::to_string(i) + "]";
+    if (!std::isfinite(curve.at(i)))
+      faults.push_back(make_fault(point, number_text(curve.at(i)), "not a finite number"));
+    else if (i > 0 && !(curve.at(i) > curve.at(i - 1)))
+      faults.push_back(
+          make_fault(point, quantity_text(curve.at(i), abscissa_unit(curve.abscissa())),
+                     "must be larger than that of the point before it", "strictly increasing"));
+  }
+}
+
+void check_curve(const v1::Curve& curve, const FieldDescriptor& field, const std::string& path,
+                 Faults& faults) {
+  if (curve.value_size() == 0 && curve.at_size() == 0)
+    return faults.push_back(make_fault(path, "", "an empty table", "at least one point"));
+  if (curve.value_size() != curve.at_size())
+    return faults.push_back(make_fault(path,
+                                       std::to_string(curve.at_size()) + " abscissae, " +
+                                           std::to_string(curve.value_size()) + " values",
+                                       "as many values as abscissae are needed"));
+  check_curve_values(curve, field, path, faults);
+  // One point is a constant, which stands against nothing.
+  if (curve.at_size() > 1) check_curve_abscissae(curve, field, path, faults);
+}
+
+void check_enum(const Message& message, const FieldDescriptor& field, const std::string& path,
+                Faults& faults) {
+  const int number = message.GetReflection()->GetEnumValue(message, &field);
+  if (field.enum_type()->FindValueByNumber(number) == nullptr)
+    faults.push_back(make_fault(path, std::to_string(number), "unknown choice"));
+}
+
+void check_scalar(const Message& message, const FieldDescriptor& field, const std::string& path,
+                  Faults& faults) {
+  const Reflection& reflection = *message.GetReflection();
+  double number = 0.0;
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return check_enum(message, field, path, faults);
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      number = reflection.GetDouble(message, &field);
+      break;
+    case FieldDescriptor::CPPTYPE_INT32:
+      number = reflection.GetInt32(message, &field);
+      break;
+    case FieldDescriptor::CPPTYPE_INT64:
+      number = static_cast<double>(reflection.GetInt64(message, &field));
+      break;
+    default:
+      return;
+  }
+  if (auto fault =
+          range_fault(field, number, path, quantity_text(number, key_of(field).unit()), ""))
+    faults.push_back(std::move(*fault));
+}
+
+void check_tables(const Message& message, const FieldDescriptor& field, const std::string& path,
+                  Faults& faults) {
+  const Reflection& reflection = *message.GetReflection();
+  if (!field.is_repeated())
+    return check_message(reflection.GetMessage(message, &field), path, faults);
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+    check_message(reflection.GetRepeatedMessage(message, &field, i),
+                  path + "[" + std::to_string(i) + "]", faults);
+}
+
+void check_field(const Message& message, const FieldDescriptor& field, const std::string& path,
+                 Faults& faults) {
+  if (is_table(field)) return check_tables(message, field, path, faults);
+  if (!is_present(message, field)) {
+    if (key_of(field).required())
+      faults.push_back(make_fault(path, "", "required key is missing", range_text(field),
+                                  "e.g. " + toml_key(field) + " = " + example_text(field)));
+    return;
+  }
+  if (!is_curve(field)) return check_scalar(message, field, path, faults);
+  // A copy, so that a Curve of a foreign pool (dynamic messages) is read as well as ours.
+  v1::Curve curve;
+  curve.ParseFromString(message.GetReflection()->GetMessage(message, &field).SerializeAsString());
+  check_curve(curve, field, path, faults);
+}
+
+void check_message(const Message& message, const std::string& path, Faults& faults) {
+  const Descriptor& descriptor = *message.GetDescriptor();
+  for (int i = 0; i < descriptor.field_count(); ++i)
+    check_field(message, *descriptor.field(i), join_path(path, toml_key(*descriptor.field(i))),
+                faults);
+}
+
+}  // namespace
+
+std::vector<v1::Fault> check_ranges(const Message& message) {
+  Faults faults;
+  check_message(message, "", faults);
+  return faults;
+}
+
+}  // namespace dccast::case_file

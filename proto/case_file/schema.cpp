@@ -1,0 +1,204 @@
+#include "proto/case_file/schema.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/unit_suffix.hpp"
+
+namespace dccast::case_file {
+
+const v1::Key& key_of(const FieldDescriptor& field) {
+  return field.options().GetExtension(v1::key);
+}
+
+std::string toml_key(const FieldDescriptor& field) {
+  const auto suffix = unit_suffix(key_of(field).unit());
+  if (!suffix || !field.name().ends_with(*suffix))
+    throw std::logic_error("field " + field.full_name() +
+                           " does not end in the suffix of its unit");
+  return field.name().substr(0, field.name().size() - suffix->size());
+}
+
+const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key) {
+  for (int i = 0; i < descriptor.field_count(); ++i)
+    if (toml_key(*descriptor.field(i)) == key) return descriptor.field(i);
+  return nullptr;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+const google::protobuf::EnumValueDescriptor* enum_value_of(const FieldDescriptor& field,
+                                                           std::string_view text) {
+  const auto& type = *field.enum_type();
+  for (int i = 0; i < type.value_count(); ++i)
+    if (type.value(i)->number() != 0 && lower(type.value(i)->name()) == text) return type.value(i);
+  return nullptr;
+}
+
+std::vector<std::string> enum_texts(const FieldDescriptor& field) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < field.enum_type()->value_count(); ++i)
+    if (field.enum_type()->value(i)->number() != 0)
+      texts.push_back(lower(field.enum_type()->value(i)->name()));
+  return texts;
+}
+
+bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE &&
+         field.message_type()->full_name() == descriptor.full_name();
+}
+
+bool is_curve(const FieldDescriptor& field) {
+  return is_message_of(field, *v1::Curve::descriptor());
+}
+bool is_alloy(const FieldDescriptor& field) {
+  return is_message_of(field, *v1::Alloy::descriptor());
+}
+
+bool is_table(const FieldDescriptor& field) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !is_curve(field);
+}
+
+bool is_present(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated()) return reflection.FieldSize(message, &field) > 0;
+  return reflection.HasField(message, &field);
+}
+
+std::string abscissa_unit(v1::Abscissa abscissa) {
+  switch (abscissa) {
+    case v1::TIME:
+      return "s";
+    case v1::CAST_LENGTH:
+    case v1::GAP:
+    case v1::DISTANCE:
+      return "m";
+    case v1::TEMPERATURE:
+      return "degC";
+    case v1::LIQUID_FRACTION:
+      return "1";
+    default:
+      return "";
+  }
+}
+
+std::string abscissa_name(v1::Abscissa abscissa) {
+  std::string name = lower(v1::Abscissa_Name(abscissa));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field) {
+  std::vector<v1::Abscissa> abscissae;
+  for (const int number : key_of(field).against())
+    abscissae.push_back(static_cast<v1::Abscissa>(number));
+  return abscissae;
+}
+
+std::string join_path(const std::string& parent, const std::string& key) {
+  return parent.empty() ? key : parent + "." + key;
+}
+
+namespace {
+
+/// A bound in another unit, rounded to six digits: it is for reading only.
+std::string bound_text(double bound, const std::string& from, const std::string& to) {
+  const double value = to.empty() || to == from ? bound : convert(bound, from, to).value_or(bound);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string bounds_text(const v1::Key& key, const std::string& unit) {
+  const std::string tail = unit.empty() || unit == "1" ? "" : " " + unit;
+  const auto bound = [&](double value) { return bound_text(value, key.unit(), unit); };
+  if (key.has_minimum() && key.has_maximum() && !key.minimum_excluded() && !key.maximum_excluded())
+    return bound(key.minimum()) + " to " + bound(key.maximum()) + tail;
+  std::string text;
+  if (key.has_minimum())
+    text = (key.minimum_excluded() ? "more than " : "at least ") + bound(key.minimum());
+  if (key.has_maximum())
+    text += (text.empty() ? "" : ", ") +
+            std::string(key.maximum_excluded() ? "less than " : "at most ") + bound(key.maximum());
+  return text.empty() ? text : text + tail;
+}
+
+bool in_range(const v1::Key& key, double value) {
+  if (key.has_minimum() &&
+      (value < key.minimum() || (key.minimum_excluded() && value == key.minimum())))
+    return false;
+  return !(key.has_maximum() &&
+           (value > key.maximum() || (key.maximum_excluded() && value == key.maximum())));
+}
+
+}  // namespace
+
+std::string range_text(const FieldDescriptor& field, const std::string& other_unit) {
+  const v1::Key& key = key_of(field);
+  std::string text = bounds_text(key, key.unit());
+  const bool translate = !other_unit.empty() && other_unit != key.unit() && key.unit() != "1";
+  if (text.empty() || !translate || !convertible(other_unit, key.unit())) return text;
+  return text + " (" + bounds_text(key, other_unit) + ")";
+}
+
+std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
+                                     const std::string& path, const std::string& written,
+                                     const std::string& unit_written) {
+  if (!std::isfinite(value))
+    return make_fault(path, written, "not a finite number", range_text(field, unit_written));
+  if (in_range(key_of(field), value)) return std::nullopt;
+  return make_fault(path, written, "out of range", range_text(field, unit_written));
+}
+
+v1::Fault make_fault(std::string path, std::string value, std::string message,
+                     std::string permitted, std::string remedy) {
+  v1::Fault fault;
+  fault.set_field(std::move(path));
+  fault.set_value(std::move(value));
+  fault.set_message(std::move(message));
+  fault.set_permitted(std::move(permitted));
+  fault.set_remedy(std::move(remedy));
+  return fault;
+}
+
+namespace {
+
+/// Middle of the range on a logarithmic scale where that has a meaning, else 1.
+std::string example_quantity(const v1::Key& key) {
+  if (key.unit() == "degC") return "\"650 degC\"";
+  if (key.unit() == "m/s") return "\"60 mm/min\"";
+  if (key.unit() == "m") return "\"30 mm\"";
+  if (key.unit() == "m2/s") return "\"3e-3 m2/s\"";
+  return quoted(quantity_text(std::max(1.0, key.minimum()), key.unit()));
+}
+
+}  // namespace
+
+std::string example_text(const FieldDescriptor& field) {
+  const v1::Key& key = key_of(field);
+  const bool plain_default = !key.default_text().empty() && !key.default_text().starts_with('[');
+  if (plain_default && key.default_text() != "\"\"") return key.default_text();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return "\"" + enum_texts(field).front() + "\"";
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "true";
+    case FieldDescriptor::CPPTYPE_STRING:
+      return "\"text\"";
+    default:
+      break;
+  }
+  if (key.unit().empty()) return number_text(std::max(1.0, key.minimum()));
+  if (key.unit() == "1") return number_text(std::max(0.3, key.minimum()));
+  return example_quantity(key);
+}
+
+}  // namespace dccast::case_file

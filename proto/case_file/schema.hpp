@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include "dccast/v1/case.pb.h"
+#include "dccast/v1/job.pb.h"
+#include "dccast/v1/options.pb.h"
+
+/// What the (key) options say about a field. Shared by the reader, the checks, the writer and the
+/// reference; nothing outside this room includes it.
+namespace dccast::case_file {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+/// The (key) option of a field.
+const v1::Key& key_of(const FieldDescriptor& field);
+
+/// Name in a case file: the field's name without the suffix of its unit.
+/// Throws std::logic_error if the field's name does not end in it (an error in the schema).
+std::string toml_key(const FieldDescriptor& field);
+
+/// The field of `descriptor` with this key in a case file, or null.
+const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key);
+
+/// Enum value <-> its text in a case file ("plane_strain"); the unspecified value has none.
+const google::protobuf::EnumValueDescriptor* enum_value_of(const FieldDescriptor& field,
+                                                           std::string_view text);
+std::vector<std::string> enum_texts(const FieldDescriptor& field);
+std::string lower(std::string text);
+
+bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor);
+bool is_curve(const FieldDescriptor& field);
+bool is_alloy(const FieldDescriptor& field);
+/// A nested message that is a table of the file (not a Curve).
+bool is_table(const FieldDescriptor& field);
+
+/// Whether the field carries something: set, or not empty / not unspecified for text and enums.
+bool is_present(const Message& message, const FieldDescriptor& field);
+
+/// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
+std::string abscissa_unit(v1::Abscissa abscissa);
+std::string abscissa_name(v1::Abscissa abscissa);
+std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field);
+
+/// "schedule" + "hold" -> "schedule.hold"; no dot at the root.
+std::string join_path(const std::string& parent, const std::string& key);
+
+/// "0 to 0.1 m/s", "more than 0 Pa", "at least 1"; with `other_unit` also in that: "(0 to 6000
+/// mm/min)". Empty without a range.
+std::string range_text(const FieldDescriptor& field, const std::string& other_unit = {});
+
+/// What is wrong with a number for this field, or nothing.
+std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
+                                     const std::string& path, const std::string& written,
+                                     const std::string& unit_written);
+
+v1::Fault make_fault(std::string path, std::string value, std::string message,
+                     std::string permitted = {}, std::string remedy = {});
+
+/// An example of a value of this field, as in a file: `"60 mm/min"`.
+std::string example_text(const FieldDescriptor& field);
+
+}  // namespace dccast::case_file

@@ -1,0 +1,91 @@
+#include "proto/case_file/text_checks.hpp"
+
+#include <algorithm>
+
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+Position position_of(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, offset);
+  const auto line_start = before.rfind('\n');
+  const auto column = line_start == std::string_view::npos ? offset : offset - line_start - 1;
+  return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+          static_cast<int>(column) + 1};
+}
+
+/// Length of the UTF-8 sequence at the beginning of `text`, 0 if it is none (RFC 3629).
+std::size_t utf8_sequence(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  // Overlong forms, surrogates, beyond U+10FFFF.
+  const unsigned char second = byte(1);
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return 0;
+  if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return 0;
+  return length;
+}
+
+std::optional<std::size_t> first_broken_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_sequence(text.substr(at));
+    if (length == 0) return at;
+    at += length;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<TextFault> check_text(std::string_view text) {
+  if (text.size() > maximum_file_bytes)
+    return TextFault{{1, 1},
+                     "the file has " + std::to_string(text.size()) + " bytes; at most " +
+                         std::to_string(maximum_file_bytes) + " are read",
+                     "tables that large belong into a file of their own"};
+  if (const auto nul = text.find('\0'); nul != std::string_view::npos)
+    return TextFault{position_of(text, nul), "a NUL byte: this is not a text file",
+                     "give a TOML file; `dccast new start-2d-thickness` writes one"};
+  if (const auto broken = first_broken_utf8(text))
+    return TextFault{position_of(text, *broken), "not UTF-8", "save the file as UTF-8"};
+  return std::nullopt;
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<int>> cost(a.size() + 1, std::vector<int>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) cost[i][0] = static_cast<int>(i);
+  for (std::size_t j = 0; j <= b.size(); ++j) cost[0][j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int replace = cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, replace});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return cost[a.size()][b.size()];
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  constexpr std::size_t longest_word = 80;  // a key longer than this resembles none
+  if (word.size() > longest_word) return {};
+  std::string best;
+  int best_distance = std::max(2, static_cast<int>(word.size()) / 3) + 1;
+  for (const std::string& candidate : known) {
+    // A name given with its unit suffix, or cut short, is near whatever its length.
+    const bool extended =
+        word.size() > 3 && (word.starts_with(candidate + "_") || candidate.starts_with(word));
+    const int distance = extended ? 1 : edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace dccast::case_file

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "proto/case_file/source_map.hpp"
+
+namespace dccast::case_file {
+
+/// Why a text cannot be a case file at all, and where.
+struct TextFault {
+  Position position;
+  std::string message;
+  std::string remedy;
+};
+
+/// Size, NUL bytes and UTF-8, before a parser sees the text.
+std::optional<TextFault> check_text(std::string_view text);
+
+/// Number of insertions, deletions, replacements and swaps of neighbours between two words.
+int edit_distance(std::string_view a, std::string_view b);
+
+/// The nearest of `known` if it is near enough to be meant (a third of the word), else empty.
+std::string nearest(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace dccast::case_file

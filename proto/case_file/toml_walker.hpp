@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <toml++/toml.h>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/schema.hpp"
+
+/// The walk over a parsed TOML file. Inner part of the reader.
+namespace dccast::case_file {
+
+/// What the walk hands from table to table.
+struct Walk {
+  std::filesystem::path folder;  ///< where attachments are looked for
+  ReadOutcome& outcome;
+
+  /// Keeps a fault and its place. Faults beyond a bound are dropped: nobody reads them.
+  void add(v1::Fault fault, const toml::node& node);
+  void mark(const std::string& path, const toml::node& node);
+};
+
+/// Reads every key of `table` into `message` and reports those that are missing or unknown.
+void read_table(Walk& walk, const toml::table& table, Message& message, const std::string& path);
+
+/// Reads a Curve: one quantity, or a list of [abscissa, value] pairs. Leaves it empty on a fault.
+void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
+                const std::string& path);
+
+/// One real number: a string with unit, or a bare number where the unit is "1".
+/// `unit` is that of the schema, `limits` the field whose range it must keep (null for an
+/// abscissa).
+std::optional<double> read_number(Walk& walk, const toml::node& node, const std::string& unit,
+                                  const std::string& example, const FieldDescriptor* limits,
+                                  const std::string& path);
+
+/// The value as the file has it, cut to a readable length.
+std::string written(const toml::node& node);
+
+/// "a number", "text", "a table", ...
+std::string type_name(const toml::node& node);
+
+}  // namespace dccast::case_file

@@ -1,0 +1,87 @@
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+/// A number of a quantity: a string with unit, or bare for "1". TOML wants a point or an exponent
+/// to tell a real number, but reads a whole one too.
+std::string real_text(double value, const std::string& unit) {
+  if (unit.empty() || unit == "1") return number_text(value);
+  return quoted(quantity_text(value, unit));
+}
+
+std::string curve_text(const v1::Curve& curve, const std::string& unit) {
+  if (curve.at_size() == 1 && curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
+    return real_text(curve.value(0), unit);
+  std::string text = "[";
+  for (int i = 0; i < curve.at_size(); ++i)
+    text += (i == 0 ? "[" : ", [") + real_text(curve.at(i), abscissa_unit(curve.abscissa())) +
+            ", " + real_text(curve.value(i), unit) + "]";
+  return text + "]";
+}
+
+std::string value_text(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return quoted(lower(reflection.GetEnum(message, &field)->name()));
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return reflection.GetBool(message, &field) ? "true" : "false";
+    case FieldDescriptor::CPPTYPE_STRING:
+      return quoted(reflection.GetString(message, &field));
+    case FieldDescriptor::CPPTYPE_INT32:
+      return std::to_string(reflection.GetInt32(message, &field));
+    case FieldDescriptor::CPPTYPE_INT64:
+      return std::to_string(reflection.GetInt64(message, &field));
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return real_text(reflection.GetDouble(message, &field), key_of(field).unit());
+    default:
+      break;
+  }
+  v1::Curve curve;
+  curve.ParseFromString(reflection.GetMessage(message, &field).SerializeAsString());
+  return curve_text(curve, key_of(field).unit());
+}
+
+/// "[a.b]" or "[[a.b]]"; keys of the schema are bare keys.
+void write_table(const Message& message, const std::string& path, std::string& text);
+
+void write_tables(const Message& message, const FieldDescriptor& field, const std::string& path,
+                  std::string& text) {
+  const Reflection& reflection = *message.GetReflection();
+  if (!field.is_repeated()) {
+    text += "\n[" + path + "]\n";
+    return write_table(reflection.GetMessage(message, &field), path, text);
+  }
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) {
+    text += "\n[[" + path + "]]\n";
+    write_table(reflection.GetRepeatedMessage(message, &field, i), path, text);
+  }
+}
+
+/// Keys before tables: a key after a table's header would belong to that table.
+void write_table(const Message& message, const std::string& path, std::string& text) {
+  const Descriptor& descriptor = *message.GetDescriptor();
+  for (const bool tables : {false, true})
+    for (int i = 0; i < descriptor.field_count(); ++i) {
+      const FieldDescriptor& field = *descriptor.field(i);
+      if (is_table(field) != tables || !is_present(message, field)) continue;
+      if (tables)
+        write_tables(message, field, join_path(path, toml_key(field)), text);
+      else
+        text += toml_key(field) + " = " + value_text(message, field) + "\n";
+    }
+}
+
+}  // namespace
+
+std::string to_toml(const Message& message) {
+  std::string text;
+  write_table(message, "", text);
+  return text;
+}
+
+}  // namespace dccast::case_file

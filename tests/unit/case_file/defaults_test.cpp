@@ -1,0 +1,121 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dccast/v1/config.pb.h"
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Defaults, FillEveryAbsentKeyOnce) {
+  v1::Case message;
+  message.mutable_mesh()->set_columns(7);
+  message.add_monitor();
+  apply_defaults(message);
+  EXPECT_EQ(message.mesh().columns(), 7);
+  EXPECT_EQ(message.mesh().rows(), 22);
+  EXPECT_EQ(message.section().kind(), v1::Section::PLANE_STRAIN);
+  EXPECT_NEAR(message.schedule().casting_speed_m_per_s().value(0), 1e-3, 1e-15);
+  EXPECT_EQ(message.cooling().bottom_block().gap_coefficient_w_per_m2_k().at_size(), 3);
+  EXPECT_DOUBLE_EQ(message.mechanics().parameters().gamma_p_per_pa_s(), 1.25e-12);
+  const std::string once = message.SerializeAsString();
+  apply_defaults(message);
+  EXPECT_EQ(message.SerializeAsString(), once);
+}
+
+TEST(Defaults, OfTheDaemonPassItsChecks) {
+  v1::DaemonConfig config;
+  apply_defaults(config);
+  EXPECT_TRUE(check_ranges(config).empty());
+  EXPECT_DOUBLE_EQ(config.maximum_message_bytes(), 64e6);
+  EXPECT_EQ(config.listen(), "127.0.0.1:7117");
+}
+
+TEST(Defaults, DoNotHideWhatTheAlloyCardSays) {
+  v1::Case message;
+  apply_defaults(message);
+  EXPECT_EQ(message.alloy().card(), "paper");
+  EXPECT_FALSE(message.alloy().has_melt_conductivity_factor());
+  const AlloyCard card = alloy_card("paper");
+  ASSERT_TRUE(card.ok());
+  complete_alloy(card.alloy, *message.mutable_alloy());
+  EXPECT_EQ(message.alloy().melt_conductivity_factor().value_size(), 2);
+  EXPECT_DOUBLE_EQ(message.alloy().solidus_c(), 620.0);
+  EXPECT_FALSE(message.alloy().has_reference_creep());
+}
+
+TEST(CompleteAlloy, TheCaseWinsOverTheCard) {
+  v1::Alloy overrides;
+  overrides.set_solidus_c(607.0);
+  overrides.mutable_density_kg_per_m3()->add_at(0.0);
+  overrides.mutable_density_kg_per_m3()->add_value(2700.0);
+  overrides.mutable_norton_hoff()->set_exponent(5.0);
+  complete_alloy(alloy_card("paper").alloy, overrides);
+  EXPECT_DOUBLE_EQ(overrides.solidus_c(), 607.0);
+  EXPECT_EQ(overrides.density_kg_per_m3().value_size(), 1)
+      << "curves are replaced, not appended to";
+  EXPECT_DOUBLE_EQ(overrides.norton_hoff().exponent(), 5.0);
+  EXPECT_DOUBLE_EQ(overrides.norton_hoff().shear_limit_pa(), 15.72e6);
+}
+
+TEST(CompleteAlloy, AnotherCreepLawReplacesThatOfTheCard) {
+  v1::Alloy overrides;
+  overrides.mutable_reference_creep()->set_stress_pa(5e6);
+  complete_alloy(alloy_card("paper").alloy, overrides);
+  EXPECT_FALSE(overrides.has_norton_hoff());
+}
+
+TEST(AlloyCard, AnUnknownNameIsAFaultWithTheNearestOne) {
+  const AlloyCard card = alloy_card("aa5128");
+  ASSERT_EQ(card.faults.size(), 1u);
+  EXPECT_THAT(card.faults[0].remedy(), HasSubstr("aa5182"));
+  EXPECT_FALSE(alloy_card("../paper").ok());
+  EXPECT_FALSE(alloy_card("").ok());
+}
+
+std::string ranges_of(const v1::Case& message) {
+  std::string all;
+  for (const v1::Fault& fault : check_ranges(message))
+    all += fault.field() + ": " + fault.message() + "\n";
+  return all;
+}
+
+v1::Case sound() {
+  v1::Case message;
+  message.mutable_section()->set_half_width_m(0.28);
+  message.mutable_section()->set_initial_depth_m(0.1);
+  message.mutable_time()->set_end_s(145.0);
+  return message;
+}
+
+TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
+  EXPECT_EQ(ranges_of(sound()), "");
+  v1::Case message = sound();
+  message.mutable_section()->set_half_width_m(std::nan(""));
+  message.mutable_section()->set_kind(static_cast<v1::Section::Kind>(77));
+  message.mutable_time()->clear_end_s();
+  message.add_monitor()->set_x_m(-1.0);
+  auto& speed = *message.mutable_schedule()->mutable_casting_speed_m_per_s();
+  speed.set_abscissa(v1::GAP);
+  for (const double at : {0.0, 0.0}) speed.add_at(at);
+  for (const double value : {1e-3, 7.0}) speed.add_value(value);
+  message.mutable_schedule()->mutable_water_flow_m2_per_s()->add_at(1.0);
+  message.mutable_schedule()->mutable_casting_temperature_c();
+  const std::string all = ranges_of(message);
+  for (const char* const expected :
+       {"section.half_width: not a finite number", "section.kind: unknown choice",
+        "time.end: required key is missing", "monitor[0].x: out of range",
+        "monitor[0].name: required",
+        "schedule.casting_speed: not a quantity this table may stand against",
+        "schedule.casting_speed[1]: must be larger", "schedule.casting_speed[1]: out of range",
+        "schedule.water_flow: as many values", "schedule.casting_temperature: an empty table"})
+    EXPECT_THAT(all, HasSubstr(expected));
+}
+
+}  // namespace
+}  // namespace dccast::case_file

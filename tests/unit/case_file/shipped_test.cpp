@@ -1,0 +1,58 @@
+#include "proto/case_file/shipped.hpp"
+
+#include <gtest/gtest.h>
+
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast {
+namespace {
+
+TEST(Shipped, EveryCaseIsSound) {
+  EXPECT_GE(shipped::case_templates().size(), 2u);
+  for (const auto& shipped : shipped::case_templates()) {
+    v1::Case message;
+    const auto outcome = case_file::read_text(shipped.text, shipped.name + ".toml", message);
+    for (const v1::Fault& fault : outcome.faults)
+      ADD_FAILURE() << case_file::describe(fault, outcome.source);
+    case_file::apply_defaults(message);
+    EXPECT_TRUE(case_file::alloy_card(message.alloy().card()).ok());
+    EXPECT_TRUE(case_file::check_ranges(message).empty());
+    EXPECT_FALSE(message.title().empty());
+    EXPECT_GE(message.monitor_size(), 3);
+  }
+}
+
+TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
+  EXPECT_EQ(case_file::alloy_names(),
+            (std::vector<std::string>{"aa1050", "aa3104", "aa5182", "aa6063", "paper",
+                                      "pure_aluminium"}));
+  for (const std::string& name : case_file::alloy_names()) {
+    const auto card = case_file::alloy_card(name);
+    for (const v1::Fault& fault : card.faults) ADD_FAILURE() << fault.message();
+    const auto& descriptor = *v1::Alloy::descriptor();
+    for (int i = 0; i < descriptor.field_count(); ++i)
+      EXPECT_TRUE(case_file::is_table(*descriptor.field(i)) ||
+                  case_file::is_present(card.alloy, *descriptor.field(i)))
+          << name << " lacks " << descriptor.field(i)->name();
+    EXPECT_NE(card.alloy.has_norton_hoff(), card.alloy.has_reference_creep()) << name;
+    EXPECT_LE(card.alloy.solidus_c(), card.alloy.liquidus_c()) << name;
+  }
+}
+
+TEST(Shipped, PureAluminiumFollowsTheFormulasOfNist) {
+  const v1::Alloy alloy = case_file::alloy_card("pure_aluminium").alloy;
+  EXPECT_NEAR(alloy.liquidus_c() + 273.15, 933.47, 1e-9);
+  const auto& heat = alloy.specific_heat_j_per_kg_k();
+  for (int i = 0; i + 1 < heat.at_size(); ++i) {
+    const double t = (heat.at(i) + 273.15) / 1000.0;
+    const double molar =
+        28.0892 - 5.414849 * t + 8.560423 * t * t + 3.42737 * t * t * t - 0.277375 / (t * t);
+    EXPECT_NEAR(heat.value(i), molar / 0.02698, 0.06) << heat.at(i);
+  }
+  EXPECT_NEAR(heat.value(heat.value_size() - 1), 31.75104 / 0.02698, 0.06);
+}
+
+}  // namespace
+}  // namespace dccast
