@@ -14,20 +14,34 @@ double lumped_sum(const std::vector<double>& volume, const std::vector<double>& 
       std::inner_product(volume.begin(), volume.end(), enthalpy.begin(), 0.0L));
 }
 
-/// Enthalpy of the rows above `below_row`, linear in height between that row and the top.
-void divide_top_row(const Mesh2D& after, std::size_t below_row, std::size_t nodes_per_row,
-                    std::vector<double>& enthalpy) {
-  const std::size_t old_top = below_row + nodes_per_row;
-  const std::vector<double> top(enthalpy.begin() + static_cast<std::ptrdiff_t>(old_top),
-                                enthalpy.end());
-  enthalpy.resize(std::size_t(after.nodes()));
-  const std::size_t new_top = enthalpy.size() - nodes_per_row;
-  for (std::size_t node = old_top; node < enthalpy.size(); ++node) {
-    const std::size_t column = node % nodes_per_row;
-    const auto height = [&](std::size_t n) { return after.point(static_cast<int>(n))[1]; };
-    const double low = height(below_row + column), high = height(new_top + column);
-    const double share = (height(node) - low) / (high - low);
-    enthalpy[node] = (1.0 - share) * enthalpy[below_row + column] + share * top[column];
+/// Puts new rows into the stretched top row, from below, each between the last one and the top.
+///
+/// In a column a row of cells of height h holds w_b h at its lower and w_t h at its upper nodes;
+/// the new node takes over what both lose, (w_b (h - c) H_b + w_t c H_t) of them, c its height
+/// above the lower one. On rectangles w_b = w_t and that is linear interpolation; on triangles it
+/// is the mean which conserves, column by column, and stays between its neighbours.
+void divide_top_row(const Mesh2D& after, const std::vector<double>& stretched_volume,
+                    const std::vector<double>& volume, std::size_t below_row,
+                    std::size_t nodes_per_row, std::vector<double>& enthalpy) {
+  const auto height = [&](std::size_t node) { return after.point(static_cast<int>(node))[1]; };
+  const std::size_t first_new = below_row + nodes_per_row;
+  enthalpy.resize(volume.size());
+  const std::size_t top = volume.size() - nodes_per_row;
+  for (std::size_t column = 0; column < nodes_per_row; ++column) {
+    std::size_t lower = below_row + column, node = first_new + column;
+    double left = height(top + column) - height(lower);
+    const double top_enthalpy = enthalpy[node];
+    const double upper_weight = stretched_volume[node] / left;
+    const double lower_weight = (volume[node] - upper_weight * (height(node) - height(lower))) /
+                                (height(node + nodes_per_row) - height(node));
+    for (; node < top; lower = node, node += nodes_per_row) {
+      const double cell = height(node) - height(lower);
+      const double from_below = lower_weight * (left - cell), from_top = upper_weight * cell;
+      enthalpy[node] =
+          (from_below * enthalpy[lower] + from_top * top_enthalpy) / (from_below + from_top);
+      left -= cell;
+    }
+    enthalpy[top + column] = top_enthalpy;
   }
 }
 
@@ -60,13 +74,7 @@ MetalEntry carry_enthalpy(const Mesh2D& before, const Mesh2D& after, int nodes_p
   }
   if (!divided) return entry;
 
-  divide_top_row(after, old_nodes - 2 * row, row, enthalpy);
-  const double defect = stored_before + entry.entered - lumped_sum(volume, enthalpy);
-  double new_volume = 0.0;
-  for (std::size_t node = old_nodes - row; node < volume.size(); ++node) new_volume += volume[node];
-  for (std::size_t node = old_nodes - row; node < volume.size(); ++node) {
-    enthalpy[node] += defect / new_volume;
-  }
+  divide_top_row(after, stretched_volume, volume, old_nodes - 2 * row, row, enthalpy);
   return entry;
 }
 

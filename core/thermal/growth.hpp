@@ -17,9 +17,9 @@ struct MetalEntry {
 /// entered.
 ///
 /// First the old top row stretches to the new level: what its nodes gain in volume is filled with
-/// entering metal. Then, where rows were put in, it is divided: enthalpy is linear between the row
-/// below it and the top. A lumped sum over triangles that are not those of the old row misses the
-/// total by a small amount; it is spread evenly over the new nodes.
+/// entering metal. Then, where rows were put in, it is divided: the new nodes take over what their
+/// neighbours in the column lose in volume, which is linear interpolation on rectangles and never
+/// leaves the range of the neighbours.
 ///
 /// @param before             mesh the enthalpy belongs to
 /// @param after              mesh of the same columns with as many or more rows

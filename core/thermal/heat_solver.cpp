@@ -20,6 +20,8 @@ constexpr double held_diagonal = 1e30;
 /// The line search accepts against the largest of so many last residuals: a kink passed on the way
 /// often costs one step up.
 constexpr std::size_t remembered_residuals = 3;
+/// Bound from below on V/dt + dq/dH, relative to V/dt.
+constexpr double smallest_capacity = 0.05;
 constexpr double smallest_damping = 1.0 / 64.0;
 /// While the residual falls by more than this factor the factor of the matrix is kept.
 constexpr double keep_factor_while_falling_by = 50.0;
@@ -187,9 +189,11 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
   const std::vector<double>& volume = conduction_.volume();
   const double largest = properties_.largest_diffusivity();
   for (std::size_t i = 0; i < capacity_.size(); ++i) {
-    // A falling flux (a coefficient that falls steeply with temperature) would make the matrix
-    // indefinite; without it the iteration is a little slower and still ends at the same point.
-    capacity_[i] = volume[i] / time_step + std::max(flux_derivative_[i], 0.0);
+    // A flux that falls with rising temperature (film boiling tables, a solid surface cooled harder
+    // than a liquid one) must not make the matrix indefinite: then the iteration is slower and
+    // still ends at the same point.
+    const double storage = volume[i] / time_step;
+    capacity_[i] = std::max(storage + flux_derivative_[i], smallest_capacity * storage);
     const double slope = kind == Slope::bounded
                              ? largest
                              : std::max(state_[i].kirchhoff_derivative, vanishing_slope * largest);
@@ -295,8 +299,8 @@ HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   heat.bottom = input.time_step * bottom_power_;
   heat.moved = moved_;
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
-  const double beyond_rounding = std::max(std::abs(missing) - 2.0 * round_off_, 0.0);
-  heat.error = moved_ > 0.0 ? beyond_rounding / moved_ : 0.0;
+  // As it is, rounding included: a check that allows for its own error hides others.
+  heat.error = moved_ > 0.0 ? std::abs(missing) / moved_ : 0.0;
   return heat;
 }
 

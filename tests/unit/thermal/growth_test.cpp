@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -51,6 +52,43 @@ TEST_P(Growth, UniformMetalStaysUniform) {
   slab.grow_to(0.10 + rise);
   carry_enthalpy(old_mesh, slab.mesh(), slab.nodes_per_row(), kind, 2.9e9, enthalpy);
   for (const double h : enthalpy) EXPECT_NEAR(h / 2.9e9, 1.0, 1e-13);
+}
+
+/// Frozen below, liquid at the top, another profile in every column: nothing may leave the range.
+TEST_P(Growth, NewRowsStayBetweenTheirNeighbours) {
+  const auto [element, kind, rise] = GetParam();
+  mesh::SlabMesh slab(casting_section(element));
+  std::vector<double> enthalpy;
+  for (int n = 0; n < slab.mesh().nodes(); ++n) {
+    enthalpy.push_back(n % 2 == 0 && slab.mesh().point(n)[1] < 0.0999 ? 1.2e9 : 2.9e9);
+  }
+  const mesh::Mesh2D old_mesh = slab.mesh();
+  slab.grow_to(0.10 + rise);
+  carry_enthalpy(old_mesh, slab.mesh(), slab.nodes_per_row(), kind, 2.9e9, enthalpy);
+  for (const double h : enthalpy) {
+    EXPECT_GE(h, 1.2e9 * (1.0 - 1e-14));
+    EXPECT_LE(h, 2.9e9 * (1.0 + 1e-14));
+  }
+}
+
+TEST_P(Growth, LinearProfileStaysLinearOnRectangles) {
+  const auto [element, kind, rise] = GetParam();
+  if (element == ElementKind::p1) GTEST_SKIP() << "triangles conserve, see growth.cpp";
+  mesh::SlabMesh slab(casting_section(element));
+  const double below = slab.row_heights()[slab.row_heights().size() - 2];
+  std::vector<double> enthalpy(std::size_t(slab.mesh().nodes()), 1e9);
+  std::fill(enthalpy.end() - slab.nodes_per_row(), enthalpy.end(), 2e9);
+  const mesh::Mesh2D old_mesh = slab.mesh();
+  const bool divided = !slab.grow_to(0.10 + rise).empty();
+  carry_enthalpy(old_mesh, slab.mesh(), slab.nodes_per_row(), kind, 2e9, enthalpy);
+  const std::size_t row = std::size_t(slab.nodes_per_row());
+  const std::size_t below_row = old_mesh.node.size() / 2 - 2 * row;
+  const double low = enthalpy[below_row], high = enthalpy.back();
+  for (std::size_t n = below_row; divided && n < enthalpy.size(); ++n) {
+    const double share =
+        (slab.mesh().point(static_cast<int>(n))[1] - below) / (slab.level() - below);
+    EXPECT_NEAR(enthalpy[n] / (low + share * (high - low)), 1.0, 1e-13);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sections, Growth,
