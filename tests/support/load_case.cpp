@@ -1,0 +1,47 @@
+#include "tests/support/load_case.hpp"
+
+#include <stdexcept>
+
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "server/translate/case_to_core.hpp"
+
+namespace dccast::support {
+
+namespace {
+
+void refuse(const std::vector<v1::Fault>& faults) {
+  if (faults.empty()) return;
+  std::string text;
+  for (const auto& fault : faults) {
+    text += fault.field() + " = " + fault.value() + ": " + fault.message() + "\n";
+  }
+  throw std::runtime_error(text);
+}
+
+case_file::ReadOutcome read(const std::string& name, v1::Case& message) {
+  for (const auto& shipped : shipped::case_templates()) {
+    if (shipped.name == name) return case_file::read_text(shipped.text, name, message);
+  }
+  return case_file::read_file(name, message);
+}
+
+}  // namespace
+
+casting::Case load_case(const std::string& name) {
+  v1::Case message;
+  const auto outcome = read(name, message);
+  refuse(outcome.faults);
+  case_file::apply_defaults(message);
+  const auto card = case_file::alloy_card(message.alloy().card());
+  refuse(card.faults);
+  case_file::complete_alloy(card.alloy, *message.mutable_alloy());
+  refuse(case_file::check_ranges(message));
+  casting::Case result =
+      translate::to_core(message, std::filesystem::path(name).parent_path());
+  return result;
+}
+
+}  // namespace dccast::support
