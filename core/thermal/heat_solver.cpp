@@ -20,7 +20,7 @@ constexpr double held_diagonal = 1e30;
 /// The line search accepts against the largest of so many last residuals: a kink passed on the way
 /// often costs one step up.
 constexpr std::size_t remembered_residuals = 3;
-/// Bound from below on V/dt + dq/dH, relative to V/dt.
+/// Below this share of V/dt, V/dt + dq/dH is no number to divide by.
 constexpr double smallest_capacity = 0.05;
 constexpr double smallest_damping = 1.0 / 64.0;
 /// While the residual falls by more than this factor the factor of the matrix is kept.
@@ -48,8 +48,9 @@ void HeatSolver::set_mesh(const mesh::Mesh2D& mesh) {
   if (changed) {
     solver_.analyze(conduction_.pattern());
     const std::size_t nodes = std::size_t(mesh_.nodes());
-    for (auto* by_node : {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_,
-                          &residual_, &capacity_, &right_, &y_, &stiffness_y_, &direction_}) {
+    for (auto* by_node :
+         {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
+          &capacity_, &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
       by_node->assign(nodes, 0.0);
     }
     state_.assign(nodes, ThermalState{});
@@ -182,25 +183,36 @@ double HeatSolver::relative_residual(double time_step) const {
   return left_over / moved_;
 }
 
-/// Matrix of the present point. false: not positive definite, which only a NaN can make it.
+/// Matrix of the present point. false: not positive definite.
 bool HeatSolver::factorize(Slope kind, double time_step) {
   const auto stiffness = conduction_.stiffness();
   std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
   const std::vector<double>& volume = conduction_.volume();
   const double largest = properties_.largest_diffusivity();
   for (std::size_t i = 0; i < capacity_.size(); ++i) {
-    // A flux that falls with rising temperature (film boiling tables, a solid surface cooled harder
-    // than a liquid one) must not make the matrix indefinite: then the iteration is slower and
-    // still ends at the same point.
-    const double storage = volume[i] / time_step;
-    capacity_[i] = std::max(storage + flux_derivative_[i], smallest_capacity * storage);
-    const double slope = kind == Slope::bounded
-                             ? largest
-                             : std::max(state_[i].kirchhoff_derivative, vanishing_slope * largest);
+    const double storage = volume[i] / time_step, smallest = smallest_capacity * storage;
+    const double slope = kind == Slope::largest ? largest : state_[i].kirchhoff_derivative;
+    capacity_[i] = storage + flux_derivative_[i];
+    from_slope_[i] = 0.0;
+    if (capacity_[i] < smallest) {
+      const bool conducts = slope > vanishing_slope * largest;
+      if (kind == Slope::newton && conducts) {
+        from_slope_[i] = 1.0 / slope;
+      } else {
+        capacity_[i] = smallest;
+      }
+    }
     matrix_[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))] +=
-        held_[i] != 0 ? held_diagonal : capacity_[i] / slope;
+        held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
   return solver_.factorize(matrix_);
+}
+
+/// Where the flux falls with rising temperature (a table of film boiling, a solid surface cooled
+/// harder than a liquid one) V/dt + dq/dH may be negative. Conduction mostly keeps Newton's matrix
+/// definite; where it does not, the falling part is left out: slower, with the same solution.
+bool HeatSolver::factorize_newton(double time_step) {
+  return factorize(Slope::newton, time_step) || factorize(Slope::newton_bounded, time_step);
 }
 
 void HeatSolver::newton_direction() {
@@ -208,7 +220,9 @@ void HeatSolver::newton_direction() {
   solver_.solve(right_, y_);
   linalg::multiply(conduction_.pattern(), conduction_.stiffness(), y_, stiffness_y_);
   for (std::size_t i = 0; i < direction_.size(); ++i) {
-    direction_[i] = held_[i] != 0 ? 0.0 : -(residual_[i] + stiffness_y_[i]) / capacity_[i];
+    direction_[i] = from_slope_[i] > 0.0 ? y_[i] * from_slope_[i]
+                                         : -(residual_[i] + stiffness_y_[i]) / capacity_[i];
+    if (held_[i] != 0) direction_[i] = 0.0;
   }
 }
 
@@ -231,7 +245,7 @@ bool HeatSolver::line_search(const HeatStepInput& input, double reference) {
 /// A step with D at its upper bound everywhere: a contraction, slow but never wrong.
 bool HeatSolver::bounded_step(const HeatStepInput& input) {
   evaluate(enthalpy_, input);
-  if (!factorize(Slope::bounded, input.time_step)) return false;
+  if (!factorize(Slope::largest, input.time_step)) return false;
   newton_direction();
   for (std::size_t i = 0; i < enthalpy_.size(); ++i) enthalpy_[i] += direction_[i];
   evaluate(enthalpy_, input);
@@ -252,7 +266,7 @@ bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
     remembered[std::size_t(outcome.iterations) % remembered_residuals] = residual_sum_;
 
     const double before = residual_sum_;
-    if (!keep_factor && !factorize(Slope::newton, input.time_step)) return false;
+    if (!keep_factor && !factorize_newton(input.time_step)) return false;
     newton_direction();
     if (line_search(input, *std::max_element(remembered.begin(), remembered.end()))) {
       keep_factor = residual_sum_ * keep_factor_while_falling_by < before;

@@ -106,8 +106,10 @@ private:
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
   SurfaceState surface_state(int node) const;
-  enum class Slope { newton, bounded };  ///< which dTheta/dH the matrix takes
+  /// What the matrix takes: true derivatives; c bounded from below; D at its upper bound too.
+  enum class Slope { newton, newton_bounded, largest };
   bool factorize(Slope kind, double time_step);
+  bool factorize_newton(double time_step);
   void newton_direction();
   double relative_residual(double time_step) const;
   bool line_search(const HeatStepInput& input, double reference);
@@ -141,7 +143,8 @@ private:
   std::vector<double> flux_derivative_;  ///< (node) dq/dH
   std::vector<double> residual_;         ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;
-  std::vector<double> capacity_;  ///< c in the factor
+  std::vector<double> capacity_;    ///< c in the factor
+  std::vector<double> from_slope_;  ///< 1/D where dH = y/D because c is too small, else zero
   std::vector<double> right_, y_, stiffness_y_, direction_;
   double side_power_ = 0.0;     ///< [W/m]
   double bottom_power_ = 0.0;   ///< [W/m]
