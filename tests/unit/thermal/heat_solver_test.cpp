@@ -95,6 +95,33 @@ TEST(HeatSolver, FilmBoilingConvergesAndConserves) {
   EXPECT_LT(casting.worst_balance, 1e-10);
 }
 
+/// Boiling tables fall with temperature and make the residual's derivative negative at the surface.
+TEST(HeatSolver, FallingCoefficientsKeepNewtonFast) {
+  CoolingSpec cooling = casting_cooling();
+  cooling.water.coefficient = {
+      Abscissa::temperature, {20, 100, 200, 400, 600}, {5000, 15000, 30000, 3000, 1000}};
+  cooling.zones[0].solid_coefficient = Curve(4000.0);  // a solid surface cooled harder
+  const Casting casting =
+      cast(casting_alloy(), cooling, ElementKind::q1, SectionKind::plane_strain, 20.0);
+  EXPECT_TRUE(casting.converged);
+  EXPECT_LT(casting.worst_balance, 1e-10);
+  EXPECT_LT(casting.iterations, 8 * casting.steps);
+}
+
+TEST(HeatSolver, WaterRunsInAStepWhoseMiddleIsAfterItsStart) {
+  const mesh::SlabMesh slab(casting_section(ElementKind::p1));
+  HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
+                    SectionKind::plane_strain);
+  solver.set_mesh(slab.mesh());
+  const auto side_flux = [&](double time) {
+    HeatField field = solver.uniform_field(680.0);
+    return solver.step(field, {time, 1.0, 0.1, 680.0, 3e-3, {}, {}}).wall_heat_flux;
+  };
+  // The end of a hold, reached by a sum of steps with its rounding, is still dry.
+  EXPECT_EQ(side_flux(1e-13), side_flux(0.0));
+  EXPECT_GT(side_flux(1.0), 1.2 * side_flux(0.0));
+}
+
 TEST(HeatSolver, AnEdgeMovedByAPicometreChangesNothingVisible) {
   // A point test "below the water line?" jumps here: the level passes a node of the side.
   CoolingSpec moved = casting_cooling();

@@ -186,6 +186,76 @@ private:
   double length_;
 };
 
+constexpr double steady_change = 1e-7;  // [K] in a step
+
+/// A strand seen from its metal level, on a strip of fixed length.
+class MovingStrand {
+public:
+  MovingStrand(const StrandData& strand, int cells)
+      : strand_(strand),
+        time_step_(strand.length / cells / strand.speed),
+        strip_(metal_of(strand), cold_at_the_bottom(strand, cells), strand.length, cells,
+               mesh::ElementKind::q1),
+        row_nodes_(strip_.nodes() / (cells + 1)),
+        field_(strip_.solver().uniform_field(strand.top_temperature)) {}
+
+  const Strip& strip() const { return strip_; }
+  const HeatField& field() const { return field_; }
+
+  /// The exact profile is a good start, no more: the steady state does not depend on it.
+  void start_from(const StrandSolution& exact) {
+    for (int row = 0; row <= strip_.rows(); ++row) {
+      const double depth = std::min(strip_.depth(row), strand_.length);
+      std::fill_n(field_.enthalpy.begin() + (strip_.rows() - row) * row_nodes_, row_nodes_,
+                  strip_.solver().properties().enthalpy(exact.temperature(depth)));
+    }
+    strip_.solver().refresh(field_);
+  }
+
+  /// One step. @return largest change of a temperature [K]
+  double advance(RunSize& size) {
+    const std::vector<double> before = field_.temperature;
+    // The level rises by a cell: seen from the level all metal sinks by one row.
+    auto& enthalpy = field_.enthalpy;
+    std::rotate(enthalpy.begin(), enthalpy.begin() + row_nodes_, enthalpy.end());
+    std::fill(enthalpy.end() - row_nodes_, enthalpy.end(),
+              strip_.solver().properties().enthalpy(strand_.top_temperature));
+    time_ += time_step_;
+    take(size, strip_.step(field_, time_, time_step_, strand_.top_temperature));
+    double change = 0.0;
+    for (std::size_t n = 0; n < before.size(); ++n) {
+      change = std::max(change, std::abs(field_.temperature[n] - before[n]));
+    }
+    return change;
+  }
+
+private:
+  static CoolingSpec cold_at_the_bottom(const StrandData& strand, int cells) {
+    CoolingSpec cooling = insulated();
+    // As good as a given temperature: the cell's own conductance is k / cell.
+    cooling.bottom_block.contact_coefficient =
+        Curve(1e6 * strand.conductivity * cells / strand.length);
+    cooling.bottom_block.temperature = Curve(strand.bottom_temperature);
+    return cooling;
+  }
+
+  StrandData strand_;
+  double time_step_;
+  double time_ = 0.0;
+  Strip strip_;
+  std::ptrdiff_t row_nodes_;
+  HeatField field_;
+};
+
+void measure_profile(StrandFigures& figures) {
+  figures.largest_temperature_error = figures.mean_temperature_error = 0.0;
+  for (std::size_t i = 0; i < figures.depth.size(); ++i) {
+    const double error = std::abs(figures.temperature[i] - figures.exact[i]);
+    figures.largest_temperature_error = std::max(figures.largest_temperature_error, error);
+    figures.mean_temperature_error += error / static_cast<double>(figures.depth.size());
+  }
+}
+
 constexpr double probe_depth = 0.010;  // [m]
 constexpr double first_zero_of_j1 = 3.8317059702075123;
 
@@ -244,58 +314,26 @@ MushyFigures run_mushy_stefan(const MushyStefanData& mushy, const StripSpec& spe
 StrandFigures run_strand(const StrandData& strand, int cells) {
   const std::clock_t start = std::clock();
   const StrandSolution exact(strand);
-  const double cell = strand.length / cells;
-  CoolingSpec cooling = insulated();
-  // As good as a given temperature: the cell's own conductance is k / cell.
-  cooling.bottom_block.contact_coefficient = Curve(1e6 * strand.conductivity / cell);
-  cooling.bottom_block.temperature = Curve(strand.bottom_temperature);
-  Strip strip(metal_of(strand), cooling, strand.length, cells, mesh::ElementKind::q1);
+  MovingStrand moving(strand, cells);
+  moving.start_from(exact);
   StrandFigures figures;
-
-  // The exact profile is a good start, no more: the steady state does not depend on it.
-  HeatField field = strip.solver().uniform_field(strand.top_temperature);
-  const auto& properties = strip.solver().properties();
-  const std::size_t row_nodes = std::size_t(strip.nodes() / (cells + 1));
-  for (int row = 0; row <= cells; ++row) {
-    const std::size_t first = std::size_t(cells - row) * row_nodes;
-    const double depth = std::min(strip.depth(row), strand.length);
-    std::fill_n(field.enthalpy.begin() + static_cast<std::ptrdiff_t>(first), row_nodes,
-                properties.enthalpy(exact.temperature(depth)));
-  }
-  strip.solver().refresh(field);
-  const double entering = properties.enthalpy(strand.top_temperature);
-  const double time_step = cell / strand.speed;
   double change = INFINITY;
-  for (int i = 1; change > 1e-7 && i < 100 * cells && figures.size.converged; ++i) {
-    const std::vector<double> before = field.temperature;
-    // The level rises by a cell: seen from the level all metal sinks by one row.
-    std::rotate(field.enthalpy.begin(),
-                field.enthalpy.begin() + static_cast<std::ptrdiff_t>(row_nodes),
-                field.enthalpy.end());
-    std::fill(field.enthalpy.end() - static_cast<std::ptrdiff_t>(row_nodes), field.enthalpy.end(),
-              entering);
-    take(figures.size, strip.step(field, i * time_step, time_step, strand.top_temperature));
-    change = 0.0;
-    for (std::size_t n = 0; n < before.size(); ++n) {
-      change = std::max(change, std::abs(field.temperature[n] - before[n]));
-    }
+  for (int i = 1; change > steady_change && i < 100 * cells && figures.size.converged; ++i) {
+    change = moving.advance(figures.size);
   }
-  figures.size.converged = figures.size.converged && change <= 1e-7;
+  figures.size.converged = figures.size.converged && change <= steady_change;
+
+  const Strip& strip = moving.strip();
   for (int row = 0; row <= cells; ++row) {
     figures.depth.push_back(strip.depth(row));
-    figures.temperature.push_back(field.temperature[strip.node(row)]);
+    figures.temperature.push_back(moving.field().temperature[strip.node(row)]);
     figures.exact.push_back(exact.temperature(strip.depth(row)));
   }
-  for (std::size_t i = 1; i + 1 < strand.temperature.size(); ++i) {
-    const double t = strand.temperature[i];
+  for (const double t : strand.temperature) {
     if (t >= strand.top_temperature || t <= strand.bottom_temperature) continue;
-    figures.isotherm.push_back({0.0, strip.isotherm(field, t), exact.depth(t)});
+    figures.isotherm.push_back({0.0, strip.isotherm(moving.field(), t), exact.depth(t)});
   }
-  for (std::size_t i = 0; i < figures.depth.size(); ++i) {
-    const double error = std::abs(figures.temperature[i] - figures.exact[i]);
-    figures.largest_temperature_error = std::max(figures.largest_temperature_error, error);
-    figures.mean_temperature_error += error / static_cast<double>(figures.depth.size());
-  }
+  measure_profile(figures);
   figures.size.nodes = strip.nodes();
   figures.size.cpu_s = seconds_since(start);
   return figures;
@@ -304,13 +342,10 @@ StrandFigures run_strand(const StrandData& strand, int cells) {
 StrandFigures run_strand_extrapolated(const StrandData& strand, int cells) {
   StrandFigures coarse = run_strand(strand, cells);
   const StrandFigures fine = run_strand(strand, 2 * cells);
-  coarse.largest_temperature_error = coarse.mean_temperature_error = 0.0;
   for (std::size_t i = 0; i < coarse.depth.size(); ++i) {
     coarse.temperature[i] = 2.0 * fine.temperature[2 * i] - coarse.temperature[i];
-    const double error = std::abs(coarse.temperature[i] - coarse.exact[i]);
-    coarse.largest_temperature_error = std::max(coarse.largest_temperature_error, error);
-    coarse.mean_temperature_error += error / static_cast<double>(coarse.depth.size());
   }
+  measure_profile(coarse);
   for (std::size_t i = 0; i < coarse.isotherm.size(); ++i) {
     coarse.isotherm[i].computed = 2.0 * fine.isotherm[i].computed - coarse.isotherm[i].computed;
   }
