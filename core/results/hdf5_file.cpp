@@ -15,7 +15,9 @@ namespace {
 constexpr std::size_t smallest_chunked = 256;
 /// One chunk is at most this long, so that a reader of a part need not unpack the whole.
 constexpr hsize_t chunk_values = 1 << 17;
-constexpr unsigned deflate_level = 4;
+/// Higher levels take longer and save nothing on shuffled doubles (2.6 MB for 22 frames at 1 and
+/// 4).
+constexpr unsigned deflate_level = 1;
 
 /// The library's account of the last failure: the innermost message, and the system's error number.
 struct LibraryError {
