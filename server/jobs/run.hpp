@@ -33,6 +33,8 @@ struct Run {
   std::shared_ptr<WorkerChannel> channel;  ///< once the worker has called
   std::optional<std::chrono::steady_clock::time_point> kill_at;
   bool settled = false;  ///< what the job has become is decided; only the process is still there
+  std::optional<std::string>
+      ended;             ///< how the process ended, while its link still has words of it
   bool requeue = false;  ///< back into the queue when the process is gone
 
   // Of its own mutex, so that steps do not wait for the scheduler; taken after the scheduler's.

@@ -129,6 +129,8 @@ private:
   void settle_lost(Run& run, const std::string& how);
   void worker_started(const std::string& job_id, int attempt, ProcessIdentity worker);
   void worker_ended(const std::string& job_id, int attempt, const std::string& how);
+  /// A run's process and its link are gone.
+  void conclude(const std::shared_ptr<Run>& run, const std::string& how);
   std::string missing_artifact(const Run& run) const;
 
   void recover_job(JobRecord record);

@@ -220,6 +220,7 @@ void Scheduler::report(const std::shared_ptr<Run>& run, const v1::WorkerMessage&
 void Scheduler::detach(const std::shared_ptr<Run>& run) {
   const std::lock_guard lock(mutex_);
   run->channel.reset();
+  if (run->ended) return conclude(run, *run->ended);
   // A worker without a link leaves by itself; one that hangs must not hold the job.
   if (!run->settled && !run->kill_at) run->kill_at = Clock::now() + std::chrono::seconds(1);
   changed_.notify_all();
@@ -318,13 +319,20 @@ void Scheduler::worker_ended(const std::string& job_id, int attempt, const std::
   const std::lock_guard lock(mutex_);
   const auto found = runs_.find(job_id);
   if (found == runs_.end() || found->second->attempt != attempt) return;
-  const std::shared_ptr<Run> run = found->second;
+  // What it said last may still be on its way; the link ends after that, as its process is gone.
+  if (found->second->channel && !found->second->settled)
+    found->second->ended = how;
+  else
+    conclude(std::shared_ptr<Run>(found->second), how);
+}
+
+void Scheduler::conclude(const std::shared_ptr<Run>& run, const std::string& how) {
   close(*run);
   if (!run->settled) {
-    settle_lost(*run, how);
     run->settled = true;
+    settle_lost(*run, how);
   }
-  runs_.erase(job_id);
+  runs_.erase(run->job_id);
   if (run->requeue && run->record.job.state() == v1::QUEUED) queue_.push(run->record.job);
   changed_.notify_all();
 }

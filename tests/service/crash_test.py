@@ -111,7 +111,7 @@ class Crash(ServiceTest):
         self.assertEqual(curve(self.client.steps(job.id)), expected)
 
     def test_a_worker_that_always_dies_at_one_step_is_named(self):
-        job = self.client.submit(fake_case("steps=10 crash_at=7 checkpoint=5"))
+        job = self.client.submit(fake_case("steps=10 crash_at=7 checkpoint=5 sleep_ms=10"))
         self.client.until_state(job.id, job_pb2.FAILED)
         failure = self.client.job(job.id).failure
         self.assertEqual(failure.kind, job_pb2.Failure.WORKER_LOST)

@@ -23,7 +23,7 @@ class Refusal(ServiceTest):
     busy = False  # the queue is full on purpose
 
     def test_ids_that_are_none(self):
-        for job_id in ("", "7", "../../etc", "x" * 100000 if False else "x" * 1000, "é" * 36,
+        for job_id in ("", "7", "../../etc", "x" * 1000, "é" * 36,
                        "0F2B9A4E-0000-4000-8000-000000000000"):
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.job, job_id)
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.watch, job_id)

@@ -173,7 +173,7 @@ class ServiceTest(unittest.TestCase):
             client.close()
         if self.daemon.running():
             self.daemon.kill()
-        if self._outcome.result.failures or self._outcome.result.errors:
+        if not self._outcome.success:
             sys.stderr.write(self.daemon.said())
         shutil.rmtree(self.folder)
 
@@ -184,7 +184,8 @@ class ServiceTest(unittest.TestCase):
             if hasattr(result, "__next__"):
                 list(result)
         self.assertEqual(caught.exception.code(), code, caught.exception.details())
-        self.assertTrue(caught.exception.details())
+        if code != grpc.StatusCode.UNIMPLEMENTED:  # gRPC's own, without words
+            self.assertTrue(caught.exception.details())
         return caught.exception
 
     def sound_events(self, events):
