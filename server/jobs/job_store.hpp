@@ -59,8 +59,8 @@ public:
 
   struct Page {
     std::int64_t before_ms = INT64_MAX;  ///< only jobs created before, or then and with a lesser id
-    std::string before_id;
-    std::vector<v1::JobState> states;  ///< empty: all
+    std::string before_id{};
+    std::vector<v1::JobState> states{};  ///< empty: all
     int size = 50;
   };
   /// Newest first.

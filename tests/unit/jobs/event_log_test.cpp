@@ -1,0 +1,192 @@
+#include "server/jobs/event_log.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <fstream>
+#include <thread>
+
+#include "server/jobs/event_logs.hpp"
+#include "server/jobs/events.hpp"
+#include "tests/unit/jobs/temporary_folder.hpp"
+
+namespace dccast::jobs {
+namespace {
+
+namespace fs = std::filesystem;
+
+v1::JobEvent step_event(std::int64_t step) {
+  v1::JobEvent event;
+  event.mutable_step()->set_step(step);
+  return event;
+}
+
+void append_steps(EventLog& log, std::int64_t first, std::int64_t last) {
+  for (std::int64_t step = first; step <= last; ++step) {
+    auto event = step_event(step);
+    log.append(event);
+  }
+}
+
+std::vector<v1::JobEvent> all_events(const EventLog& log, std::int64_t from = 1) {
+  std::vector<v1::JobEvent> events;
+  EventLog::Cursor cursor{.sequence = from};
+  while (auto event = log.read(cursor)) events.push_back(*event);
+  return events;
+}
+
+class EventLogTest : public testing::Test {
+protected:
+  fs::path path() const { return folder_.path() / "events.log"; }
+  TemporaryFolder folder_;
+};
+
+TEST_F(EventLogTest, GivesBackWhatWasAppendedAlsoAfterOpeningAgain) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 300);
+    EXPECT_EQ(log.last_sequence(), 300);
+  }
+  EventLog log(path());
+  append_steps(log, 301, 310);
+  const auto events = all_events(log);
+  ASSERT_EQ(events.size(), 310u);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].sequence(), static_cast<std::int64_t>(i) + 1);
+    EXPECT_EQ(events[i].step().step(), static_cast<std::int64_t>(i) + 1);
+    EXPECT_TRUE(events[i].has_time());
+  }
+}
+
+TEST_F(EventLogTest, ACursorBeginsAnywhere) {
+  EventLog log(path());
+  append_steps(log, 1, 200);
+  for (const std::int64_t from : {1, 2, 63, 64, 65, 66, 128, 129, 200}) {
+    const auto events = all_events(log, from);
+    ASSERT_EQ(static_cast<std::int64_t>(events.size()), 201 - from);
+    EXPECT_EQ(events.front().sequence(), from);
+  }
+  EventLog::Cursor next{.sequence = 201};
+  EXPECT_FALSE(log.read(next));
+  append_steps(log, 201, 201);
+  EXPECT_EQ(log.read(next)->step().step(), 201);
+}
+
+// Whatever length the file was left with, the whole events before are kept and numbers go on.
+TEST_F(EventLogTest, ATornTailIsCutOffWhereverItWasTorn) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 3);
+  }
+  const auto whole = fs::file_size(path());
+  const auto before = [&] {
+    EventLog log(folder_.path() / "two.log");
+    append_steps(log, 1, 2);
+    return fs::file_size(folder_.path() / "two.log");
+  }();
+  for (auto size = before; size < whole; ++size) {
+    const auto torn = folder_.path() / ("torn" + std::to_string(size));
+    fs::copy(path(), torn);
+    fs::resize_file(torn, size);
+    EventLog log(torn);
+    EXPECT_EQ(log.last_sequence(), 2) << size;
+    append_steps(log, 7, 7);
+    EXPECT_EQ(all_events(log).back().sequence(), 3);
+    EXPECT_EQ(all_events(log).back().step().step(), 7);
+  }
+}
+
+TEST_F(EventLogTest, ADamagedRecordEndsTheLog) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 3);
+  }
+  {
+    std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(-1, std::ios::end);
+    file.put('\x7f');
+  }
+  EXPECT_EQ(EventLog(path()).last_sequence(), 2);
+}
+
+TEST_F(EventLogTest, RefusesAFileThatIsNone) {
+  std::ofstream(path()) << "this is some other file, and a long one";
+  EXPECT_THROW(EventLog{path()}, std::runtime_error);
+}
+
+TEST_F(EventLogTest, TakesNothingAfterItsEnd) {
+  EventLog log(path());
+  v1::Job job;
+  job.set_state(v1::CANCELLED);
+  v1::JobEvent end = state_event(job, "enough");
+  log.append(end);
+  EXPECT_EQ(log.terminal_event()->state_change().cause(), "enough");
+  EXPECT_THROW(append_steps(log, 1, 1), std::logic_error);
+  EXPECT_TRUE(EventLog(path()).terminal_event());
+}
+
+// The limit on a file's size stands for a full disk: a part of the record is written, then no more.
+TEST_F(EventLogTest, AFailedAppendLeavesTheLogAsItWas) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  EventLog log(path());
+  append_steps(log, 1, 5);
+  rlimit before;
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit tight{fs::file_size(path()) + 5, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+  EXPECT_THROW(append_steps(log, 6, 6), std::system_error);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(log.last_sequence(), 5);
+  EXPECT_EQ(EventLog(path()).last_sequence(), 5);
+  append_steps(log, 6, 6);
+  EXPECT_EQ(all_events(log).size(), 6u);
+}
+
+TEST_F(EventLogTest, AHistoryCountsStepsTakenTwiceOnce) {
+  EventLog log(path());
+  append_steps(log, 1, 7);
+  v1::JobEvent resumed;
+  resumed.mutable_resumed()->set_step(5);
+  log.append(resumed);
+  EXPECT_FALSE(log.last_step());
+  append_steps(log, 6, 8);
+  append_steps(log, 1, 2);  // begun again without a checkpoint
+  const auto history = step_history(log);
+  ASSERT_EQ(history.size(), 2u);
+  EXPECT_EQ(history.back().step(), 2);
+  EXPECT_EQ(log.last_step()->step(), 2);
+}
+
+class CountingWatcher : public Watcher {
+public:
+  void on_appended() override { ++calls; }
+  std::atomic<int> calls{0};
+};
+
+TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
+  fs::create_directory(folder_.path() / "job");
+  EventLogs logs(folder_.path());
+  const auto log = logs.open("job");
+  EXPECT_EQ(logs.open("job"), log);
+  auto watcher = std::make_shared<CountingWatcher>();
+  logs.watch("job", watcher);
+  const auto wait_for_calls = [&](int calls) {
+    for (int i = 0; i < 2000 && watcher->calls < calls; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return watcher->calls.load();
+  };
+  EXPECT_EQ(wait_for_calls(1), 1);
+  append_steps(*log, 1, 1);
+  EXPECT_EQ(wait_for_calls(2), 2);
+  const std::weak_ptr<CountingWatcher> gone = watcher;
+  watcher.reset();
+  append_steps(*log, 2, 3);
+  for (int i = 0; i < 2000 && !gone.expired(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(gone.expired());
+}
+
+}  // namespace
+}  // namespace dccast::jobs

@@ -1,0 +1,34 @@
+#include "server/jobs/identifier.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace dccast::jobs {
+namespace {
+
+TEST(Identifier, IsAUuidOfVersion4AndNeverTheSame) {
+  std::set<std::string> seen;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string id = random_uuid();
+    EXPECT_TRUE(is_uuid(id)) << id;
+    EXPECT_EQ(id[14], '4');
+    EXPECT_NE(std::string("89ab").find(id[19]), std::string::npos);
+    EXPECT_TRUE(seen.insert(id).second);
+  }
+}
+
+TEST(Identifier, RefusesWhatIsNone) {
+  for (const char* text :
+       {"", "x", "0f2b9a4e-0000-4000-8000-00000000000", "../../../../etc/passwd",
+        "0F2B9A4E-0000-4000-8000-000000000000", "0f2b9a4e_0000_4000_8000_000000000000"})
+    EXPECT_FALSE(is_uuid(text)) << text;
+}
+
+TEST(Token, Has256BitsInHexadecimal) {
+  EXPECT_EQ(random_token().size(), 64u);
+  EXPECT_NE(random_token(), random_token());
+}
+
+}  // namespace
+}  // namespace dccast::jobs

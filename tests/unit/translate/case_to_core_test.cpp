@@ -1,0 +1,82 @@
+#include "server/translate/case_to_core.hpp"
+
+#include <gtest/gtest.h>
+
+namespace dccast::translate {
+namespace {
+
+TEST(CurveToCore, KeepsPointsAndAbscissa) {
+  v1::Curve curve;
+  EXPECT_TRUE(to_core(curve).empty());
+  curve.set_abscissa(v1::GAP);
+  for (const double at : {1.0, 3.0}) curve.add_at(at);
+  for (const double value : {10.0, 20.0}) curve.add_value(value);
+  const Curve core = to_core(curve);
+  EXPECT_EQ(core.abscissa(), Abscissa::gap);
+  EXPECT_DOUBLE_EQ(core(2.0), 15.0);
+}
+
+TEST(CaseToCore, TakesEveryKindOfKey) {
+  v1::Case from;
+  from.set_title("t");
+  from.mutable_section()->set_kind(v1::Section::AXISYMMETRIC);
+  from.mutable_section()->set_half_width_m(0.25);
+  from.mutable_mesh()->set_element(v1::Q1);
+  from.mutable_mesh()->set_file("slab.msh");
+  from.mutable_mesh()->set_growth(false);
+  from.mutable_thermal()->set_file("t.h5");
+  from.mutable_mechanics()->set_algorithm(v1::Mechanics::VNBM);
+  from.mutable_mechanics()->set_liquid(v1::Mechanics::SOLID);
+  from.mutable_mechanics()->mutable_parameters()->set_lambda_p_pa_s(3.0);
+  from.mutable_cooling()->set_top(v1::Cooling::INSULATED);
+  from.mutable_cooling()->add_zone()->set_to_m(0.04);
+  from.mutable_limits()->set_maximum_steps(7);
+  auto* monitor = from.add_monitor();
+  monitor->set_name("corner");
+  monitor->set_x_m(0.25);
+  const casting::Case to = to_core(from, "/folder");
+  EXPECT_EQ(to.section.kind, mesh::SectionKind::axisymmetric);
+  EXPECT_EQ(to.section.half_width, 0.25);
+  EXPECT_EQ(to.section.element, mesh::ElementKind::q1);
+  EXPECT_EQ(to.section.file, "/folder/slab.msh");
+  EXPECT_FALSE(to.section.growth);
+  EXPECT_FALSE(to.section.growth_cell);
+  EXPECT_EQ(to.thermal.file, "/folder/t.h5");
+  EXPECT_EQ(to.mechanics.options.algorithm, mechanics::Algorithm::vnbm);
+  EXPECT_EQ(to.mechanics.options.liquid, mechanics::Liquid::solid);
+  EXPECT_EQ(to.mechanics.options.parameters.lambda_p, 3.0);
+  EXPECT_FALSE(to.mechanics.options.parameters.lambda_c);
+  EXPECT_EQ(to.cooling.top, thermal::Top::insulated);
+  EXPECT_EQ(to.cooling.zones.at(0).to, 0.04);
+  EXPECT_EQ(to.limits.maximum_steps, 7);
+  EXPECT_EQ(to.monitors.at(0).name, "corner");
+  EXPECT_NE(to.source_json.find("\"half_width_m\":0.25"), std::string::npos) << to.source_json;
+}
+
+TEST(CaseToCore, AnAlloyHasOneCreepLawAndACoherencyTemperature) {
+  v1::Case from;
+  from.mutable_alloy()->set_liquidus_c(650);
+  from.mutable_alloy()->mutable_reference_creep()->set_stress_pa(1e6);
+  auto to = to_core(from, "");
+  EXPECT_EQ(to.alloy.coherency, 650);
+  EXPECT_EQ(std::get<material::ReferenceCreep>(to.alloy.creep).stress, 1e6);
+  from.mutable_alloy()->set_coherency_c(600);
+  from.mutable_alloy()->mutable_norton_hoff()->set_exponent(5);
+  to = to_core(from, "");
+  EXPECT_EQ(to.alloy.coherency, 600);
+  EXPECT_EQ(std::get<material::NortonHoffConstants>(to.alloy.creep).exponent, 5);
+}
+
+TEST(CaseToCore, AbsentKeysKeepTheDefaultsOfTheCore) {
+  const casting::Case to = to_core(v1::Case(), "");
+  const casting::Case defaults;
+  EXPECT_EQ(to.section.columns, defaults.section.columns);
+  EXPECT_EQ(to.time.minimum_step, defaults.time.minimum_step);
+  EXPECT_TRUE(to.section.file.empty());
+  EXPECT_TRUE(to.mechanics.enabled);
+  EXPECT_TRUE(to.cooling.water.enabled);
+  EXPECT_TRUE(to.schedule.casting_speed.empty());
+}
+
+}  // namespace
+}  // namespace dccast::translate
