@@ -1,0 +1,101 @@
+#include "client/case_faults.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+namespace dccast::client {
+namespace {
+
+/// "schedule.casting_speed" covers itself, "schedule.casting_speed[1]" and keys below it.
+bool covers(const std::string& path, const std::string& other) {
+  if (path.empty() || !other.starts_with(path)) return false;
+  return other.size() == path.size() || other[path.size()] == '.' || other[path.size()] == '[';
+}
+
+/// A local fault in a point or a part of a key means that the key as a whole did not reach the
+/// server.
+bool known_locally(const std::vector<v1::Fault>& local, const v1::Fault& remote) {
+  return std::any_of(local.begin(), local.end(), [&](const v1::Fault& fault) {
+    return covers(fault.field(), remote.field()) || covers(remote.field(), fault.field());
+  });
+}
+
+void sort_by_place(CaseUnderCheck& checked) {
+  const auto place = [&](const v1::Fault& fault) {
+    const case_file::Position at = checked.read.source.find(fault.field());
+    return std::pair(at.line, at.column);
+  };
+  std::stable_sort(checked.faults.begin(), checked.faults.end(),
+                   [&](const v1::Fault& a, const v1::Fault& b) { return place(a) < place(b); });
+}
+
+Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
+  Json json = to_json(fault);
+  const case_file::Position at = source.find(fault.field());
+  json["file"] = source.file();
+  json["line"] = at.line;
+  json["column"] = at.column;
+  return json;
+}
+
+}  // namespace
+
+CaseUnderCheck read_case(const std::string& file) {
+  CaseUnderCheck checked;
+  checked.read = case_file::read_file(file, checked.description);
+  checked.faults = checked.read.faults;
+  return checked;
+}
+
+std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
+                                    const std::vector<v1::Fault>& remote) {
+  std::vector<v1::Fault> merged = local;
+  for (const v1::Fault& fault : remote)
+    if (!known_locally(local, fault)) merged.push_back(fault);
+  return merged;
+}
+
+void check_with_server(CaseUnderCheck& checked, Connection& connection) {
+  // Nothing of a file that could not be parsed is left to be judged.
+  const bool unreadable = checked.faults.size() == 1 && checked.faults.front().field().empty();
+  if (unreadable) return;
+  v1::ValidateCaseRequest request;
+  *request.mutable_case_() = checked.description;
+  for (const v1::Attachment& attachment : checked.read.attachments)
+    *request.add_attachments() = attachment;
+  const auto response = connection.call(&Stub::ValidateCase, request);
+  checked.faults =
+      merge_faults(checked.faults, {response.faults().begin(), response.faults().end()});
+  checked.warnings.assign(response.warnings().begin(), response.warnings().end());
+  if (response.has_estimate() && checked.faults.empty()) checked.estimate = response.estimate();
+  sort_by_place(checked);
+}
+
+std::vector<v1::Fault> faults_of(const grpc::Status& status) {
+  v1::ValidateCaseResponse response;
+  if (status.error_details().empty() || !response.ParseFromString(status.error_details()))
+    return {};
+  return {response.faults().begin(), response.faults().end()};
+}
+
+void print_faults(const CaseUnderCheck& checked, std::ostream& stream) {
+  for (const v1::Fault& fault : checked.faults)
+    stream << describe(fault, checked.read.source) << '\n';
+  for (const v1::Fault& warning : checked.warnings)
+    stream << "warning: " << describe(warning, checked.read.source) << '\n';
+}
+
+Json faults_json(const CaseUnderCheck& checked) {
+  Json json;
+  json["valid"] = checked.faults.empty();
+  json["faults"] = Json::array();
+  json["warnings"] = Json::array();
+  for (const v1::Fault& fault : checked.faults)
+    json["faults"].push_back(fault_json(fault, checked.read.source));
+  for (const v1::Fault& fault : checked.warnings)
+    json["warnings"].push_back(fault_json(fault, checked.read.source));
+  if (checked.estimate) json["estimate"] = to_json(*checked.estimate);
+  return json;
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <grpcpp/support/status.h>
+
+#include "client/connection.hpp"
+#include "client/message_json.hpp"
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::client {
+
+/// A case file as read, and every fault known of it.
+struct CaseUnderCheck {
+  v1::Case description;
+  case_file::ReadOutcome read;
+  std::vector<v1::Fault> faults;  ///< local ones and the server's, in the order of the file
+  std::vector<v1::Fault> warnings;
+  std::optional<v1::ValidateCaseResponse::Estimate> estimate;
+};
+
+/// Reads a case file; faults are the local ones.
+CaseUnderCheck read_case(const std::string& file);
+
+/// Adds what the server's ValidateCase finds in what could be read. Throws CommandFailed if the
+/// server cannot be asked.
+void check_with_server(CaseUnderCheck& checked, Connection& connection);
+
+/// Local faults and the server's together. What the server says of a key that already has a local
+/// fault (or of a part of it) is left out: the key did not reach it.
+std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
+                                    const std::vector<v1::Fault>& remote);
+
+/// The faults that came with SubmitJob's INVALID_ARGUMENT; empty if there are none in it.
+std::vector<v1::Fault> faults_of(const grpc::Status& status);
+
+/// Prints each fault and warning as `file:line:column: key = value: ...`.
+void print_faults(const CaseUnderCheck& checked, std::ostream& stream);
+
+/// {valid, faults [{field, value, message, permitted, remedy, file, line, column}], warnings,
+/// estimate}
+Json faults_json(const CaseUnderCheck& checked);
+
+}  // namespace dccast::client

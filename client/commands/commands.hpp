@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "client/connection.hpp"
+#include "client/exit_code.hpp"
+
+/// One subcommand a file. Each `add_` declares its options and sets the program's action.
+namespace dccast::client::commands {
+
+/// The command line as a whole.
+struct Program {
+  std::string server;                ///< address of the daemon
+  std::function<ExitCode()> action;  ///< what the chosen subcommand does
+  /// Makes the connection; tests put a stub here.
+  std::function<Connection()> connect = [this] { return Connection(server); };
+};
+
+void add_new(CLI::App& app, Program& program);
+void add_validate(CLI::App& app, Program& program);
+void add_submit(CLI::App& app, Program& program);
+void add_watch(CLI::App& app, Program& program);
+void add_list(CLI::App& app, Program& program);
+void add_show(CLI::App& app, Program& program);
+void add_curl(CLI::App& app, Program& program);
+void add_cancel(CLI::App& app, Program& program);
+void add_pause(CLI::App& app, Program& program);
+void add_resume(CLI::App& app, Program& program);
+void add_delete(CLI::App& app, Program& program);
+void add_fetch(CLI::App& app, Program& program);
+void add_report(CLI::App& app, Program& program);
+void add_schema(CLI::App& app, Program& program);
+void add_alloys(CLI::App& app, Program& program);
+void add_info(CLI::App& app, Program& program);
+
+/// A subcommand with its example below the help.
+CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                     const std::string& example);
+
+/// Options that outlive the parsing of the command line.
+template <typename Options>
+std::shared_ptr<Options> make_options() {
+  return std::make_shared<Options>();
+}
+
+/// Follows a job as `watch` does and says how it ended; results on stdout unless `talk_only`.
+ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
+                   bool talk_only);
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,79 @@
+#include <iostream>
+#include <map>
+
+#include "client/commands/commands.hpp"
+#include "client/message_json.hpp"
+#include "client/render/job_text.hpp"
+#include "client/render/table.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::vector<std::string> states;
+  int limit = 50;
+  bool json = false;
+};
+
+const std::map<std::string, v1::JobState> state_names{
+    {"queued", v1::QUEUED},       {"running", v1::RUNNING}, {"paused", v1::PAUSED},
+    {"succeeded", v1::SUCCEEDED}, {"failed", v1::FAILED},   {"cancelled", v1::CANCELLED}};
+
+std::vector<v1::Job> jobs_of(const Options& options, Connection& connection) {
+  v1::ListJobsRequest request;
+  for (const std::string& state : options.states) request.add_states(state_names.at(state));
+  std::vector<v1::Job> jobs;
+  do {
+    request.set_page_size(std::min(1000, options.limit - static_cast<int>(jobs.size())));
+    const auto page = connection.call(&Stub::ListJobs, request);
+    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < options.limit);
+  return jobs;
+}
+
+ExitCode run(const Options& options, Program& program) {
+  Connection connection = program.connect();
+  const std::vector<v1::Job> jobs = jobs_of(options, connection);
+  if (options.json) {
+    Json list = Json::array();
+    for (const v1::Job& job : jobs) list.push_back(to_json(job));
+    std::cout << list.dump() << '\n';
+    return ExitCode::done;
+  }
+  render::Table table({"JOB", "STATE", ">DONE", "CREATED", "TITLE"});
+  for (const v1::Job& job : jobs)
+    table.add(
+        {job.id(),
+         render::state_text(job.state()) +
+             (job.queue_position() > 0 ? " #" + std::to_string(job.queue_position()) : ""),
+         job.has_last_step() ? render::fixed(100.0 * job.last_step().progress(), 0) + " %" : "-",
+         render::time_text(job.create_time()), job.title()});
+  if (jobs.empty())
+    std::cerr << "no jobs\n";
+  else
+    std::cout << table.text();
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "list", "List jobs, newest first", "dccast list --state running,queued");
+  std::vector<std::string> names;
+  for (const auto& [name, state] : state_names) names.push_back(name);
+  command->add_option("-s,--state", options->states, "Only jobs in these states")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  command->add_option("-n,--limit", options->limit, "At most this many")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "As JSON");
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,71 @@
+#include <fstream>
+#include <iostream>
+
+#include "client/commands/commands.hpp"
+#include "client/message_json.hpp"
+#include "client/render/report_page.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::string id;
+  std::string output = "report.html";
+  bool json = false;
+};
+
+/// With the last frame; without it when the job has none.
+v1::QueryResultResponse query(Connection& connection, const std::string& id) {
+  v1::QueryResultRequest request;
+  request.set_id(id);
+  request.set_frame(true);
+  v1::QueryResultResponse result;
+  const grpc::Status status = connection.try_call(&Stub::QueryResult, request, result);
+  if (status.error_code() != grpc::StatusCode::FAILED_PRECONDITION) {
+    check(status, connection.server());
+    return result;
+  }
+  std::cerr << "dccast: " << status.error_message() << "; the report goes without the section\n";
+  request.set_frame(false);
+  return connection.call(&Stub::QueryResult, request);
+}
+
+ExitCode run(const Options& options, Program& program) {
+  Connection connection = program.connect();
+  v1::GetJobRequest request;
+  request.set_id(options.id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const std::string page = render::report_page(job, query(connection, options.id));
+  if (options.output == "-") {
+    std::cout << page;
+    return ExitCode::done;
+  }
+  std::ofstream stream(options.output, std::ios::binary);
+  if (!(stream << page << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + options.output);
+  if (options.json)
+    std::cout << Json{{"job", options.id}, {"file", options.output}, {"bytes", page.size()}}.dump()
+              << '\n';
+  else
+    std::cout << options.output << '\n';
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "report",
+                 "Write one HTML page about a job: curl, section with isotherms, contact, checks",
+                 "dccast report JOB -o report.html");
+  command->add_option("JOB", options->id, "Job id, in any state")->required();
+  command->add_option("-o,--output", options->output, "File to write; - for standard output")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "What was written, as JSON");
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,99 @@
+#include <iostream>
+#include <map>
+#include <thread>
+
+#include "client/case_faults.hpp"
+#include "client/commands/commands.hpp"
+#include "client/request_id.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string request_id;
+  v1::Priority priority = v1::NORMAL;
+  bool watch = false;
+  bool json = false;
+};
+
+ExitCode refuse(const CaseUnderCheck& checked, bool json) {
+  if (json) std::cout << faults_json(checked).dump() << '\n';
+  print_faults(checked, std::cerr);
+  std::cerr << "dccast: not submitted, " << checked.faults.size()
+            << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
+  return ExitCode::invalid;
+}
+
+/// The request id makes it safe to ask again when an answer was lost on its way.
+grpc::Status submit_patiently(Connection& connection, const v1::SubmitJobRequest& request,
+                              v1::Job& job) {
+  constexpr int attempts = 3;
+  for (int attempt = 1;; ++attempt) {
+    const grpc::Status status = connection.try_call(&Stub::SubmitJob, request, job);
+    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || attempt == attempts) return status;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300 * attempt));
+  }
+}
+
+ExitCode run(const Options& options, Program& program) {
+  CaseUnderCheck checked = read_case(options.file);
+  Connection connection = program.connect();
+  try {
+    check_with_server(checked, connection);
+  } catch (const CommandFailed& failure) {
+    if (checked.faults.empty()) throw;
+    std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
+  }
+  if (!checked.faults.empty()) return refuse(checked, options.json);
+  for (const v1::Fault& warning : checked.warnings)
+    std::cerr << "warning: " << describe(warning, checked.read.source) << '\n';
+
+  v1::SubmitJobRequest request;
+  request.set_request_id(options.request_id.empty() ? make_request_id() : options.request_id);
+  request.set_priority(options.priority);
+  *request.mutable_case_() = checked.description;
+  for (v1::Attachment& attachment : checked.read.attachments)
+    request.add_attachments()->Swap(&attachment);
+  v1::Job job;
+  const grpc::Status status = submit_patiently(connection, request, job);
+  checked.faults = faults_of(status);
+  if (!checked.faults.empty()) return refuse(checked, options.json);
+  check(status, connection.server());
+
+  if (options.json)
+    std::cout << to_json(job).dump() << std::endl;
+  else
+    std::cout << job.id() << std::endl;
+  if (!options.watch) return ExitCode::done;
+  return watch_job(connection, job.id(), 1, options.json, true);
+}
+
+}  // namespace
+
+void add_submit(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "submit", "Queue a case; prints the job's id",
+                 "dccast submit my.toml\n  dccast submit --watch --priority high my.toml");
+  command->add_option("FILE", options->file, "Case file")->required();
+  command->add_flag("-w,--watch", options->watch,
+                    "Follow the job to its end; exit code 3 if it does not succeed");
+  const std::map<std::string, v1::Priority> priorities{
+      {"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}};
+  command
+      ->add_option("-p,--priority", options->priority,
+                   "Place in the queue: low, normal (default) or high")
+      ->transform(CLI::CheckedTransformer(priorities, CLI::ignore_case).description(""))
+      ->type_name("PRIORITY");
+  command->add_option(
+      "--request-id", options->request_id,
+      "Submitting again with the same id gives the same job; by default a new one is made");
+  command->add_flag("--json", options->json,
+                    "Job as JSON, with --watch followed by one event a line");
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,64 @@
+#include <iostream>
+
+#include "client/case_faults.hpp"
+#include "client/commands/commands.hpp"
+#include "client/render/progress.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::string file;
+  bool local = false;
+  bool json = false;
+};
+
+void print_verdict(const CaseUnderCheck& checked, bool local) {
+  if (!checked.faults.empty())
+    std::cerr << checked.faults.size() << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
+  else if (checked.estimate)
+    std::cout << "sound: " << checked.estimate->nodes() << " nodes, "
+              << checked.estimate->elements() << " elements, " << checked.estimate->steps()
+              << " steps, about " << render::duration_text(checked.estimate->solver_s())
+              << " of computing\n";
+  else
+    std::cout << (local ? "sound as far as this program can tell without a server\n" : "sound\n");
+}
+
+ExitCode run(const Options& options, Program& program) {
+  CaseUnderCheck checked = read_case(options.file);
+  if (!options.local) {
+    Connection connection = program.connect();
+    try {
+      check_with_server(checked, connection);
+    } catch (const CommandFailed& failure) {
+      // Local faults are an answer already; without them the question stays open.
+      if (checked.faults.empty()) throw;
+      std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
+    }
+  }
+  if (options.json) {
+    std::cout << faults_json(checked).dump() << '\n';
+  } else {
+    print_faults(checked, std::cout);
+    print_verdict(checked, options.local);
+  }
+  return checked.faults.empty() ? ExitCode::done : ExitCode::invalid;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "validate", "Check a case file and list everything that is wrong with it",
+                 "dccast validate my.toml");
+  command->add_option("FILE", options->file, "Case file")->required();
+  command->add_flag("--local", options->local, "Ask no server: keys, units and ranges only");
+  command->add_flag("--json", options->json, "As JSON");
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,80 @@
+#include <iostream>
+
+#include "client/commands/commands.hpp"
+#include "client/job_watch.hpp"
+#include "client/render/job_text.hpp"
+#include "client/render/progress.hpp"
+#include "client/render/table.hpp"
+#include "client/render/watch_output.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::string id;
+  std::int64_t from = 1;
+  bool json = false;
+};
+
+void print_curl(const render::CurlHistory& history) {
+  if (history.monitors.empty()) return;
+  render::Table table({"monitor", ">curl mm", ">horizontal mm"});
+  for (const auto& series : history.monitors)
+    table.add({series.name, render::fixed(1e3 * series.curl_m.back(), 3),
+               render::fixed(1e3 * series.horizontal_m.back(), 3)});
+  std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
+            << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm\n"
+            << table.text() << std::flush;
+}
+
+v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::string& id,
+                                            std::int64_t from) {
+  render::WatchOutput output;
+  return follow_job(
+      connection, id, from,
+      [&](const v1::JobEvent& event) { std::cout << output.line(event).dump() << std::endl; },
+      std::cerr);
+}
+
+v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
+                                           std::int64_t from, bool talk_only) {
+  render::Progress progress(talk_only ? std::cerr : std::cout,
+                            render::terminal_of(talk_only ? 2 : 1));
+  const auto end = follow_job(
+      connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
+  progress.finish();
+  print_curl(progress.history());
+  return end;
+}
+
+}  // namespace
+
+ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
+                   bool talk_only) {
+  const auto end = json ? watch_for_scripts(connection, id, from)
+                        : watch_for_people(connection, id, from, talk_only);
+  if (end.has_failure())
+    std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
+  return exit_code_of(end.state());
+}
+
+void add_watch(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "watch",
+                 "Follow a job to its end: every event so far, then as they happen. A dropped "
+                 "connection is taken up again; leaving with Ctrl-C does not touch the job",
+                 "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
+  command->add_option("JOB", options->id, "Job id")->required();
+  command->add_option("--from", options->from, "First event wanted, by its sequence number")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "One JSON object a line and event");
+  command->callback([options, &program] {
+    program.action = [options, &program] {
+      Connection connection = program.connect();
+      return watch_job(connection, options->id, options->from, options->json, false);
+    };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,21 @@
+#include "client/connection.hpp"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+
+namespace dccast::client {
+
+Connection::Connection(const std::string& server) : server_(server) {
+  grpc::ChannelArguments arguments;
+  // Histories and frames of long runs pass gRPC's default of 4 MiB.
+  arguments.SetMaxReceiveMessageSize(-1);
+  // A watcher must notice a daemon that vanished without a word.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  stub_ = v1::SimulationService::NewStub(
+      grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments));
+}
+
+}  // namespace dccast::client

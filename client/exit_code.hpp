@@ -1,0 +1,15 @@
+#pragma once
+
+namespace dccast::client {
+
+/// Exit codes of every program of the project.
+enum class ExitCode {
+  done = 0,
+  invalid = 2,       ///< usage, or a case with faults
+  solve_failed = 3,  ///< the job ended without success
+  unreachable = 4,   ///< the server does not answer, or refused
+  not_found = 5,     ///< no such thing, or not allowed now
+  interrupted = 130
+};
+
+}  // namespace dccast::client

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::client::render {
+
+/// "running", "succeeded", ...
+std::string state_text(v1::JobState state);
+
+/// Local time of a time stamp, "2024-05-01 13:45:10"; "-" for none.
+std::string time_text(const google::protobuf::Timestamp& time);
+
+/// One line about an event that is not a step.
+std::string event_line(const v1::JobEvent& event);
+
+/// Why a job failed, in a few lines: kind, message, time and step, the end of the residuals.
+std::string failure_text(const v1::Failure& failure);
+
+/// Everything about one job, one fact a line.
+std::string job_sheet(const v1::Job& job);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,105 @@
+#include "client/render/progress.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+#include "client/render/braille.hpp"
+#include "client/render/job_text.hpp"
+#include "client/render/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+constexpr int curve_columns = 12;               // of the renewed line
+constexpr std::chrono::milliseconds pause{50};  // 20 renewals a second are enough for an eye
+
+std::string signed_mm(double metres) {
+  return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 2) + " mm"
+                               : "- mm";
+}
+
+}  // namespace
+
+double remaining_s(const v1::StepReport& step) {
+  if (!(step.progress() > 0.0)) return -1.0;
+  return step.solver_s() * (1.0 - step.progress()) / step.progress();
+}
+
+std::string duration_text(double seconds) {
+  char text[48];
+  const long whole = std::lround(std::max(0.0, seconds));
+  if (whole >= 3600)
+    std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
+  else if (whole >= 60)
+    std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
+  else if (seconds < 10.0)
+    std::snprintf(text, sizeof text, "%.1f s", std::max(0.0, seconds));
+  else
+    std::snprintf(text, sizeof text, "%ld s", whole);
+  return text;
+}
+
+std::string step_line(const v1::StepReport& step) {
+  std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
+                     " s  cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
+  for (const v1::MonitorValue& monitor : step.monitors())
+    text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
+  text += "  " + std::to_string(step.iterations()) + " it";
+  if (const double rest = remaining_s(step); rest >= 0.0 && step.progress() < 1.0)
+    text += "  eta " + duration_text(rest);
+  return text;
+}
+
+void Progress::line(const std::string& text) {
+  if (line_open_) stream_ << "\r\033[K";
+  line_open_ = false;
+  stream_ << text << std::endl;
+}
+
+void Progress::renew(const std::string& text, bool force) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!force && now - renewed_ < pause) return;
+  renewed_ = now;
+  stream_ << "\r\033[K" << cut_to(text, terminal_.columns - 1) << std::flush;
+  line_open_ = true;
+}
+
+void Progress::show(const v1::JobEvent& event) {
+  if (event.has_resumed()) history_.rewind(event.resumed().time_s());
+  if (!event.has_step()) return line(event_line(event));
+  history_.add(event.step());
+  const std::string text = step_line(event.step());
+  if (!terminal_.interactive) return line(text);
+  std::string curve;
+  if (const auto* series = history_.largest())
+    curve = braille_curve(series->curl_m, curve_columns, 1).front();
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
+  renew(percent + curve + " " + text, event.step().progress() >= 1.0);
+}
+
+void Progress::finish() {
+  if (line_open_) stream_ << "\n";
+  line_open_ = false;
+  const auto* const series = history_.largest();
+  if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
+  const int columns = std::min(60, terminal_.columns - 12);
+  stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
+          << fixed(history_.time_s.back(), 0) << " s\n";
+  double low = 0.0, high = 0.0;
+  for (const double curl : series->curl_m) {
+    low = std::min(low, curl);
+    high = std::max(high, curl);
+  }
+  const auto lines = braille_curve(series->curl_m, columns, 5);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    stream_ << lines[i]
+            << (i == 0                  ? " " + signed_mm(high)
+                : i + 1 == lines.size() ? " " + signed_mm(low)
+                                        : "")
+            << '\n';
+  stream_ << std::flush;
+}
+
+}  // namespace dccast::client::render

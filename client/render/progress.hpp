@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <iosfwd>
+#include <string>
+
+#include "client/render/curl_history.hpp"
+#include "client/render/terminal.hpp"
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::client::render {
+
+/// Shows the events of a job: on a terminal one line that renews itself, elsewhere a line an event.
+class Progress {
+public:
+  Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
+
+  void show(const v1::JobEvent& event);
+  /// Ends the renewed line and draws the curve of the run, if there is one.
+  void finish();
+
+  const CurlHistory& history() const { return history_; }
+
+private:
+  void line(const std::string& text);
+  void renew(const std::string& text, bool force);
+
+  std::ostream& stream_;
+  Terminal terminal_;
+  CurlHistory history_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point renewed_{};
+};
+
+/// "step 120  t 45.2 s  cast 30.1 mm  corner +3.21 mm  2 it  eta 3 s" (one step, no line end).
+std::string step_line(const v1::StepReport& step);
+
+/// Seconds that the rest of the run takes at its mean pace so far; negative when that is not known.
+double remaining_s(const v1::StepReport& step);
+
+/// "1 h 03 min", "4 min 10 s", "7 s".
+std::string duration_text(double seconds);
+
+}  // namespace dccast::client::render

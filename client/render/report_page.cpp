@@ -1,0 +1,231 @@
+#include "client/render/report_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/render/curl_history.hpp"
+#include "client/render/job_text.hpp"
+#include "client/render/progress.hpp"
+#include "client/render/report_style.hpp"
+#include "client/render/section_picture.hpp"
+#include "client/render/svg_chart.hpp"
+#include "client/render/table.hpp"
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+std::string element(const std::string& tag, const std::string& content) {
+  return "<" + tag + ">" + content + "</" + tag.substr(0, tag.find(' ')) + ">";
+}
+
+std::string figure(const std::string& heading, const std::string& picture,
+                   const std::string& caption) {
+  return "<section class='card'><h2>" + heading + "</h2><figure>" + picture + "<figcaption>" +
+         caption + "</figcaption></figure></section>";
+}
+
+std::string scientific(double value) {
+  if (!std::isfinite(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2e", value);
+  return text;
+}
+
+/// Values in millimetres of a series of metres.
+std::vector<double> millimetres(std::vector<double> metres) {
+  for (double& value : metres) value *= 1e3;
+  return metres;
+}
+
+std::string curl_chart(const CurlHistory& history, bool against_length) {
+  Chart chart;
+  chart.title = against_length ? "Butt curl against cast length" : "Butt curl against time";
+  chart.x_label = against_length ? "cast length, mm" : "time, s";
+  chart.y_label = "curl, mm";
+  const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
+  for (const auto& series : history.monitors)
+    chart.lines.push_back({series.name, x, millimetres(series.curl_m)});
+  return svg_chart(chart);
+}
+
+std::string tile(const std::string& name, const std::string& value, const std::string& unit) {
+  return "<div class='tile'><span>" + html_escaped(name) + "</span><strong>" + value +
+         "</strong> " + unit + "</div>";
+}
+
+std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result) {
+  if (history.time_s.empty()) return "<p>The job has no step yet.</p>";
+  std::string tiles;
+  for (const auto& series : history.monitors)
+    tiles += tile("curl, " + series.name, fixed(1e3 * series.curl_m.back(), 2), "mm");
+  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+  tiles += tile("cast length", fixed(1e3 * last.cast_length_m(), 1), "mm") +
+           tile("time", fixed(last.time_s(), 1), "s") +
+           tile("stands on the block", fixed(1e3 * last.contact_length_m(), 0), "mm") +
+           tile("sump depth", fixed(1e3 * last.sump_depth_m(), 0), "mm");
+  return "<div class='tiles'>" + tiles + "</div>";
+}
+
+std::string section_figure(const v1::QueryResultResponse& result) {
+  const SectionPicture picture =
+      result.has_frame() ? draw_section(result.frame()) : SectionPicture{};
+  if (picture.svg.empty())
+    return "<section class='card'><h2>Section</h2><p>No stored frame: the run has not ended with a "
+           "result.</p></section>";
+  const v1::Frame& frame = result.frame();
+  return figure(
+      "Deformed section and isotherms", picture.svg,
+      "Half section at " + fixed(frame.time_s(), 1) + " s, cast length " +
+          fixed(1e3 * frame.cast_length_m(), 1) + " mm. Displacements are drawn <strong>" +
+          fixed(picture.displacement_scale, 0) +
+          " times</strong> as large; dashed: undeformed. Isotherms every 100 °C; heavy: solidus " +
+          fixed(frame.solidus_c(), 0) + " °C, heavy dashed: liquidus " +
+          fixed(frame.liquidus_c(), 0) + " °C. The left edge is the symmetry plane.");
+}
+
+/// Position, gap and pressure of the bottom nodes that fit each other.
+std::string contact_figures(const v1::Frame& frame) {
+  ChartLine gap{"gap", {}, {}}, pressure{"pressure", {}, {}};
+  for (int i = 0; i < frame.bottom_node_size(); ++i) {
+    const int node = frame.bottom_node(i);
+    if (node < 0 || 2 * node + 1 >= frame.node_m_size()) continue;
+    const double x = 1e3 * frame.node_m(2 * node);
+    if (i < frame.bottom_gap_m_size()) {
+      gap.x.push_back(x);
+      gap.y.push_back(1e3 * frame.bottom_gap_m(i));
+    }
+    if (i < frame.bottom_pressure_pa_size()) {
+      pressure.x.push_back(x);
+      pressure.y.push_back(1e-3 * frame.bottom_pressure_pa(i));
+    }
+  }
+  if (gap.x.empty() && pressure.x.empty()) return {};
+  const std::string place = "distance from the symmetry plane, mm";
+  return "<div class='pair'>" +
+         figure("Gap along the bottom",
+                svg_chart({"Gap along the bottom", place, "gap, mm", {gap}}),
+                "Distance between slab and bottom block at the last frame.") +
+         figure(
+             "Contact pressure",
+             svg_chart({"Contact pressure along the bottom", place, "pressure, kPa", {pressure}}),
+             "Zero where the slab has lifted off the block.") +
+         "</div>";
+}
+
+std::string row(const std::string& name, const std::string& value, const std::string& note = {}) {
+  return "<tr><th scope='row'>" + name + "</th><td>" + value + "</td><td>" + note + "</td></tr>";
+}
+
+double largest(const v1::QueryResultResponse& result, double (v1::StepReport::*figure_of)() const) {
+  double value = 0.0;
+  for (const v1::StepReport& step : result.steps())
+    value = std::max(value, std::abs((step.*figure_of)()));
+  return value;
+}
+
+std::string checks_table(const v1::QueryResultResponse& result) {
+  if (result.steps_size() == 0) return {};
+  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+  std::string rows;
+  rows += row("Equilibrium residual",
+              scientific(largest(result, &v1::StepReport::equilibrium_residual)),
+              "largest of all steps, relative");
+  rows += row("Energy balance", scientific(largest(result, &v1::StepReport::energy_balance_error)),
+              "largest of all steps, relative");
+  rows +=
+      row("Complementarity", scientific(largest(result, &v1::StepReport::complementarity_error)),
+          "gap times pressure, relative");
+  rows += row("Constitutive residual",
+              scientific(largest(result, &v1::StepReport::constitutive_residual)), "relative");
+  rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
+              "against the metallostatic one, relative, last step");
+  rows += row("Bottom reaction", fixed(last.bottom_reaction_n_per_m(), 1) + " N/m",
+              "weight " + fixed(last.weight_n_per_m(), 1) + " N/m, last step");
+  rows +=
+      row("Heat through side and bottom", fixed(1e-3 * last.wall_heat_flux_w_per_m(), 1) + " kW/m",
+          "per metre of face, last step");
+  return "<section class='card'><h2>Checks of the run</h2><table>" + rows + "</table></section>";
+}
+
+std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
+  std::string rows = row("State", state_text(job.state())) + row("Job", html_escaped(job.id())) +
+                     row("Ended", time_text(job.end_time())) +
+                     row("Case SHA-256", "<code>" + html_escaped(job.case_sha256()) + "</code>");
+  if (result.steps_size() > 0) {
+    const v1::StepReport& last = result.steps(result.steps_size() - 1);
+    double iterations = 0.0, cut = 0.0;
+    for (const v1::StepReport& step : result.steps()) {
+      iterations += step.iterations();
+      cut += step.failed_attempts();
+    }
+    rows +=
+        row("Steps", std::to_string(result.steps_size()), fixed(cut, 0) + " attempts were cut") +
+        row("Mechanical iterations", fixed(iterations, 0),
+            fixed(iterations / result.steps_size(), 2) + " a step") +
+        row("Mesh at the end", std::to_string(last.nodes()) + " nodes",
+            std::to_string(last.elements()) + " elements") +
+        row("Solver time", duration_text(last.solver_s()));
+  }
+  if (job.has_failure()) rows += row("Failure", html_escaped(failure_text(job.failure())));
+  return "<section class='card'><h2>Run</h2><table>" + rows + "</table></section>";
+}
+
+std::string inputs_table(const v1::Case& input) {
+  const v1::Alloy& alloy = input.alloy();
+  std::string rows;
+  rows += row("Hold before the block moves", fixed(input.schedule().hold_s(), 1) + " s",
+              "the shell forms; t = 0 is when the block starts");
+  rows += row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
+              "from a stress-free shell: what happened before leaves no curl");
+  rows +=
+      row("Coherency",
+          (alloy.has_coherency_c() ? fixed(alloy.coherency_c(), 0) : fixed(alloy.liquidus_c(), 0)) +
+              " °C",
+          "below it the mush carries strain; solidus " + fixed(alloy.solidus_c(), 0) +
+              ", liquidus " + fixed(alloy.liquidus_c(), 0) + " °C");
+  rows +=
+      row("Alloy card", html_escaped(alloy.card()) + " (" + html_escaped(alloy.provenance()) + ")",
+          html_escaped(alloy.description()));
+  rows += row("Half width", fixed(1e3 * input.section().half_width_m(), 0) + " mm");
+  rows += row("Element", input.mesh().element() == v1::Q1 ? "q1" : "p1",
+              input.mesh().element() == v1::Q1
+                  ? ""
+                  : "linear triangles lock: they overstate the curl on coarse meshes");
+  rows +=
+      row("Algorithm", html_escaped(v1::Mechanics::Algorithm_Name(input.mechanics().algorithm())));
+  return "<section class='card'><h2>What the result rests on</h2><table>" + rows +
+         "</table><details><summary>The whole case, with all defaults</summary><pre>" +
+         html_escaped(case_file::to_toml(input)) + "</pre></details></section>";
+}
+
+}  // namespace
+
+std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result) {
+  CurlHistory history;
+  for (const v1::StepReport& step : result.steps()) history.add(step);
+  const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
+  std::string body = "<header><p class='kicker'>dccast report · job " +
+                     html_escaped(job.id().substr(0, 8)) + " · <span class='state " +
+                     state_text(job.state()) + "'>" + state_text(job.state()) + "</span></p>" +
+                     element("h1", title) + "</header>";
+  body += headline(history, result);
+  if (!history.monitors.empty())
+    body +=
+        "<div class='pair'>" +
+        figure("Curl against time", curl_chart(history, false),
+               "Upward displacement of each monitor; time zero is when the bottom block starts.") +
+        figure("Curl against cast length", curl_chart(history, true),
+               "The same against the travel of the bottom block.") +
+        "</div>";
+  body += section_figure(result);
+  if (result.has_frame()) body += contact_figures(result.frame());
+  body += "<div class='pair'>" + checks_table(result) + run_table(job, result) + "</div>";
+  if (result.has_case_()) body += inputs_table(result.case_());
+  return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width, initial-scale=1'><title>" +
+         title + "</title><style>" + report_style + "</style></head><body><main>" + body +
+         "</main></body></html>\n";
+}
+
+}  // namespace dccast::client::render

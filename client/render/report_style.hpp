@@ -1,0 +1,32 @@
+#pragma once
+
+namespace dccast::client::render {
+
+/// Style sheet of the report: light and dark, on screen and on paper.
+inline constexpr const char* report_style = R"css(
+:root{color-scheme:light dark;--page:#f5f6f8;--card:#fff;--ink:#1c2430;--soft:#5d6878;--rule:#e1e5eb;--zero:#98a2b1;
+--line-0:#1f5fbf;--line-1:#c8521a;--line-2:#2c8a57;--line-3:#8747b5;--line-4:#b5860b;--line-5:#0d8a96;--good:#1f7a46;--bad:#b3261e}
+@media (prefers-color-scheme:dark){:root{--page:#12161c;--card:#1b2129;--ink:#e6eaf0;--soft:#9aa6b6;--rule:#2d3541;--zero:#66717f;
+--line-0:#7fb0ff;--line-1:#ff9a63;--line-2:#6fd39b;--line-3:#c79bf0;--line-4:#e8c15a;--line-5:#5fd0da;--good:#6fd39b;--bad:#ff8a80}}
+*{box-sizing:border-box}body{margin:0;background:var(--page);color:var(--ink);font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif}
+main{max-width:1180px;margin:0 auto;padding:28px 20px 60px}header{margin-bottom:18px}.kicker{margin:0;color:var(--soft);font-size:13px}
+h1{margin:4px 0 0;font-size:26px;line-height:1.25;font-weight:650}h2{margin:0 0 10px;font-size:15px;font-weight:650}
+.state.succeeded{color:var(--good)}.state.failed,.state.cancelled{color:var(--bad)}
+.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(140px,1fr));gap:12px;margin-bottom:16px}
+.tile{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:12px 14px;color:var(--soft)}
+.tile span{display:block;font-size:12px}.tile strong{color:var(--ink);font-size:24px;font-weight:650;font-variant-numeric:tabular-nums}
+.card{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:16px 18px;margin:0 0 16px;min-width:0;break-inside:avoid}
+.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}
+figure{margin:0}figcaption{color:var(--soft);font-size:13px;margin-top:8px}figcaption strong{color:var(--ink)}svg{display:block;width:100%;height:auto}
+svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
+.line{fill:none;stroke-width:2;stroke-linejoin:round}.deformed{fill:none;stroke:var(--ink);stroke-width:1.2}
+.undeformed{fill:none;stroke:var(--soft);stroke-width:1;stroke-dasharray:4 4}.isotherm{fill:none;stroke:#fff;stroke-width:.9;opacity:.85}
+.front{fill:none;stroke:#10151c;stroke-width:2}.front.liquidus{stroke-dasharray:6 4}
+.isotherm-label{fill:#fff;font-size:11px;paint-order:stroke;stroke:#0008;stroke-width:2.5px}
+table{border-collapse:collapse;width:100%;font-size:14px}th,td{text-align:left;vertical-align:top;padding:5px 10px 5px 0;border-top:1px solid var(--rule)}
+tr:first-child>*{border-top:0}th{font-weight:500;width:34%}td:nth-child(2){font-variant-numeric:tabular-nums;overflow-wrap:anywhere}td:last-child{color:var(--soft);font-size:13px}
+details{margin-top:14px}summary{cursor:pointer;color:var(--soft)}pre{overflow-x:auto;font-size:12.5px;line-height:1.45}code{font-size:12px}
+@media print{body{background:#fff}main{max-width:none;padding:0}}
+)css";
+
+}  // namespace dccast::client::render

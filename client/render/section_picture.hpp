@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "dccast/v1/service.pb.h"
+
+namespace dccast::client::render {
+
+/// The deformed section with its temperatures and isotherms as inline SVG.
+struct SectionPicture {
+  std::string svg;                  ///< empty when the frame holds no mesh that can be drawn
+  double displacement_scale = 1.0;  ///< factor by which displacements are drawn larger
+};
+
+/// Draws a frame. Displacements are enlarged by a round factor, so that the largest is about a
+/// fifteenth of the section's width. Isotherms every 100 °C, and those of liquidus and solidus.
+SectionPicture draw_section(const v1::Frame& frame);
+
+/// Whether array sizes and node numbers of a frame fit each other.
+bool consistent(const v1::Frame& frame);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,156 @@
+#include "client/render/svg_chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "client/render/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+// Of the view box; the page scales it.
+constexpr double width = 640, height = 320, left = 62, right = 16, top = 30, bottom = 46;
+constexpr int line_colours = 6;
+
+struct Axis {
+  std::vector<double> ticks;
+  double low() const { return ticks.front(); }
+  double high() const { return ticks.back(); }
+};
+
+Axis axis_over(const Chart& chart, const std::vector<double> ChartLine::*values, bool with_zero,
+               int count) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const ChartLine& line : chart.lines)
+    for (const double value : line.*values)
+      if (std::isfinite(value)) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+  if (!(low <= high)) low = high = 0.0;
+  if (with_zero) {
+    low = std::min(low, 0.0);
+    high = std::max(high, 0.0);
+  }
+  return {round_ticks(low, high, count)};
+}
+
+double place_x(const Axis& axis, double x) {
+  return left + (x - axis.low()) / (axis.high() - axis.low()) * (width - left - right);
+}
+double place_y(const Axis& axis, double y) {
+  return height - bottom - (y - axis.low()) / (axis.high() - axis.low()) * (height - top - bottom);
+}
+
+std::string tick_text(double value, const Axis& axis) {
+  const double step = axis.ticks[1] - axis.ticks[0];
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  return fixed(std::abs(value) < 1e-9 * step ? 0.0 : value, decimals);
+}
+
+std::string grid(const Axis& x, const Axis& y) {
+  std::string svg;
+  const std::string x0 = fixed(left, 1), x1 = fixed(width - right, 1);
+  for (const double tick : y.ticks) {
+    const std::string at = fixed(place_y(y, tick), 1);
+    svg += "<line class='" + std::string(tick == 0.0 ? "zero" : "grid") + "' x1='" + x0 + "' x2='" +
+           x1 + "' y1='" + at + "' y2='" + at + "'/><text class='tick' text-anchor='end' x='" +
+           fixed(left - 6, 1) + "' y='" + fixed(place_y(y, tick) + 4, 1) + "'>" +
+           tick_text(tick, y) + "</text>";
+  }
+  for (const double tick : x.ticks) {
+    const std::string at = fixed(place_x(x, tick), 1);
+    svg += "<line class='grid' x1='" + at + "' x2='" + at + "' y1='" + fixed(top, 1) + "' y2='" +
+           fixed(height - bottom, 1) + "'/><text class='tick' text-anchor='middle' x='" + at +
+           "' y='" + fixed(height - bottom + 17, 1) + "'>" + tick_text(tick, x) + "</text>";
+  }
+  return svg;
+}
+
+std::string path_of(const ChartLine& line, const Axis& x, const Axis& y) {
+  std::string path;
+  bool pen_down = false;
+  for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
+    const bool drawable = std::isfinite(line.x[i]) && std::isfinite(line.y[i]);
+    if (drawable)
+      path += (pen_down ? "L" : "M") + fixed(place_x(x, line.x[i]), 2) + " " +
+              fixed(place_y(y, line.y[i]), 2);
+    pen_down = drawable;
+  }
+  return path;
+}
+
+std::string legend(const Chart& chart) {
+  if (chart.lines.size() < 2) return {};
+  std::string svg;
+  double at = left;
+  for (std::size_t i = 0; i < chart.lines.size(); ++i) {
+    const std::string colour = "var(--line-" + std::to_string(i % line_colours) + ")";
+    svg += "<line x1='" + fixed(at, 1) + "' x2='" + fixed(at + 18, 1) +
+           "' y1='14' y2='14' stroke='" + colour + "' stroke-width='3'/><text class='tick' x='" +
+           fixed(at + 23, 1) + "' y='18'>" + html_escaped(chart.lines[i].name) + "</text>";
+    at += 40.0 + 7.0 * static_cast<double>(chart.lines[i].name.size());
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string html_escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
+    }
+  return escaped;
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  const double span = high > low ? high - low : std::max(std::abs(high), 1.0);
+  const double raw = span / count;
+  const double decade = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10.0 * decade;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * decade >= raw * (1.0 - 1e-9)) step = factor * decade;
+  const double first = std::floor(low / step + 1e-9),
+               last = std::max(std::ceil(high / step - 1e-9), first + 1.0);
+  std::vector<double> ticks;
+  for (double tick = first; tick <= last + 0.5; tick += 1.0) ticks.push_back(tick * step);
+  return ticks;
+}
+
+std::string svg_chart(const Chart& chart) {
+  const Axis x = axis_over(chart, &ChartLine::x, false, 7);
+  const Axis y = axis_over(chart, &ChartLine::y, true, 5);
+  std::string svg = "<svg class='chart' viewBox='0 0 640 320' role='img' aria-label='" +
+                    html_escaped(chart.title) + "'>" + grid(x, y) + legend(chart);
+  for (std::size_t i = 0; i < chart.lines.size(); ++i)
+    svg += "<path class='line' style='stroke:var(--line-" + std::to_string(i % line_colours) +
+           ")' d='" + path_of(chart.lines[i], x, y) + "'><title>" +
+           html_escaped(chart.lines[i].name) + "</title></path>";
+  svg += "<text class='label' text-anchor='middle' x='" + fixed((left + width - right) / 2, 1) +
+         "' y='" + fixed(height - 8, 1) + "'>" + html_escaped(chart.x_label) +
+         "</text><text class='label' text-anchor='middle' transform='translate(14 " +
+         fixed((top + height - bottom) / 2, 1) + ") rotate(-90)'>" + html_escaped(chart.y_label) +
+         "</text></svg>";
+  return svg;
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dccast::client::render {
+
+/// One line of a chart.
+struct ChartLine {
+  std::string name;
+  std::vector<double> x;
+  std::vector<double> y;  ///< as long as x; points that are not finite break the line
+};
+
+struct Chart {
+  std::string title;    ///< read out by screen readers
+  std::string x_label;  ///< with its unit
+  std::string y_label;
+  std::vector<ChartLine> lines;
+};
+
+/// A chart as inline SVG with axes, round ticks and a legend. Colours come from the page's CSS
+/// variables --line-0 ... --line-5, so that it follows the light and the dark scheme.
+std::string svg_chart(const Chart& chart);
+
+/// Round numbers from at most `low` to at least `high`, about `count` of them.
+std::vector<double> round_ticks(double low, double high, int count);
+
+/// Text with &, <, > and quotes made safe for HTML.
+std::string html_escaped(const std::string& text);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dccast::client::render {
+
+/// Text table with columns as wide as needed, two blanks between them, no trailing blanks.
+class Table {
+public:
+  /// A heading that begins with '>' makes a column that is set to the right (numbers).
+  explicit Table(std::vector<std::string> headings);
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  std::string text() const;
+
+private:
+  std::vector<bool> right_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A number with a fixed count of decimals; "-" for one that is not finite.
+std::string fixed(double value, int decimals);
+
+}  // namespace dccast::client::render
