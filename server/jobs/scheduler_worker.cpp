@@ -4,6 +4,7 @@
 
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/identifier.hpp"
@@ -15,6 +16,9 @@ namespace {
 
 /// From the acknowledgement of a worker's last word to its kill: it only has to leave.
 constexpr std::chrono::seconds leaving_time{5};
+
+/// From the end of a worker's process to that of its link, should the link not end by itself.
+constexpr std::chrono::seconds last_words_time{2};
 
 bool same_token(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
@@ -90,11 +94,17 @@ void Scheduler::order_stop(Run& run, bool checkpoint) {
 }
 
 void Scheduler::kill_overdue() {
-  for (const auto& [id, run] : runs_) {
-    if (!run->kill_at || Clock::now() < *run->kill_at) continue;
+  std::vector<std::shared_ptr<Run>> overdue;
+  for (const auto& [id, run] : runs_)
+    if (run->kill_at && Clock::now() >= *run->kill_at) overdue.push_back(run);
+  for (const auto& run : overdue) {
     run->kill_at.reset();
-    spdlog::warn("job {}: its worker did not leave in time: killed", id);
-    executor_.kill(id, run->attempt);
+    if (run->ended) {
+      conclude(run, *run->ended);
+      continue;
+    }
+    spdlog::warn("job {}: its worker did not leave in time: killed", run->job_id);
+    executor_.kill(run->job_id, run->attempt);
   }
 }
 
@@ -220,7 +230,11 @@ void Scheduler::report(const std::shared_ptr<Run>& run, const v1::WorkerMessage&
 void Scheduler::detach(const std::shared_ptr<Run>& run) {
   const std::lock_guard lock(mutex_);
   run->channel.reset();
-  if (run->ended) return conclude(run, *run->ended);
+  if (run->ended) {
+    const auto found = runs_.find(run->job_id);
+    if (found != runs_.end() && found->second == run) conclude(run, *run->ended);
+    return;
+  }
   // A worker without a link leaves by itself; one that hangs must not hold the job.
   if (!run->settled && !run->kill_at) run->kill_at = Clock::now() + std::chrono::seconds(1);
   changed_.notify_all();
@@ -320,10 +334,11 @@ void Scheduler::worker_ended(const std::string& job_id, int attempt, const std::
   const auto found = runs_.find(job_id);
   if (found == runs_.end() || found->second->attempt != attempt) return;
   // What it said last may still be on its way; the link ends after that, as its process is gone.
-  if (found->second->channel && !found->second->settled)
-    found->second->ended = how;
-  else
-    conclude(std::shared_ptr<Run>(found->second), how);
+  const std::shared_ptr<Run> run = found->second;
+  if (!run->channel || run->settled) return conclude(run, how);
+  run->ended = how;
+  run->kill_at = Clock::now() + last_words_time;
+  changed_.notify_all();
 }
 
 void Scheduler::conclude(const std::shared_ptr<Run>& run, const std::string& how) {

@@ -58,10 +58,11 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
 
 grpc::Status check_id(const std::string& id) {
   if (jobs::is_uuid(id)) return grpc::Status::OK;
-  return {
-      grpc::StatusCode::INVALID_ARGUMENT,
-      "\"" + id.substr(0, 64) +
-          "\" is not a job id; an id is a UUID in lower case, as SubmitJob and ListJobs give it"};
+  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
+  std::string message = "\"";
+  message += id.substr(0, 64);
+  message += "\" is not a job id; an id is a UUID in lower case, as SubmitJob and ListJobs give it";
+  return {grpc::StatusCode::INVALID_ARGUMENT, message};
 }
 
 grpc::Status job_not_found(const std::string& id) {

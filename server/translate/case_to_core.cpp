@@ -79,6 +79,7 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
   to.conductivity = to_core(from.conductivity_w_per_m_k());
   to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
+  to.liquid_fraction = to_core(from.liquid_fraction());
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);
