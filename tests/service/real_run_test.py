@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+"""The shipped start-up case on the real solver, submitted by the real command line client."""
+import hashlib
+import json
+import os
+import signal
+import subprocess
+
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, ServiceTest, main
+
+CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+
+
+def physics(steps):
+    """The reports without what the clock says; serialised, so that every bit counts."""
+    for step in steps:
+        step.ClearField("solver_s")
+    return [step.SerializeToString(deterministic=True) for step in steps]
+
+
+class RealRun(ServiceTest):
+    worker = "dccast-worker"
+
+    def submit_case(self):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                                "submit", "--json", CASE], capture_output=True, text=True,
+                               timeout=60, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        return json.loads(ended.stdout)["id"]
+
+    def finished_steps(self, job_id):
+        events = self.sound_events(list(self.client.watch(job_id, timeout=120)))
+        self.assertEqual(events[-1].state_change.state, job_pb2.SUCCEEDED, events[-1])
+        return events, self.client.steps(job_id)
+
+    def test_runs_interrupted_in_every_way_give_the_same_bits(self):
+        undisturbed = self.submit_case()
+        events, steps = self.finished_steps(undisturbed)
+        expected = physics(steps)
+        seconds = [e.time.seconds + e.time.nanos * 1e-9 for e in events if e.HasField("step")]
+        computed = [e.step.solver_s for e in events if e.HasField("step")]
+        print(f"\n{len(steps)} steps in {seconds[-1] - seconds[0]:.2f} s, "
+              f"of which the solver says {computed[-1] - computed[0]:.2f} s")
+
+        killed = self.submit_case()
+        self.client.until_step(killed, 120, seconds=60)
+        os.kill(self.daemon.worker_processes()[0], signal.SIGKILL)
+        self.assertEqual(physics(self.finished_steps(killed)[1]), expected)
+        self.assertEqual(self.client.job(killed).attempts, 2)
+
+        for stop in (self.daemon.terminate, self.daemon.kill):
+            job_id = self.submit_case()
+            self.client.until_step(job_id, 100, seconds=60)
+            stop()
+            self.restart()
+            events, steps = self.finished_steps(job_id)
+            self.assertEqual(physics(steps), expected)
+            self.assertEqual([event.HasField("resumed") for event in events].count(True), 1)
+
+    def test_results_and_the_last_frame(self):
+        job_id = self.submit_case()
+        self.finished_steps(job_id)
+        artifact = self.client.job(job_id).artifacts[0]
+        content = b"".join(chunk.data for chunk in self.client.fetch(job_id))
+        self.assertEqual(hashlib.sha256(content).hexdigest(), artifact.sha256)
+        self.assertEqual(content[:8], b"\x89HDF\r\n\x1a\n")
+        frame = self.client.stub.QueryResult(
+            service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20).frame
+        self.assertAlmostEqual(frame.time_s, 145)
+        nodes = len(frame.temperature_c)
+        self.assertEqual(len(frame.node_m), 2 * nodes)
+        self.assertEqual(len(frame.displacement_m), 2 * nodes)
+        self.assertLess(max(frame.element_node), nodes)
+        self.assertGreater(frame.liquidus_c, frame.solidus_c)
+
+
+if __name__ == "__main__":
+    main()
