@@ -14,9 +14,11 @@ namespace {
 // The contact set moves only when the forces are roughly in balance: reactions of an unbalanced
 // state say nothing.
 constexpr double contact_from_residual = 1e-2;
-// After so many changes pairs go one by one, and only close to balance.
+// The primal-dual set may cycle. After so many changes the step goes on by a feasible descent, which
+// cannot: gaps never become negative, and every change lowers the energy.
 constexpr int free_contact_changes = 8;
-constexpr double careful_contact_from_residual = 1e-3;
+constexpr double release_from_residual = 1e-3;
+constexpr int further_iterations = 200;
 // A factor is kept while it still reduces the residual by this much.
 constexpr double chord_reduction = 0.25;
 constexpr int line_search_steps = 12;
@@ -47,8 +49,8 @@ private:
     bool full_step = false;  // held unknowns may still have to move on the first iteration
     double last = INFINITY;
     while (true) {
-      const int changes = update_contact(full_step);
-      const double relative = constraints_.norm_of_free(work_.residual) / acting_;
+      const int changes = change_contact(full_step);
+      const double relative = relative_residual();
       const auto step_of_fixed = constraints_.step_from(unknowns_.displacement);
       const bool lifting = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
                                        [](double d) { return d != 0.0; });
@@ -58,15 +60,39 @@ private:
         outcome_.converged = true;
         return;
       }
-      if (outcome_.iterations == iteration_limit(options_) || !std::isfinite(relative)) return;
+      const int most = iteration_limit(options_) + (descending_ ? further_iterations : 0);
+      if (outcome_.iterations >= most || !std::isfinite(relative)) return;
       ++outcome_.iterations;
-      const bool refactor = outcome_.iterations == 1 || changes > 0 || lifting ||
+      const bool refactor = outcome_.iterations == 1 || changes > 0 || lifting || blocked_ ||
                             relative > chord_reduction * last;
       last = relative;
       if (refactor && !factorize(step_of_fixed)) return;
       system_.solve(constraints_.fixed(), step_of_fixed);
-      full_step = lifting ? (advance(1.0), true) : search();
+      full_step = take_step(lifting);
     }
+  }
+
+  /// @return whether the full step was taken
+  bool take_step(bool lifting) {
+    blocked_ = false;
+    if (lifting) {
+      advance(1.0);
+      if (descending_) constraints_.close_penetrating(unknowns_.displacement);
+      return true;
+    }
+    if (!descending_) return search(1.0);
+    const double most =
+        constraints_.feasible_length(unknowns_.displacement, work_.direction, 1.0);
+    const bool whole = search(most);
+    if (most < 1.0 && whole) {
+      blocked_ = constraints_.close_blocking(unknowns_.displacement, work_.direction) > 0;
+      one_by_one_ = one_by_one_ || most == 0.0;
+    }
+    return whole && most == 1.0;
+  }
+
+  double relative_residual() const {
+    return constraints_.norm_of_free(work_.residual) / acting_;
   }
 
   bool factorize(std::span<const double> step_of_fixed) {
@@ -97,14 +123,14 @@ private:
     return sum;
   }
 
-  /// Energy line search by secants on the slope. @return whether the full step was taken
-  bool search() {
+  /// Energy line search by secants on the slope, up to a length. @return whether it went all the way
+  bool search(double most) {
     const double start = slope();
-    advance(1.0);
-    double at = 1.0, low = 0.0, low_slope = start, high = 0.0, high_slope = 0.0;
+    advance(most);
+    double at = most, low = 0.0, low_slope = start, high = 0.0, high_slope = 0.0;
     for (int i = 0; i < line_search_steps; ++i) {
       const double now = slope();
-      if (std::isfinite(now) && now <= -line_search_slope * start) return at == 1.0;
+      if (std::isfinite(now) && now <= -line_search_slope * start) return at == most;
       high = at, high_slope = now;
       const double secant = std::isfinite(now)
                                 ? low - low_slope * (high - low) / (high_slope - low_slope)
@@ -116,16 +142,24 @@ private:
     return false;
   }
 
-  int update_contact(bool full_step) {
-    const double relative = constraints_.norm_of_free(work_.residual) / acting_;
-    const bool careful = outcome_.contact_changes > free_contact_changes;
-    const double from = careful ? careful_contact_from_residual : contact_from_residual;
+  /// Lets the contact set move. @return number of pairs that did
+  int change_contact(bool full_step) {
+    const double relative = relative_residual();
     // A state in balance is always asked, whatever led to it: it may be the answer.
     const bool balanced = relative <= options_.tolerance;
-    if (!balanced && (!full_step || relative > from)) return 0;
-    const int changes =
-        constraints_.update(unknowns_.displacement, work_.residual, careful);
+    int changes = 0;
+    if (descending_) {
+      if (relative <= release_from_residual) {
+        changes = constraints_.release(unknowns_.displacement, work_.residual, one_by_one_);
+      }
+    } else if (balanced || (full_step && relative <= contact_from_residual)) {
+      changes = constraints_.update(unknowns_.displacement, work_.residual, false);
+    }
     outcome_.contact_changes += changes > 0 ? 1 : 0;
+    if (!descending_ && outcome_.contact_changes > free_contact_changes) {
+      descending_ = true;
+      changes += constraints_.close_penetrating(unknowns_.displacement);
+    }
     return changes;
   }
 
@@ -146,6 +180,9 @@ private:
   StepConstraints<Element> constraints_;
   StepOutcome outcome_;
   double acting_ = 0.0;
+  bool descending_ = false;  ///< the contact set moves by feasible descent
+  bool blocked_ = false;     ///< the last step ended at a pair that closed
+  bool one_by_one_ = false;  ///< releasing several pairs at once led nowhere
 };
 
 }  // namespace

@@ -54,6 +54,40 @@ public:
 
   void store() { *active_ = set_.active(); }
 
+  /// Closes every pair that penetrates. @return number of pairs closed
+  int close_penetrating(std::span<const double> u) {
+    return close_where([&](std::size_t unknown) { return u[unknown] < 0.0; });
+  }
+
+  /// How far one may go along a direction until an open pair closes [share of the direction], and
+  /// no farther than `length`.
+  double feasible_length(std::span<const double> u, std::span<const double> direction,
+                         double length) const {
+    for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
+      const std::size_t unknown = std::size_t(problem_->contact[i]);
+      if (set_.active(i) || direction[unknown] >= 0.0) continue;
+      length = std::min(length, std::max(0.0, u[unknown]) / -direction[unknown]);
+    }
+    return length;
+  }
+
+  /// Closes the open pairs that stand on the block and are pushed towards it.
+  int close_blocking(std::span<const double> u, std::span<const double> direction) {
+    return close_where([&](std::size_t unknown) {
+      return u[unknown] <= gap_tolerance && direction[unknown] < 0.0;
+    });
+  }
+
+  /// Opens closed pairs that pull: all of them, or the one that pulls most.
+  int release(std::span<const double> u, std::span<const double> residual, bool only_one) {
+    collect(u, residual);
+    // Gaps are left to the step length here, so no pair may close by this call.
+    const contact::ActiveSet::Tolerance tolerance{INFINITY, force_tolerance()};
+    const int changes = set_.update(gap_, reaction_, tolerance, only_one);
+    if (changes > 0) mark();
+    return changes;
+  }
+
   /// Relative violation of the contact conditions; lengths against 1 mm, forces against the weight.
   double complementarity_error(std::span<const double> u, std::span<const double> residual) {
     if (problem_->contact.empty()) return 0.0;
@@ -79,6 +113,21 @@ private:
       gap_[i] = u[unknown];
       reaction_[i] = set_.active(i) ? residual[unknown] : 0.0;
     }
+  }
+  template <class Condition>
+  int close_where(Condition&& condition) {
+    std::vector<char> active = set_.active();
+    int changes = 0;
+    for (std::size_t i = 0; i < active.size(); ++i) {
+      if (active[i] != 0 || !condition(std::size_t(problem_->contact[i]))) continue;
+      active[i] = 1;
+      ++changes;
+    }
+    if (changes > 0) {
+      set_ = contact::ActiveSet(std::move(active));
+      mark();
+    }
+    return changes;
   }
   void mark() {
     fixed_ = problem_->fixed;
