@@ -55,6 +55,21 @@ private:
                 ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
             "leave it out to take the liquidus");
     }
+    if (!a.liquid_fraction.empty()) liquid_fraction();
+  }
+
+  /// Without both ends in the table some of the latent heat would never be set free.
+  void liquid_fraction() {
+    const material::AlloyCard& a = case_.alloy;
+    const Curve& f = a.liquid_fraction;
+    const bool spans = !f.constant() && f.at().front() == a.solidus && f.value().front() == 0.0 &&
+                       f.at().back() == a.liquidus && f.value().back() == 1.0;
+    if (!spans || !std::is_sorted(f.value().begin(), f.value().end())) {
+      fault("alloy.liquid_fraction", "table", "does not rise from 0 at the solidus to 1 at the liquidus",
+            "first point [" + with_unit(a.solidus, "degC") + ", 0], last point [" +
+                with_unit(a.liquidus, "degC") + ", 1], never falling between them",
+            "complete the table, or leave it out for a linear liquid fraction");
+    }
   }
 
   void increasing(const char* field, const Curve& curve, const char* unit) {
@@ -74,6 +89,7 @@ private:
     increasing("alloy.density", case_.alloy.density, "degC");
     increasing("alloy.specific_heat", case_.alloy.specific_heat, "degC");
     increasing("alloy.conductivity", case_.alloy.conductivity, "degC");
+    increasing("alloy.liquid_fraction", case_.alloy.liquid_fraction, "degC");
     increasing("alloy.young_modulus", case_.alloy.young_modulus, "degC");
     increasing("alloy.poisson_ratio", case_.alloy.poisson_ratio, "degC");
     increasing("cooling.bottom_block.contact_coefficient",

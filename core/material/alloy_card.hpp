@@ -37,6 +37,8 @@ struct AlloyCard {
   Curve specific_heat;               ///< [J/(kg K)]
   Curve conductivity;                ///< [W/(m K)]
   Curve melt_conductivity_factor;    ///< [1] against liquid fraction
+  /// [1] from 0 at the solidus to 1 at the liquidus, never falling; empty: linear between them
+  Curve liquid_fraction;
   Curve young_modulus;               ///< [Pa]
   Curve poisson_ratio;               ///< [1]
   std::variant<NortonHoffConstants, ReferenceCreep> creep;

@@ -22,8 +22,20 @@ Linear linear_between(double left, double right, double width) {
   return {left, (right - left) / width};
 }
 
-double liquid_fraction_at(double temperature, double solidus, double liquidus) {
-  return std::clamp((temperature - solidus) / (liquidus - solidus), 0.0, 1.0);
+double liquid_fraction_at(const AlloyCard& card, double temperature) {
+  if (!card.liquid_fraction.empty()) return card.liquid_fraction(temperature);
+  return std::clamp((temperature - card.solidus) / (card.liquidus - card.solidus), 0.0, 1.0);
+}
+
+/// Where the card's table of the liquid fraction first reaches a fraction between 0 and 1.
+double temperature_of_fraction(const AlloyCard& card, double fraction) {
+  const Curve& table = card.liquid_fraction;
+  if (table.empty()) return card.solidus + fraction * (card.liquidus - card.solidus);
+  const auto right = std::lower_bound(table.value().begin() + 1, table.value().end(), fraction);
+  const std::size_t i = std::size_t(right - table.value().begin());
+  const double share =
+      (fraction - table.value()[i - 1]) / (table.value()[i] - table.value()[i - 1]);
+  return table.at()[i - 1] + share * (table.at()[i] - table.at()[i - 1]);
 }
 
 double cubic(double c1, double c2, double c3, double t) {
@@ -41,12 +53,13 @@ double curve_or_one(const Curve& curve, double at) {
 /// Every temperature at which one of the tables has a kink, sorted, and 0 °C, the origin of H.
 std::vector<double> kinks(const AlloyCard& card) {
   std::vector<double> points{0.0, card.solidus, card.liquidus};
-  for (const Curve* curve : {&card.density, &card.specific_heat, &card.conductivity}) {
+  for (const Curve* curve : {&card.density, &card.specific_heat, &card.conductivity,
+                             &card.liquid_fraction}) {
     if (!curve->constant()) points.insert(points.end(), curve->at().begin(), curve->at().end());
   }
   for (const double fraction : card.melt_conductivity_factor.at()) {
     if (fraction > 0.0 && fraction < 1.0) {
-      points.push_back(card.solidus + fraction * (card.liquidus - card.solidus));
+      points.push_back(temperature_of_fraction(card, fraction));
     }
   }
   std::sort(points.begin(), points.end());
@@ -82,9 +95,11 @@ ThermalProperties::Segment ThermalProperties::segment_between(const AlloyCard& c
   double fraction_right = fraction_left;
   Segment segment;
   if (mushy) {
-    fraction_left = liquid_fraction_at(left, solidus_, liquidus_);
-    fraction_right = liquid_fraction_at(right, solidus_, liquidus_);
-    segment.liquid_fraction_slope = 1.0 / (liquidus_ - solidus_);
+    fraction_left = liquid_fraction_at(card, left);
+    fraction_right = liquid_fraction_at(card, right);
+    segment.liquid_fraction_slope = card.liquid_fraction.empty()
+                                        ? 1.0 / (liquidus_ - solidus_)
+                                        : (fraction_right - fraction_left) / width;
   }
   segment.anchor = end == End::lowest ? right : left;
   segment.width = end == End::none ? width : infinite;
@@ -100,8 +115,12 @@ ThermalProperties::Segment ThermalProperties::segment_between(const AlloyCard& c
   const Linear factor =
       linear_between(curve_or_one(card.melt_conductivity_factor, fraction_left),
                      curve_or_one(card.melt_conductivity_factor, fraction_right), width);
-  // Latent heat of eq. (1): L / (Tl - Ts) times the integral of the density.
-  const double latent = mushy ? card.latent_heat / (liquidus_ - solidus_) : 0.0;
+  // Latent heat of eq. (1): L dfl/dT, L / (Tl - Ts) without a table, times the density's integral.
+  double latent = 0.0;
+  if (mushy) {
+    latent = card.liquid_fraction.empty() ? card.latent_heat / (liquidus_ - solidus_)
+                                          : card.latent_heat * segment.liquid_fraction_slope;
+  }
   segment.h1 = density.value * (heat.value + latent);
   segment.h2 = 0.5 * (density.value * heat.slope + density.slope * (heat.value + latent));
   segment.h3 = density.slope * heat.slope / 3.0;

@@ -24,7 +24,8 @@ struct ThermalState {
 /// bisection. Where solidus and liquidus coincide H(T) jumps by rho(T_s) L; T(H), Theta(H) and
 /// fl(H) stay single valued, which is why the heat solver's unknown is H.
 ///
-/// In a mushy interval the liquid fraction is linear in T. The conductivity is curve(T) times the
+/// In a mushy interval the liquid fraction follows the card's table, or is linear in T; either way
+/// it runs from 0 to 1, so that all of L is set free. The conductivity is curve(T) times the
 /// melt factor at the liquid fraction (stirring of the melt).
 class ThermalProperties {
 public:

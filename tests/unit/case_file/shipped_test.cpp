@@ -20,13 +20,13 @@ TEST(Shipped, EveryCaseIsSound) {
     EXPECT_TRUE(case_file::alloy_card(message.alloy().card()).ok());
     EXPECT_TRUE(case_file::check_ranges(message).empty());
     EXPECT_FALSE(message.title().empty());
-    EXPECT_GE(message.monitor_size(), 3);
+    EXPECT_GE(message.monitor_size(), message.mechanics().enabled() ? 3 : 0);
   }
 }
 
 TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
   EXPECT_EQ(case_file::alloy_names(),
-            (std::vector<std::string>{"aa1050", "aa3104", "aa5182", "aa6063", "paper",
+            (std::vector<std::string>{"aa1050", "aa3104", "aa5182", "aa6063", "al6cu", "paper",
                                       "pure_aluminium"}));
   for (const std::string& name : case_file::alloy_names()) {
     const auto card = case_file::alloy_card(name);
@@ -34,7 +34,8 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
     const auto& descriptor = *v1::Alloy::descriptor();
     for (int i = 0; i < descriptor.field_count(); ++i)
       EXPECT_TRUE(case_file::is_table(*descriptor.field(i)) ||
-                  case_file::is_present(card.alloy, *descriptor.field(i)))
+                  case_file::is_present(card.alloy, *descriptor.field(i)) ||
+                  descriptor.field(i)->name() == "liquid_fraction")  // linear where absent
           << name << " lacks " << descriptor.field(i)->name();
     EXPECT_NE(card.alloy.has_norton_hoff(), card.alloy.has_reference_creep()) << name;
     EXPECT_LE(card.alloy.solidus_c(), card.alloy.liquidus_c()) << name;

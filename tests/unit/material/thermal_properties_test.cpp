@@ -167,6 +167,44 @@ TEST(ThermalProperties, MeltFactorStandsAgainstLiquidFraction) {
   }
 }
 
+/// Scheil-like: most of the latent heat close below the liquidus, an eutectic at the solidus.
+AlloyCard tabled_card() {
+  AlloyCard card = mushy_card();
+  card.liquid_fraction = against_temperature({620, 620.2, 635, 645, 649}, {0, 0.13, 0.3, 0.7, 1});
+  return card;
+}
+
+TEST(ThermalProperties, LiquidFractionFollowsItsTable) {
+  const AlloyCard card = tabled_card();
+  const ThermalProperties metal(card);
+  for (const double temperature : {600.0, 620.1, 628.0, 640.0, 648.0, 660.0}) {
+    EXPECT_NEAR(metal.liquid_fraction(metal.enthalpy(temperature)),
+                card.liquid_fraction(temperature), 1e-12)
+        << temperature;
+  }
+  EXPECT_NEAR(metal.conductivity(645.0 - 1e-9),
+              card.conductivity(645.0) * card.melt_conductivity_factor(0.7), 1e-6);
+}
+
+TEST(ThermalProperties, ATableOfTheLiquidFractionSetsTheWholeLatentHeatFree) {
+  AlloyCard card = tabled_card();
+  card.density = Curve(2500.0);
+  card.specific_heat = Curve(1000.0);
+  const ThermalProperties metal(card);
+  EXPECT_NEAR(metal.solidification_enthalpy(), 2500.0 * (395e3 + 1000.0 * 29.0), 1.0);
+}
+
+TEST(ThermalProperties, ALinearTableIsNoTable) {
+  AlloyCard card = mushy_card();
+  const ThermalProperties without(card);
+  card.liquid_fraction = against_temperature({620, 649}, {0, 1});
+  const ThermalProperties with(card);
+  for (const double temperature : {610.0, 625.0, 640.0, 660.0}) {
+    EXPECT_NEAR(with.enthalpy(temperature), without.enthalpy(temperature), 1e-5);
+    EXPECT_NEAR(with.kirchhoff(temperature), without.kirchhoff(temperature), 1e-8);
+  }
+}
+
 TEST(ThermalStrain, IsTheCubeRootOfTheDensityRatio) {
   const Curve density = mushy_card().density;
   EXPECT_EQ(thermal_strain(density, 649.0, 300.0, 300.0), 0.0);
