@@ -8,9 +8,9 @@ namespace dccast::mesh {
 
 namespace {
 
-/// Sum of 1 + r + ... + r^(n-1).
-double geometric_sum(double ratio, int terms) {
-  return std::abs(ratio - 1.0) < 1e-12 ? terms : (std::pow(ratio, terms) - 1.0) / (ratio - 1.0);
+/// Sum of 1 + r + ... + r^(n-1) with r = exp(log_ratio); without cancellation where r is near one.
+double geometric_sum(double log_ratio, int terms) {
+  return log_ratio == 0.0 ? terms : std::expm1(terms * log_ratio) / std::expm1(log_ratio);
 }
 
 std::vector<double> running_sum(const std::vector<double>& widths, double length) {
@@ -56,12 +56,12 @@ std::vector<double> graded_cells(double length, int cells, double first) {
   double low = -3.0, high = 3.0;
   for (int i = 0; i < 200; ++i) {
     const double middle = 0.5 * (low + high);
-    (first * geometric_sum(std::exp(middle), cells) < length ? low : high) = middle;
+    (first * geometric_sum(middle, cells) < length ? low : high) = middle;
   }
-  const double ratio = std::exp(0.5 * (low + high));
+  const double log_ratio = 0.5 * (low + high);
   std::vector<double> widths;
-  const double scale = length / geometric_sum(ratio, cells);
-  for (int i = 0; i < cells; ++i) widths.push_back(scale * std::pow(ratio, i));
+  const double scale = length / geometric_sum(log_ratio, cells);
+  for (int i = 0; i < cells; ++i) widths.push_back(scale * std::exp(log_ratio * i));
   return widths;
 }
 

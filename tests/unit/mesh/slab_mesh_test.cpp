@@ -1,0 +1,229 @@
+#include "core/mesh/slab_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+namespace dccast::mesh {
+namespace {
+
+SectionSpec small_section(ElementKind element) {
+  SectionSpec spec;
+  spec.half_width = 0.28;
+  spec.initial_depth = 0.10;
+  spec.element = element;
+  spec.columns = 7;
+  spec.rows = 5;
+  spec.side_cell = 0.01;
+  spec.bottom_cell = 0.008;
+  spec.growth_cell = 0.012;
+  return spec;
+}
+
+double polygon_area(const Mesh2D& mesh, int e) {
+  double twice = 0.0;
+  for (int i = 0; i < mesh.nodes_per_element; ++i) {
+    const double* a = mesh.point(mesh.nodes_of(e)[i]);
+    const double* b = mesh.point(mesh.nodes_of(e)[(i + 1) % mesh.nodes_per_element]);
+    twice += a[0] * b[1] - b[0] * a[1];
+  }
+  return 0.5 * twice;
+}
+
+void expect_to_cover(const Mesh2D& mesh, double width, double height) {
+  double sum = 0.0;
+  for (int e = 0; e < mesh.elements(); ++e) {
+    ASSERT_GT(polygon_area(mesh, e), 0.0) << "element " << e;
+    sum += polygon_area(mesh, e);
+  }
+  EXPECT_NEAR(sum, width * height, 1e-13);
+}
+
+/// The facets of all patches form one closed line around the section, the domain on its left; each
+/// is an edge of the element it names, in that element's own direction.
+void expect_closed_boundary(const Mesh2D& mesh, double width, double height) {
+  std::map<int, int> next;
+  double twice = 0.0;
+  for (const auto& patch : mesh.patch) {
+    for (const auto& facet : patch) {
+      ASSERT_TRUE(next.emplace(facet.node[0], facet.node[1]).second) << "two facets leave one node";
+      const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
+      twice += a[0] * b[1] - b[0] * a[1];
+      const int* node = mesh.nodes_of(facet.element);
+      bool edge = false;
+      for (int i = 0; i < mesh.nodes_per_element; ++i) {
+        edge |= node[i] == facet.node[0] && node[(i + 1) % mesh.nodes_per_element] == facet.node[1];
+      }
+      EXPECT_TRUE(edge) << "element " << facet.element;
+    }
+  }
+  EXPECT_NEAR(0.5 * twice, width * height, 1e-13);
+  int at = next.begin()->first;
+  std::size_t length = 0;
+  do {
+    ASSERT_TRUE(next.count(at)) << "the boundary is open";
+    at = next[at];
+    ++length;
+  } while (at != next.begin()->first && length <= next.size());
+  EXPECT_EQ(length, next.size()) << "the boundary is one loop";
+}
+
+void expect_patches_in_place(const Mesh2D& mesh, double width, double height) {
+  for (int n : patch_nodes(mesh, Patch::symmetry)) EXPECT_EQ(mesh.point(n)[0], 0.0);
+  for (int n : patch_nodes(mesh, Patch::side)) EXPECT_EQ(mesh.point(n)[0], width);
+  for (int n : patch_nodes(mesh, Patch::bottom)) EXPECT_EQ(mesh.point(n)[1], 0.0);
+  for (int n : patch_nodes(mesh, Patch::top)) EXPECT_EQ(mesh.point(n)[1], height);
+}
+
+void expect_same(const Mesh2D& a, const Mesh2D& b) {
+  EXPECT_EQ(a.node, b.node);
+  EXPECT_EQ(a.element_node, b.element_node);
+  for (std::size_t p = 0; p < patch_count; ++p) {
+    ASSERT_EQ(a.patch[p].size(), b.patch[p].size()) << p;
+    for (std::size_t i = 0; i < a.patch[p].size(); ++i) {
+      EXPECT_EQ(a.patch[p][i].node, b.patch[p][i].node);
+      EXPECT_EQ(a.patch[p][i].element, b.patch[p][i].element);
+    }
+  }
+}
+
+TEST(GradedCells, SumToTheirLengthAndGrowByOneFactor) {
+  for (const auto& [length, cells, first] : {std::tuple{0.28, 30, 3e-3},
+                                             {0.1, 22, 3e-3},
+                                             {0.1, 5, 0.02},
+                                             {0.1, 5, 0.05},
+                                             {1.0, 1, 0.3}}) {
+    const auto widths = graded_cells(length, cells, first);
+    ASSERT_EQ(widths.size(), std::size_t(cells));
+    EXPECT_NEAR(std::accumulate(widths.begin(), widths.end(), 0.0), length, 1e-14 * cells);
+    if (cells > 1) {
+      EXPECT_NEAR(widths[0], first, 1e-10 * first);
+    }
+    for (int i = 2; i < cells; ++i) {
+      EXPECT_NEAR(widths[i] / widths[i - 1], widths[1] / widths[0], 1e-10);
+    }
+  }
+}
+
+class Slab : public ::testing::TestWithParam<ElementKind> {};
+
+TEST_P(Slab, HasTheNumbersItsSpecAsksFor) {
+  SectionSpec spec = small_section(GetParam());
+  const int per_cell = GetParam() == ElementKind::p1 ? 2 : 1;
+  for (int refinement : {1, 3}) {
+    spec.refinement = refinement;
+    const SlabMesh slab(spec);
+    EXPECT_EQ(slab.columns(), 7 * refinement);
+    EXPECT_EQ(slab.rows(), 5 * refinement);
+    EXPECT_EQ(slab.mesh().nodes(), (7 * refinement + 1) * (5 * refinement + 1));
+    EXPECT_EQ(slab.mesh().elements(), per_cell * 35 * refinement * refinement);
+    EXPECT_EQ(slab.level(), 0.10);
+    expect_to_cover(slab.mesh(), 0.28, 0.10);
+    expect_closed_boundary(slab.mesh(), 0.28, 0.10);
+    expect_patches_in_place(slab.mesh(), 0.28, 0.10);
+  }
+}
+
+/// numerics 3: cells of a given size where metal is cooled, larger ones inside.
+TEST_P(Slab, IsFineAtTheSideAndAtTheBottom) {
+  const SlabMesh slab(small_section(GetParam()));
+  const Mesh2D& mesh = slab.mesh();
+  EXPECT_NEAR(mesh.point(7)[0] - mesh.point(6)[0], 0.01, 1e-9);
+  EXPECT_GT(mesh.point(1)[0], 0.05);
+  EXPECT_NEAR(mesh.point(8)[1], 0.008, 1e-9);
+}
+
+TEST_P(Slab, RefinementDividesTheCoarseCells) {
+  SectionSpec spec = small_section(GetParam());
+  const SlabMesh coarse(spec);
+  spec.refinement = 2;
+  const SlabMesh fine(spec);
+  for (int row = 0; row <= 5; ++row) {
+    for (int column = 0; column <= 7; ++column) {
+      const double* a = coarse.mesh().point(row * 8 + column);
+      const double* b = fine.mesh().point(2 * row * 15 + 2 * column);
+      EXPECT_EQ(a[0], b[0]);
+      EXPECT_EQ(a[1], b[1]);
+    }
+  }
+}
+
+TEST_P(Slab, GrowthOnlyAppends) {
+  SlabMesh slab(small_section(GetParam()));
+  double level = 0.10;
+  for (double rise : {1e-4, 0.003, 0.0, 0.02, 0.011, 0.05, 1e-12, 0.0049}) {
+    const Mesh2D before = slab.mesh();
+    const auto heights = slab.row_heights();
+    const int old_rows = slab.rows();
+    level += rise;
+    const auto between = slab.grow_to(level);
+    const Mesh2D& after = slab.mesh();
+    EXPECT_EQ(slab.level(), level);
+    EXPECT_EQ(slab.rows(), old_rows + static_cast<int>(between.size()));
+    // Rows below the top one stay where they were; the top row of nodes becomes another height.
+    for (std::size_t i = 0; i + 1 < heights.size(); ++i)
+      EXPECT_EQ(slab.row_heights()[i], heights[i]);
+    const std::size_t fixed = 2 * std::size_t(slab.nodes_per_row()) * std::size_t(old_rows);
+    ASSERT_GE(after.node.size(), before.node.size());
+    EXPECT_TRUE(
+        std::equal(before.node.begin(), before.node.begin() + long(fixed), after.node.begin()));
+    ASSERT_GE(after.element_node.size(), before.element_node.size());
+    EXPECT_TRUE(std::equal(before.element_node.begin(), before.element_node.end(),
+                           after.element_node.begin()));
+    for (std::size_t i = 0; i < between.size(); ++i) {
+      EXPECT_EQ(slab.row_heights()[heights.size() - 1 + i], between[i]);
+    }
+    EXPECT_LE(level - slab.row_heights()[slab.row_heights().size() - 2], 1.5 * 0.012 + 1e-15);
+    expect_to_cover(after, 0.28, level);
+    expect_closed_boundary(after, 0.28, level);
+    expect_patches_in_place(after, 0.28, level);
+  }
+}
+
+TEST_P(Slab, RestoredEqualsGrown) {
+  SlabMesh grown(small_section(GetParam()));
+  for (double level : {0.104, 0.121, 0.1211, 0.18, 0.1999}) {
+    grown.grow_to(level);
+    SlabMesh restored(small_section(GetParam()));
+    restored.grow_to(0.3);  // whatever it was before
+    restored.restore(grown.row_heights());
+    expect_same(restored.mesh(), grown.mesh());
+    EXPECT_EQ(restored.rows(), grown.rows());
+    // And goes on the same way.
+    SlabMesh copy = grown;
+    copy.grow_to(level + 0.0177);
+    restored.grow_to(level + 0.0177);
+    expect_same(restored.mesh(), copy.mesh());
+  }
+}
+
+TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
+  const SectionSpec spec = small_section(GetParam());
+  SlabMesh by_small(spec);
+  for (int i = 1; i <= 700; ++i) {
+    const double level = 0.10 + 3.3e-4 * i;
+    by_small.grow_to(level);
+    EXPECT_EQ(rows_at(spec, level), by_small.rows()) << level;
+    if (i % 50 != 0) continue;
+    SlabMesh at_once(spec);
+    at_once.grow_to(level);
+    EXPECT_EQ(at_once.rows(), by_small.rows()) << level;
+    for (int row = 0; row <= at_once.rows(); ++row) {
+      EXPECT_NEAR(at_once.row_heights()[std::size_t(row)], by_small.row_heights()[std::size_t(row)],
+                  1e-14);
+    }
+  }
+}
+
+TEST_P(Slab, TheLevelCannotSink) {
+  SlabMesh slab(small_section(GetParam()));
+  EXPECT_THROW(slab.grow_to(0.09), std::logic_error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Slab, ::testing::Values(ElementKind::p1, ElementKind::q1));
+
+}  // namespace
+}  // namespace dccast::mesh
