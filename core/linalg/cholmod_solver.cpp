@@ -13,6 +13,29 @@ namespace dccast::linalg {
 namespace {
 // Between 1.5k unknowns, where the simplicial code wins, and 30k, where it loses by 3.
 constexpr int simplicial_up_to = 6000;
+
+/// LDL' goes through on an indefinite matrix, and the supernodal code on one with NaN; the diagonal of
+/// the factor tells.
+bool positive_diagonal(const cholmod_factor& factor) {
+  const auto* value = static_cast<const double*>(factor.x);
+  if (factor.is_super == 0) {
+    const auto* start = static_cast<const int*>(factor.p);
+    for (std::size_t c = 0; c < factor.n; ++c) {
+      if (!(value[start[c]] > 0.0)) return false;
+    }
+    return true;
+  }
+  const auto* first_column = static_cast<const int*>(factor.super);
+  const auto* rows = static_cast<const int*>(factor.pi);
+  const auto* block = static_cast<const int*>(factor.px);
+  for (std::size_t s = 0; s < factor.nsuper; ++s) {
+    const int columns = first_column[s + 1] - first_column[s], height = rows[s + 1] - rows[s];
+    for (int c = 0; c < columns; ++c) {
+      if (!(value[block[s] + c * height + c] > 0.0)) return false;
+    }
+  }
+  return true;
+}
 }  // namespace
 
 struct CholmodSolver::Storage {
@@ -77,15 +100,7 @@ bool CholmodSolver::factorize(std::span<const double> values) {
   if (ok == 0 || s.common.status == CHOLMOD_NOT_POSDEF || s.factor->minor < s.factor->n) {
     return false;
   }
-  // LDL' goes through on an indefinite matrix; its diagonal tells.
-  if (s.factor->is_super == 0 && s.factor->is_ll == 0) {
-    const auto* start = static_cast<const int*>(s.factor->p);
-    const auto* value = static_cast<const double*>(s.factor->x);
-    for (std::size_t c = 0; c < s.factor->n; ++c) {
-      if (!(value[start[c]] > 0.0)) return false;
-    }
-  }
-  return true;
+  return positive_diagonal(*s.factor);
 }
 
 void CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
