@@ -193,7 +193,7 @@ void Scheduler::append(Run& run, v1::JobEvent event) {
     try {
       run.log->append(event);
       return;
-    } catch (const std::system_error& failure) {
+    } catch (const std::exception& failure) {
       if (!run.storage_error.empty()) return;
       error = run.storage_error = failure.what();
     }

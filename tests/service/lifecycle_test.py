@@ -93,8 +93,9 @@ class Lifecycle(ServiceTest):
         self.assertEqual(self.client.job(low.id).queue_position, 2)
         for job in running:
             self.client.cancel(job.id)
-        self.client.until_state(low.id, job_pb2.SUCCEEDED)
-        self.assertEqual(self.client.job(high.id).state, job_pb2.SUCCEEDED)
+        low = self.client.until_state(low.id, job_pb2.SUCCEEDED)
+        high = self.client.until_state(high.id, job_pb2.SUCCEEDED)
+        self.assertLessEqual(high.start_time.ToMilliseconds(), low.start_time.ToMilliseconds())
 
     def test_pause_and_resume_lose_no_step(self):
         alone = self.client.submit(fake_case("steps=60"))
