@@ -10,6 +10,22 @@
 
 namespace dccast::mechanics {
 
+/// The Yosida update (56) of one multiplier: q <- (zeta / lambda_p) (1 - 1 / (eta (1 - lambda_p
+/// gamma_p))) with zeta = s + lambda_p q.
+template <class Tensor>
+Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double kappa,
+                     double exponent, double gamma_p, double lambda_p) {
+  Tensor zeta = deviator;
+  zeta.add(lambda_p, multiplier);
+  const double complement = 1.0 - lambda_p * gamma_p;
+  const double load = lambda_p * kappa / std::pow(complement, exponent - 1.0) *
+                      material::creep_power(zeta.norm(), exponent);
+  const double eta = material::yosida_root(load, exponent);
+  const double factor = (1.0 - 1.0 / (eta * complement)) / lambda_p;
+  for (double& z : zeta.value) z *= factor;
+  return zeta;
+}
+
 /// What the paper's three algorithms share: displacement and viscoplastic multiplier q are found in
 /// turn, the first from a linear problem whose matrix does not depend on q.
 ///
@@ -39,6 +55,7 @@ public:
 
 protected:
   static constexpr std::size_t points = Element::points;
+  static constexpr double increment_delta = 1e-3;  // as in the paper's test T2
 
   double softened_shear(std::size_t e, std::size_t point) const {
     const double mu = problem_.shear[e];
@@ -62,6 +79,49 @@ protected:
     if (problem_.kappa[e] > 0.0) r.deviator.add(-problem_.dt, multiplier_[point]);
     for (double& s : r.deviator.value) s *= 2.0 * r.shear;
     return r;
+  }
+
+  /// SBM2(c) and (e) of one point: stress from the old multiplier, new multiplier from that stress,
+  /// relaxed as Remark 4 says, and the response with the new one for the next residual.
+  PointResponse<Element::dimension> update_multiplier(std::size_t e, std::size_t point,
+                                                      const Tensor& trial, double lambda_p) {
+    const auto old = response(e, point, trial);
+    if (problem_.kappa[e] <= 0.0) return old;
+    const double theta = options_.parameters.relaxation;
+    const auto yosida = [&](const Tensor& q) {
+      return yosida_update(old.deviator, q, problem_.kappa[e], problem_.exponent, gamma_p_[point],
+                           lambda_p);
+    };
+    Tensor& q = multiplier_[point];
+    const Tensor before = q, next = yosida(q);
+    for (std::size_t i = 0; i < Tensor::components; ++i) {
+      q[i] = theta * next[i] + (1.0 - theta) * q[i];
+    }
+    if (options_.parameters.increment_test) test_increment(before, q, yosida(q));
+    return response(e, point, trial);
+  }
+
+  /// The paper's stopping test (T2, section 4.3.1) on one component of a multiplier: its last change
+  /// and its distance to the fixed point's map, each below delta max(delta, |value|). It knows
+  /// nothing of balance and stops early; it exists for tables 7 and 8 only.
+  void test_increment(double before, double now, double mapped) {
+    const auto small = [](double difference, double value) {
+      return std::abs(difference) < increment_delta * std::max(increment_delta, std::abs(value));
+    };
+    settled_ = settled_ && small(now - before, now) && small(now - mapped, mapped);
+  }
+  void test_increment(const Tensor& before, const Tensor& now, const Tensor& mapped) {
+    for (std::size_t i = 0; i < Tensor::components; ++i) {
+      test_increment(before[i], now[i], mapped[i]);
+    }
+  }
+
+  /// Ends a step that passed the increment test: says what its true residual is and keeps the
+  /// stresses of its multipliers.
+  void accept_increment(std::span<const char> fixed) {
+    outcome_.equilibrium_residual = true_residual(fixed);
+    evaluate(multiplier_law());
+    outcome_.converged = true;
   }
 
   /// Evaluates the residual by the law; a law may move multipliers while it is at it.
@@ -120,22 +180,7 @@ protected:
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;
   double acting_ = 0.0;
+  bool settled_ = false;  ///< every increment since it was set passed the paper's test
 };
-
-/// The Yosida update (56) of one multiplier: q <- (zeta / lambda_p) (1 - 1 / (eta (1 - lambda_p
-/// gamma_p))) with zeta = s + lambda_p q.
-template <class Tensor>
-Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double kappa,
-                     double exponent, double gamma_p, double lambda_p) {
-  Tensor zeta = deviator;
-  zeta.add(lambda_p, multiplier);
-  const double complement = 1.0 - lambda_p * gamma_p;
-  const double load = lambda_p * kappa / std::pow(complement, exponent - 1.0) *
-                      material::creep_power(zeta.norm(), exponent);
-  const double eta = material::yosida_root(load, exponent);
-  const double factor = (1.0 - 1.0 / (eta * complement)) / lambda_p;
-  for (double& z : zeta.value) z *= factor;
-  return zeta;
-}
 
 }  // namespace dccast::mechanics

@@ -79,7 +79,21 @@ private:
       }
       if (refactor_) continue;
       if (!move_multiplier()) return;
+      if (this->options_.parameters.increment_test && increments_settled()) {
+        this->accept_increment(constraints_.fixed());
+        return;
+      }
     }
+  }
+
+  /// The paper's stopping test on the last move of the multipliers.
+  bool increments_settled() {
+    const std::vector<Tensor> mapped = next_multipliers();
+    this->settled_ = true;
+    for (std::size_t i = 0; i < mapped.size(); ++i) {
+      this->test_increment(before_[i], this->multiplier_[i], mapped[i]);
+    }
+    return this->settled_;
   }
 
   /// NBM2(b)(i) with the multiplier as it stands; the residual afterwards is round-off.
@@ -98,7 +112,8 @@ private:
   /// NBM2(d), relaxed, and unless plain shortened until the distance of q to H(s) falls.
   bool move_multiplier() {
     this->evaluate(this->multiplier_law());
-    const std::vector<Tensor> start = this->multiplier_;
+    before_ = this->multiplier_;
+    const std::vector<Tensor>& start = before_;
     const std::vector<Tensor> target = next_multipliers();
     const double distance = distance_to_law();
     double length = this->options_.parameters.relaxation;
@@ -160,6 +175,7 @@ private:
 
   ConstrainedSystem system_;
   StepConstraints<Element> constraints_;
+  std::vector<Tensor> before_;  ///< multipliers before their last move [1/s]
   bool refactor_ = true;
 };
 

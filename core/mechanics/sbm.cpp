@@ -68,6 +68,7 @@ private:
       system_.solve(this->problem_.fixed, step_);
       this->advance();
       step_.assign(step_.size(), 0.0);
+      this->settled_ = true;
       this->evaluate(updating_law());
       update_contact_multiplier();
       add_contact_forces();
@@ -75,6 +76,12 @@ private:
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
+      if (this->options_.parameters.increment_test) {
+        if (!this->settled_) continue;
+        this->accept_increment(this->problem_.fixed);
+        outcome.equilibrium_residual = relative;
+        return;
+      }
       if (relative > this->options_.tolerance) continue;
       outcome.equilibrium_residual = own_residual();
       if (outcome.equilibrium_residual <= this->options_.tolerance) {
@@ -117,29 +124,29 @@ private:
   /// SBM2(d), relaxed as Remark 4 says.
   void update_contact_multiplier() {
     const double theta = this->options_.parameters.relaxation;
-    const double gamma_c = this->options_.parameters.gamma_c;
     for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
       double& p = this->unknowns_.contact_multiplier[i];
-      const double s =
-          -this->unknowns_.displacement[std::size_t(this->problem_.contact[i])] + lambda_c_ * p;
-      const double projected = std::min(s / (1.0 - lambda_c_ * gamma_c), 0.0);
-      p = theta * (s - projected) / lambda_c_ + (1.0 - theta) * p;
+      const double before = p;
+      p = theta * mapped_contact_multiplier(i) + (1.0 - theta) * p;
+      if (this->options_.parameters.increment_test) {
+        this->test_increment(before, p, mapped_contact_multiplier(i));
+      }
     }
+  }
+
+  /// G_lambda of u_n + lambda_c p at one contact unknown [Pa].
+  double mapped_contact_multiplier(std::size_t i) const {
+    const double s = -this->unknowns_.displacement[std::size_t(this->problem_.contact[i])] +
+                     lambda_c_ * this->unknowns_.contact_multiplier[i];
+    const double projected =
+        std::min(s / (1.0 - lambda_c_ * this->options_.parameters.gamma_c), 0.0);
+    return (s - projected) / lambda_c_;
   }
 
   /// SBM2(c) and (e) in one pass, as in vnbm but with constant parameters.
   auto updating_law() {
     return [this](std::size_t e, std::size_t point, const Tensor& trial) {
-      auto now = this->response(e, point, trial);
-      if (this->problem_.kappa[e] <= 0.0) return now;
-      const double theta = this->options_.parameters.relaxation;
-      Tensor& q = this->multiplier_[point];
-      const Tensor next = yosida_update(now.deviator, q, this->problem_.kappa[e],
-                                        this->problem_.exponent, this->gamma_p_[point], lambda_p_);
-      for (std::size_t i = 0; i < Tensor::components; ++i) {
-        q[i] = theta * next[i] + (1.0 - theta) * q[i];
-      }
-      return this->response(e, point, trial);
+      return this->update_multiplier(e, point, trial, lambda_p_);
     };
   }
 

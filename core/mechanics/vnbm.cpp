@@ -9,7 +9,7 @@ namespace {
 
 // As in the paper's loop the contact set may move at every iteration, but not while the forces are
 // far from balance (numerics: it then swings).
-constexpr double contact_from_residual = 1e-2;
+constexpr double contact_from_residual = 1e-3;
 constexpr int free_contact_changes = 8;
 
 /// gamma_p of eq. (77) at the stress of the step's start, sqrt(q-1) kappa |s|^(q-2). The formula is
@@ -63,12 +63,18 @@ private:
     while (outcome.iterations < iteration_limit(this->options_)) {
       ++outcome.iterations;
       if (!solve_displacement(refactor)) return;
+      this->settled_ = true;
       this->evaluate(updating_law());
       refactor = close_contact();
       const double relative = constraints_.norm_of_free(this->work_.residual) / this->acting_;
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
+      if (this->options_.parameters.increment_test) {
+        if (refactor || !this->settled_) continue;
+        this->accept_increment(constraints_.fixed());
+        return;
+      }
       if (refactor || relative > this->options_.tolerance) continue;
       outcome.equilibrium_residual = this->true_residual(constraints_.fixed());
       if (outcome.equilibrium_residual <= this->options_.tolerance) {
@@ -88,21 +94,10 @@ private:
     return true;
   }
 
-  /// VNBM2(c) and (d) in one pass: stress from the old multiplier, new multiplier from that stress,
-  /// and the response with the new one for the next residual.
+  /// VNBM2(c) and (d) in one pass.
   auto updating_law() {
     return [this](std::size_t e, std::size_t point, const Tensor& trial) {
-      auto now = this->response(e, point, trial);
-      if (this->problem_.kappa[e] <= 0.0) return now;
-      const double gamma = this->gamma_p_[point], lambda = 0.5 / gamma;
-      const double theta = this->options_.parameters.relaxation;
-      Tensor& q = this->multiplier_[point];
-      Tensor next = yosida_update(now.deviator, q, this->problem_.kappa[e],
-                                  this->problem_.exponent, gamma, lambda);
-      for (std::size_t i = 0; i < Tensor::components; ++i) {
-        q[i] = theta * next[i] + (1.0 - theta) * q[i];
-      }
-      return this->response(e, point, trial);
+      return this->update_multiplier(e, point, trial, 0.5 / this->gamma_p_[point]);
     };
   }
 
