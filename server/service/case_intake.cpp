@@ -2,6 +2,8 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <set>
 #include <stdexcept>
@@ -30,6 +32,27 @@ Message parsed(const std::string& bytes) {
   return message;
 }
 
+/// Whether what the core says of a case with these faults would be news: it reasons from the slab,
+/// its metal and its cooling, and would only repeat a fault of those in other words.
+bool core_can_judge(const v1::ValidateCaseResponse& verdict) {
+  constexpr std::array apart{"mechanics.", "coupling.", "output.", "checkpoint.", "monitor["};
+  return std::ranges::all_of(verdict.faults(), [&](const v1::Fault& fault) {
+    return std::ranges::any_of(apart,
+                               [&](const char* table) { return fault.field().starts_with(table); });
+  });
+}
+
+/// Adds the core's faults, save those of keys that have one already.
+void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict) {
+  std::set<std::string> faulty;
+  for (const v1::Fault& fault : verdict.faults()) faulty.insert(fault.field());
+  for (v1::Fault& fault : *from_core.mutable_faults())
+    if (!faulty.contains(fault.field())) *verdict.add_faults() = std::move(fault);
+  verdict.mutable_warnings()->MergeFrom(from_core.warnings());
+  if (verdict.faults_size() == 0 && from_core.has_estimate())
+    *verdict.mutable_estimate() = from_core.estimate();
+}
+
 }  // namespace
 
 CaseIntake::CaseIntake(std::filesystem::path worker_program, std::filesystem::path alloy_directory,
@@ -52,8 +75,12 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted,
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
   for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
-  // The core is asked only about a case whose single values are sound: it computes with them.
-  if (verdict.faults_size() == 0) verdict.MergeFrom(ask_core(examined.complete, attachments));
+  if (!core_can_judge(verdict)) return examined;
+  try {
+    merge(ask_core(examined.complete, attachments), verdict);
+  } catch (const jobs::WorkerDidNotAnswer&) {
+    if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
+  }
   return examined;
 }
 

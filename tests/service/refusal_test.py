@@ -76,6 +76,14 @@ class Refusal(ServiceTest):
         self.assertIn("alloy.card", fields)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
 
+    def test_faults_of_values_and_of_the_whole_come_together(self):
+        case = fake_case("check=fault")
+        case.mechanics.tolerance = 7
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(case=case),
+                                                timeout=10)
+        self.assertEqual([fault.field for fault in checked.faults],
+                         ["mechanics.tolerance", "monitor[0].y", "limits.maximum_steps"])
+
     def test_an_empty_case(self):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, None)
 
