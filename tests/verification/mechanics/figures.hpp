@@ -17,6 +17,7 @@ struct Figures {
   long nodes = 0;
   long steps = 0;
   std::map<std::string, double> more;  ///< what else this test reports
+  std::vector<double> displacement;    ///< by unknown, at the end [m]; empty where it means nothing
 };
 
 /// A run that did not get to its end.

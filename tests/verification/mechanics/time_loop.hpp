@@ -59,6 +59,7 @@ void add_errors(Result& result, const FixedBody<Element>& body,
     figures->displacement_error = errors.displacement;
     figures->stress_error = errors.stress;
     figures->more["stress_error_at_centroids"] = errors.stress_at_centroids;
+    figures->displacement = body.displacement();
   }
 }
 
