@@ -1,0 +1,183 @@
+#include "core/linalg/contact_factor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/linalg/condensation.hpp"
+
+namespace dccast::linalg {
+namespace {
+
+/// Springs between the neighbours of an n x n grid, of two unknowns a node, coupled at each node.
+/// Nothing holds it to the ground: it is singular until something is held.
+struct Grid {
+  explicit Grid(int n) : side(n) {
+    std::vector<int> pair;
+    for (int node = 0; node < n * n; ++node) {
+      if (node % n + 1 < n) join(pair, node, node + 1);
+      if (node / n + 1 < n) join(pair, node, node + n);
+    }
+    pattern = SparsityPattern(2 * n * n, pair, 4);
+    values.assign(pattern.entries(), 0.0);
+    for (int e = 0; e < static_cast<int>(pair.size()) / 4; ++e) add(e);
+    held.assign(std::size_t(2 * n * n), 0);
+    for (int node = 0; node < n; ++node) bottom.push_back(2 * node + 1);
+    for (int node = 0; node < n; ++node) held[std::size_t(2 * node * n)] = 1;  // the left side
+    for (const int u : bottom) held[std::size_t(u)] = u % 3 != 0;
+    for (std::size_t i = 0; i < held.size(); ++i) b.push_back(std::sin(1.0 + 0.7 * double(i)));
+  }
+  static void join(std::vector<int>& pair, int a, int c) {
+    pair.insert(pair.end(), {2 * a, 2 * a + 1, 2 * c, 2 * c + 1});
+  }
+  void add(int element) {
+    constexpr double stiffness[2][2] = {{2.0, 0.5}, {0.5, 1.0}};
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        const double sign = i / 2 == j / 2 ? 1.0 : -1.0;
+        values[std::size_t(pattern.places(element)[4 * i + j])] +=
+            sign * stiffness[i % 2][j % 2] * (1.0 + 0.3 * std::sin(double(element)));
+      }
+    }
+  }
+
+  int side;
+  SparsityPattern pattern;
+  std::vector<double> values;
+  std::vector<int> bottom;
+  std::vector<char> held;
+  std::vector<double> b;
+};
+
+std::vector<double> emptied(const Grid& grid, std::span<const char> held) {
+  std::vector<double> values = grid.values;
+  for (int c = 0; c < grid.pattern.unknowns(); ++c) {
+    for (int k = grid.pattern.diagonal(c) + 1; k < grid.pattern.column_start()[std::size_t(c) + 1];
+         ++k) {
+      const int r = grid.pattern.row()[std::size_t(k)];
+      if (held[std::size_t(c)] != 0 || held[std::size_t(r)] != 0) values[std::size_t(k)] = 0.0;
+    }
+  }
+  return values;
+}
+
+std::vector<double> by_full_factorization(const Grid& grid, std::span<const char> held) {
+  CholmodSolver solver;
+  solver.analyze(grid.pattern);
+  EXPECT_TRUE(solver.factorize(emptied(grid, held)));
+  std::vector<double> x = grid.b;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (held[i] != 0) x[i] = 0.0;
+  }
+  solver.solve(x, x);
+  return x;
+}
+
+double relative_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference = std::max(difference, std::abs(a[i] - b[i]));
+    size = std::max(size, std::abs(b[i]));
+  }
+  return difference / size;
+}
+
+/// Sets of held unknowns one after another: some released, some held, both, and back.
+std::vector<std::vector<char>> changes(const Grid& grid) {
+  std::vector<std::vector<char>> sets(4, grid.held);
+  const auto flip = [&](std::vector<char>& set, int i) {
+    char& h = set[std::size_t(grid.bottom[std::size_t(i)])];
+    h = h != 0 ? 0 : 1;
+  };
+  flip(sets[0], 0);
+  for (int i : {2, 3, 4}) flip(sets[1], i);
+  for (int i : {0, 1, 2, 3, 5, 7}) flip(sets[2], i);
+  return sets;
+}
+
+void expect_same_as_full(
+    const Grid& grid, const std::function<bool(std::span<const char>)>& change,
+    const std::function<void(std::span<const double>, std::span<double>)>& solve) {
+  for (const auto& held : changes(grid)) {
+    ASSERT_TRUE(change(held));
+    std::vector<double> x(grid.b.size());
+    solve(grid.b, x);
+    EXPECT_LE(relative_difference(x, by_full_factorization(grid, held)), 1e-12);
+  }
+}
+
+/// 12 x 12 nodes take the simplicial code, 60 x 60 the supernodal one.
+class ContactFactorOn : public ::testing::TestWithParam<int> {};
+
+TEST_P(ContactFactorOn, CondensationMeetsFullFactorization) {
+  const Grid grid(GetParam());
+  CholmodSolver solver;
+  solver.analyze(grid.pattern);
+  ASSERT_TRUE(solver.factorize(emptied(grid, grid.held)));
+  Condensation condensation;
+  condensation.start(grid.pattern, grid.values, solver, grid.held);
+  expect_same_as_full(
+      grid, [&](auto held) { return condensation.change(held); },
+      [&](auto b, auto x) { condensation.solve(b, x); });
+}
+
+TEST_P(ContactFactorOn, TrailingFactorMeetsFullFactorization) {
+  const Grid grid(GetParam());
+  TrailingFactor factor(grid.pattern, grid.bottom);
+  ASSERT_TRUE(factor.factorize(grid.values, grid.held));
+  expect_same_as_full(
+      grid, [&](auto held) { return factor.change(held); },
+      [&](auto b, auto x) { factor.solve(b, x); });
+}
+
+TEST_P(ContactFactorOn, RowFactorMeetsFullFactorization) {
+  const Grid grid(GetParam());
+  RowFactor factor(grid.pattern);
+  ASSERT_TRUE(factor.factorize(grid.values, grid.held));
+  expect_same_as_full(
+      grid, [&](auto held) { return factor.change(held); },
+      [&](auto b, auto x) { factor.solve(b, x); });
+  ASSERT_TRUE(factor.factorize(grid.values, grid.held));  // and anew after changes
+  std::vector<double> x(grid.b.size());
+  factor.solve(grid.b, x);
+  EXPECT_LE(relative_difference(x, by_full_factorization(grid, grid.held)), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, ContactFactorOn, ::testing::Values(12, 60));
+
+TEST(Condensation, RefusesToEmptyTheSetAndTooManyChanges) {
+  const Grid grid(40);
+  CholmodSolver solver;
+  solver.analyze(grid.pattern);
+  std::vector<char> one = grid.held;
+  for (const int u : grid.bottom) one[std::size_t(u)] = u == grid.bottom.front();
+  ASSERT_TRUE(solver.factorize(emptied(grid, one)));
+  Condensation condensation;
+  condensation.start(grid.pattern, grid.values, solver, one);
+  std::vector<char> none = one;
+  none[std::size_t(grid.bottom.front())] = 0;
+  EXPECT_FALSE(condensation.change(none));
+
+  condensation.start(grid.pattern, grid.values, solver, one);
+  std::vector<char> all = one;
+  for (const int u : grid.bottom) all[std::size_t(u)] = 1;
+  EXPECT_FALSE(condensation.change(all));
+}
+
+TEST(Condensation, IsTheFactorItselfWithoutChanges) {
+  const Grid grid(12);
+  CholmodSolver solver;
+  solver.analyze(grid.pattern);
+  ASSERT_TRUE(solver.factorize(emptied(grid, grid.held)));
+  Condensation condensation;
+  condensation.start(grid.pattern, grid.values, solver, grid.held);
+  std::vector<double> x(grid.b.size());
+  condensation.solve(grid.b, x);
+  EXPECT_EQ(x, by_full_factorization(grid, grid.held));
+  EXPECT_EQ(condensation.changes(), 0u);
+}
+
+}  // namespace
+}  // namespace dccast::linalg
