@@ -44,14 +44,18 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
   while (!stream.terminal && reader->Read(&event)) {
     if (event.sequence() < next) continue;  // had it already
     // Sequence numbers have no holes: an event that is missing is asked for again.
-    if (event.sequence() > next) break;
+    if (event.sequence() > next) {
+      context.TryCancel();
+      break;
+    }
     next = event.sequence() + 1;
     stream.progressed = true;
     on_event(event);
     if (event.has_state_change() && event.state_change().terminal())
       stream.terminal = event.state_change();
   }
-  context.TryCancel();
+  // A stream that came to its own end keeps its status: cancelling it would hide a NOT_FOUND.
+  if (stream.terminal) context.TryCancel();
   stream.status = reader->Finish();
   return stream;
 }

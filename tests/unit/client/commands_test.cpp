@@ -1,0 +1,128 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/command_line.hpp"
+#include "client/message_json.hpp"
+#include "fake_service.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+
+/// The command line as a user sees it: exit code, standard output, standard error.
+struct Result {
+  int code;
+  std::string out, err;
+};
+
+Result dccast(std::vector<std::string> arguments, const std::string& server) {
+  commands::Program program;
+  program.server = server;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int code = run_command_line(std::move(arguments), program);
+  std::string out = testing::internal::GetCapturedStdout();
+  return {code, out, testing::internal::GetCapturedStderr()};
+}
+
+struct Commands : testing::Test {
+  FakeService service;
+  std::string file = (std::filesystem::path(testing::TempDir()) /
+                      ("dccast_commands_" + std::to_string(::getpid()) + ".toml"))
+                         .string();
+
+  void SetUp() override {
+    service.job.set_id("job");
+    service.job.set_state(v1::SUCCEEDED);
+    service.events = run_of(3);
+    for (const v1::JobEvent& event : service.events)
+      if (event.has_step()) *service.result.add_steps() = event.step();
+    std::ofstream(file) << shipped::case_templates().back().text;
+  }
+  void TearDown() override { std::filesystem::remove(file); }
+  Result run(std::vector<std::string> arguments) {
+    return dccast(std::move(arguments), service.address());
+  }
+};
+
+TEST_F(Commands, EveryCommandHasAnExample) {
+  for (const char* const name :
+       {"new", "validate", "submit", "watch", "list", "show", "curl", "fetch", "report", "cancel",
+        "pause", "resume", "delete", "schema", "alloys", "info"}) {
+    const Result result = run({name, "--help"});
+    EXPECT_EQ(result.code, 0);
+    EXPECT_THAT(result.out, HasSubstr("Example:\n  dccast " + std::string(name)));
+    EXPECT_THAT(result.out, HasSubstr("--json")) << name;
+  }
+}
+
+TEST_F(Commands, SubmitPrintsTheIdAndSendsARequestId) {
+  const Result result = run({"submit", "--priority", "high", file});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out, "job\n");
+  EXPECT_EQ(service.submitted.request_id().size(), 36u);
+  EXPECT_EQ(service.submitted.priority(), v1::HIGH);
+}
+
+TEST_F(Commands, SubmitAndWatchEndsAsTheJobDoes) {
+  const Result done = run({"submit", "--watch", file});
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, HasSubstr("corner     3.000"));
+  EXPECT_THAT(done.err, HasSubstr("step 3"));
+  service.events = run_of(2, v1::FAILED);
+  const Result failed = run({"watch", "job"});
+  EXPECT_EQ(failed.code, 3);
+  EXPECT_THAT(failed.err, HasSubstr("the step fell below its minimum"));
+}
+
+TEST_F(Commands, AnInvalidCaseShowsTheFaultsOfBothSidesAtTheirPlaces) {
+  std::ofstream(file) << "[section]\nhalf_width = 3\ninitial_depth = \"10 cm\"\n[time]\nend = \"1 "
+                         "s\"\n[[monitor]]\nname = "
+                         "\"a\"\nx = \"5 m\"\ny = \"0 m\"\n";
+  v1::Fault& outside = *service.verdict.add_faults();
+  outside.set_field("monitor[0].x");
+  outside.set_message("outside the slab");
+  const Result result = run({"submit", file});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr(file + ":2:1: section.half_width = 3: the unit is missing"));
+  EXPECT_THAT(result.err, HasSubstr(file + ":8:1: monitor[0].x: outside the slab"));
+  EXPECT_EQ(Json::parse(run({"validate", "--json", file}).out)["faults"].size(), 2u);
+}
+
+TEST_F(Commands, CurlComesAsTableCsvAndJson) {
+  EXPECT_THAT(run({"curl", "job"}).out, HasSubstr("corner mm"));
+  EXPECT_THAT(run({"curl", "--csv", "job"}).out,
+              HasSubstr("time_s,cast_length_m,corner_curl_m\n1,0.001,0.001\n"));
+  EXPECT_EQ(Json::parse(run({"curl", "--json", "job"}).out)["monitors"][0]["curl_m"].size(), 3u);
+  EXPECT_EQ(run({"curl", "--json", "--csv", "job"}).code, 2);
+}
+
+TEST_F(Commands, ExitCodesTellWhatWentWrong) {
+  EXPECT_EQ(run({"show", "absent"}).code, 5);
+  EXPECT_EQ(run({"no-such-command"}).code, 2);
+  EXPECT_EQ(run({}).code, 2);
+  EXPECT_EQ(run({"new", "no-such-case"}).code, 5);
+  const Result away = dccast({"info"}, "127.0.0.1:1");
+  EXPECT_EQ(away.code, 4);
+  EXPECT_THAT(away.err, HasSubstr("is dccastd running"));
+}
+
+TEST_F(Commands, AReportWithoutAFrameIsStillAReport) {
+  const Result result = run({"report", "job", "-o", "-"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("No stored frame"));
+}
+
+TEST_F(Commands, TheSchemaListsEveryKey) {
+  const Json rows = Json::parse(run({"schema", "--json"}).out);
+  EXPECT_GT(rows.size(), 90u);
+  EXPECT_THAT(run({"schema", "casting_speed"}).out, HasSubstr("0 to 0.1 m/s"));
+}
+
+}  // namespace
+}  // namespace dccast::client

@@ -1,0 +1,102 @@
+#include "fake_service.hpp"
+
+#include <algorithm>
+
+#include <grpcpp/server_builder.h>
+
+namespace dccast::client {
+
+FakeService::FakeService() {
+  int port = 0;
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(this);
+  server_ = builder.BuildAndStart();
+  address_ = "127.0.0.1:" + std::to_string(port);
+}
+
+FakeService::~FakeService() {
+  server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(2));
+}
+
+grpc::Status FakeService::WatchJob(grpc::ServerContext*, const v1::WatchJobRequest* request,
+                                   grpc::ServerWriter<v1::JobEvent>* writer) {
+  ++streams;
+  if (request->id() != job.id()) return {grpc::StatusCode::NOT_FOUND, "no such job"};
+  const auto from = std::max<std::int64_t>(1, request->from_sequence()) - 1;
+  const auto begin = static_cast<std::size_t>(std::max<std::int64_t>(0, from - repeated_events));
+  const auto end = std::min(events.size(), static_cast<std::size_t>(from) + events_per_stream);
+  for (std::size_t i = begin; i < end; ++i) writer->Write(events[i]);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::FetchResult(grpc::ServerContext*, const v1::FetchResultRequest* request,
+                                      grpc::ServerWriter<v1::FetchResultResponse>* writer) {
+  ++streams;
+  const auto offset = static_cast<std::size_t>(request->offset());
+  if (offset > artifact.size()) return {grpc::StatusCode::OUT_OF_RANGE, "beyond the end"};
+  v1::FetchResultResponse chunk;
+  chunk.set_offset(request->offset());
+  chunk.set_total_size_bytes(static_cast<std::int64_t>(artifact.size()));
+  chunk.set_sha256(artifact_sha256);
+  chunk.set_data(artifact.substr(offset, bytes_per_stream));
+  writer->Write(chunk);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::ValidateCase(grpc::ServerContext*, const v1::ValidateCaseRequest*,
+                                       v1::ValidateCaseResponse* response) {
+  *response = verdict;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::SubmitJob(grpc::ServerContext*, const v1::SubmitJobRequest* request,
+                                    v1::Job* response) {
+  submitted = *request;
+  *response = job;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::GetJob(grpc::ServerContext*, const v1::GetJobRequest* request,
+                                 v1::Job* response) {
+  if (request->id() != job.id())
+    return {grpc::StatusCode::NOT_FOUND, "there is no job " + request->id()};
+  *response = job;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::QueryResult(grpc::ServerContext*, const v1::QueryResultRequest* request,
+                                      v1::QueryResultResponse* response) {
+  if (request->frame() && !result.has_frame())
+    return {grpc::StatusCode::FAILED_PRECONDITION, "no frame yet"};
+  *response = result;
+  return grpc::Status::OK;
+}
+
+std::vector<v1::JobEvent> run_of(int steps, v1::JobState end) {
+  std::vector<v1::JobEvent> events(static_cast<std::size_t>(steps) + 3);
+  events[0].mutable_state_change()->set_state(v1::QUEUED);
+  events[1].mutable_state_change()->set_state(v1::RUNNING);
+  for (int i = 1; i <= steps; ++i) {
+    v1::StepReport& step = *events[static_cast<std::size_t>(i) + 1].mutable_step();
+    step.set_step(i);
+    step.set_time_s(i);
+    step.set_cast_length_m(1e-3 * i);
+    step.set_iterations(2);
+    step.set_progress(static_cast<double>(i) / steps);
+    step.set_solver_s(0.01 * i);
+    v1::MonitorValue& corner = *step.add_monitors();
+    corner.set_name("corner");
+    corner.add_displacement_m(-1e-4 * i);
+    corner.add_displacement_m(1e-3 * i);
+  }
+  auto& last = *events.back().mutable_state_change();
+  last.set_state(end);
+  last.set_terminal(true);
+  if (end == v1::FAILED) last.mutable_failure()->set_message("the step fell below its minimum");
+  for (std::size_t i = 0; i < events.size(); ++i)
+    events[i].set_sequence(static_cast<std::int64_t>(i) + 1);
+  return events;
+}
+
+}  // namespace dccast::client

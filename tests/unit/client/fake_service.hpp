@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <grpcpp/server.h>
+
+#include "client/connection.hpp"
+#include "dccast/v1/service.grpc.pb.h"
+
+namespace dccast::client {
+
+/// A daemon in the test's own process, on a free loopback port. It plays back what the test gives
+/// it and misbehaves as it is told to.
+class FakeService final : public v1::SimulationService::Service {
+public:
+  FakeService();
+  ~FakeService() override;
+
+  Connection connect() const { return Connection(address_); }
+  const std::string& address() const { return address_; }
+
+  // What it answers.
+  std::vector<v1::JobEvent> events;
+  std::string artifact;
+  std::string artifact_sha256;
+  v1::ValidateCaseResponse verdict;
+  v1::Job job;
+  v1::QueryResultResponse result;
+
+  // How it misbehaves.
+  std::size_t events_per_stream = 1000;  ///< a stream is cut after so many
+  std::size_t bytes_per_stream = 1 << 30;
+  int repeated_events = 0;  ///< old events sent again at the beginning of a stream
+
+  // What it was asked.
+  std::atomic<int> streams{0};
+  v1::SubmitJobRequest submitted;
+
+  grpc::Status WatchJob(grpc::ServerContext*, const v1::WatchJobRequest*,
+                        grpc::ServerWriter<v1::JobEvent>*) override;
+  grpc::Status FetchResult(grpc::ServerContext*, const v1::FetchResultRequest*,
+                           grpc::ServerWriter<v1::FetchResultResponse>*) override;
+  grpc::Status ValidateCase(grpc::ServerContext*, const v1::ValidateCaseRequest*,
+                            v1::ValidateCaseResponse*) override;
+  grpc::Status SubmitJob(grpc::ServerContext*, const v1::SubmitJobRequest*, v1::Job*) override;
+  grpc::Status GetJob(grpc::ServerContext*, const v1::GetJobRequest*, v1::Job*) override;
+  grpc::Status QueryResult(grpc::ServerContext*, const v1::QueryResultRequest*,
+                           v1::QueryResultResponse*) override;
+
+private:
+  std::string address_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+/// A run of `steps` steps: queued, running, the steps, then the end.
+std::vector<v1::JobEvent> run_of(int steps, v1::JobState end = v1::SUCCEEDED);
+
+}  // namespace dccast::client

@@ -1,0 +1,164 @@
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/render/braille.hpp"
+#include "client/render/isotherms.hpp"
+#include "client/render/progress.hpp"
+#include "client/render/report_page.hpp"
+#include "client/render/section_picture.hpp"
+#include "client/render/svg_chart.hpp"
+#include "client/render/terminal.hpp"
+#include "client/render/watch_output.hpp"
+#include "fake_service.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Isotherm, OfALinearFieldIsAStraightLineAcrossTheMesh) {
+  const std::vector<Point> node{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  const std::vector<double> value{0, 10, 20, 10};  // 10 (x + y)
+  const auto triangles = triangles_of({0, 1, 2, 3}, 4);
+  ASSERT_EQ(triangles.size(), 2u);
+  double length = 0.0;
+  for (const Segment& s : isotherm(node, value, triangles, 5.0)) {
+    for (const Point& p : s) EXPECT_NEAR(p.x + p.y, 0.5, 1e-12);
+    length += std::hypot(s[1].x - s[0].x, s[1].y - s[0].y);
+  }
+  EXPECT_NEAR(length, std::sqrt(0.5), 1e-12);
+  EXPECT_TRUE(isotherm(node, value, triangles, 30.0).empty());
+}
+
+TEST(RoundTicks, CoverTheRangeInRoundSteps) {
+  EXPECT_THAT(round_ticks(0.0, 145.0, 7), testing::ElementsAre(0, 50, 100, 150));
+  EXPECT_THAT(round_ticks(-0.3, 3.1, 5), testing::ElementsAre(-1, 0, 1, 2, 3, 4));
+  EXPECT_GE(round_ticks(2.0, 2.0, 5).size(), 2u);
+}
+
+TEST(Braille, AStraightLineRunsFromBelowToAbove) {
+  EXPECT_EQ(braille_curve({0, 1}, 2, 1).front(), "⡠⠊");
+  EXPECT_EQ(display_width(braille_curve({1, 2, 3}, 12, 1).front()), 12);
+  EXPECT_EQ(braille_curve({}, 3, 2).size(), 2u);
+}
+
+TEST(Terminal, CutsByCodePoints) {
+  EXPECT_EQ(cut_to("a°b⡠c", 3), "a°b");
+  EXPECT_EQ(display_width("a°b⡠c"), 5);
+}
+
+TEST(Progress, PlainLinesWithoutATerminal) {
+  std::ostringstream stream;
+  Progress progress(stream, {});
+  for (const v1::JobEvent& event : run_of(3)) progress.show(event);
+  progress.finish();
+  EXPECT_THAT(stream.str(), HasSubstr("step 2  t 2.00 s  cast 2.0 mm  corner +2.00 mm  2 it  eta"));
+  EXPECT_THAT(stream.str(), HasSubstr("succeeded\n"));
+  EXPECT_THAT(stream.str(), Not(HasSubstr("\033")));
+  EXPECT_THAT(stream.str(), Not(HasSubstr("\r")));
+}
+
+TEST(Progress, OneRenewedLineOnATerminalNoWiderThanIt) {
+  std::ostringstream stream;
+  Progress progress(stream, {true, false, 40});
+  for (const v1::JobEvent& event : run_of(3)) progress.show(event);
+  progress.finish();
+  std::istringstream pieces(stream.str());
+  for (std::string piece; std::getline(pieces, piece, '\r');)
+    EXPECT_TRUE(piece.find("step") == std::string::npos ||
+                display_width(piece.substr(piece.find('K') + 1)) <= 40)
+        << piece;
+  EXPECT_THAT(stream.str(), HasSubstr("curl of corner"));
+}
+
+TEST(Progress, StepsComputedAgainReplaceTheFirstOnes) {
+  std::ostringstream stream;
+  Progress progress(stream, {});
+  const auto events = run_of(5);
+  for (int i = 2; i < 7; ++i) progress.show(events[static_cast<std::size_t>(i)]);
+  v1::JobEvent resumed;
+  resumed.mutable_resumed()->set_time_s(3.0);
+  progress.show(resumed);
+  progress.show(events[5]);
+  EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4));
+}
+
+TEST(WatchOutput, EveryLineHasTheKeysThatScriptsRelyOn) {
+  WatchOutput output;
+  for (const v1::JobEvent& event : run_of(2)) {
+    const Json line = output.line(event);
+    for (const char* const key :
+         {"sequence", "state", "step", "time_s", "cast_length_m", "iterations", "monitors"})
+      EXPECT_TRUE(line.contains(key)) << key;
+    EXPECT_EQ(line.dump().find('\n'), std::string::npos);
+    if (!event.has_step()) continue;
+    EXPECT_EQ(line["state"], "RUNNING");
+    EXPECT_EQ(line["monitors"][0]["name"], "corner");
+    EXPECT_DOUBLE_EQ(line["monitors"][0]["displacement_m"][1],
+                     event.step().monitors(0).displacement_m(1));
+  }
+}
+
+v1::Frame square() {
+  v1::Frame frame;
+  frame.set_dimension(2);
+  frame.set_nodes_per_element(4);
+  for (const double x : {0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0}) frame.add_node_m(x);
+  for (const int node : {0, 1, 2, 3}) frame.add_element_node(node);
+  for (const double t : {300.0, 50.0, 500.0, 680.0}) frame.add_temperature_c(t);
+  for (const double u : {0.0, 0.0, -1e-3, 4e-3, 0.0, 0.0, 0.0, 0.0}) frame.add_displacement_m(u);
+  frame.set_solidus_c(620);
+  frame.set_liquidus_c(649);
+  for (const int node : {0, 1}) frame.add_bottom_node(node);
+  for (const double gap : {0.0, 4e-3}) frame.add_bottom_gap_m(gap);
+  for (const double pressure : {2e3, 0.0}) frame.add_bottom_pressure_pa(pressure);
+  return frame;
+}
+
+TEST(SectionPicture, DrawsIsothermsAndStatesARoundScale) {
+  const SectionPicture picture = draw_section(square());
+  EXPECT_DOUBLE_EQ(picture.displacement_scale, 10.0);
+  EXPECT_THAT(picture.svg, HasSubstr("solidus 620 °C"));
+  EXPECT_THAT(picture.svg, HasSubstr("<title>100 °C</title>"));
+}
+
+TEST(SectionPicture, AFrameThatDoesNotFitIsNotDrawn) {
+  v1::Frame frame = square();
+  frame.set_element_node(0, 99);
+  EXPECT_EQ(draw_section(frame).svg, "");
+  frame = square();
+  frame.clear_temperature_c();
+  EXPECT_EQ(draw_section(frame).svg, "");
+}
+
+TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
+  v1::Job job;
+  job.set_id("0123456789");
+  job.set_title("<script>alert(1)</script>");
+  job.set_state(v1::SUCCEEDED);
+  v1::QueryResultResponse result;
+  for (const v1::JobEvent& event : run_of(4))
+    if (event.has_step()) *result.add_steps() = event.step();
+  *result.mutable_frame() = square();
+  result.mutable_case_()->mutable_schedule()->set_hold_s(60);
+  const std::string page = report_page(job, result);
+  for (const char* const part :
+       {"Curl against time", "Curl against cast length", "Deformed section", "Gap along the bottom",
+        "Contact pressure", "Checks of the run", "Hold before the block moves", "60.0 s",
+        "Mechanics starts", "Coherency", "prefers-color-scheme"})
+    EXPECT_THAT(page, HasSubstr(part));
+  for (const char* const absent : {"<script", "http://", "https://", "src=", "nan"})
+    EXPECT_THAT(page, Not(HasSubstr(absent)));
+}
+
+TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
+  EXPECT_THAT(report_page(v1::Job(), v1::QueryResultResponse()), HasSubstr("no step yet"));
+}
+
+}  // namespace
+}  // namespace dccast::client::render
