@@ -173,12 +173,15 @@ private:
     return relative_residual();
   }
 
+  /// A pair is closed where its pressure p - gamma_c u outweighs its gap. The pressure alone does not
+  /// tell: of an open pair it is zero up to round-off of either sign.
   void store() {
     this->store_deviator();
+    const double gamma_c = this->options_.parameters.gamma_c;
     for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
       const double u = this->unknowns_.displacement[std::size_t(this->problem_.contact[i])];
       this->unknowns_.contact[i] =
-          this->unknowns_.contact_multiplier[i] - this->options_.parameters.gamma_c * u > 0.0;
+          this->unknowns_.contact_multiplier[i] - gamma_c * u > gamma_c * u;
     }
   }
 
