@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/unit/mechanics/resting_block.hpp"
+
+namespace dccast::mechanics {
+namespace {
+
+using namespace testing;
+
+template <class Element>
+class ContactOf : public ::testing::Test {};
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+TYPED_TEST_SUITE(ContactOf, Families);
+
+int closed_of(const std::vector<char>& contact) {
+  return std::accumulate(contact.begin(), contact.end(), 0);
+}
+
+TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnAPartialContact) {
+  RestingBlock<TypeParam> block(1e-4);
+  auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));
+  const auto outcome = solve_newton(block.body.problem, tight(1e-12), block.body.work, unknowns);
+  ASSERT_TRUE(outcome.converged);
+  const int closed = closed_of(unknowns.contact);
+  EXPECT_GT(closed, 0);
+  EXPECT_LT(closed, static_cast<int>(block.pairs())) << "the ends lift";
+  const auto floor = block.floor(unknowns);
+  EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight);
+  EXPECT_LE(
+      contact::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
+      1e-8);
+  for (std::size_t i = 0; i < block.pairs(); ++i) {
+    EXPECT_EQ(unknowns.contact[i] != 0, std::abs(floor.gap[i]) < 1e-12) << i;
+  }
+}
+
+/// The problem is convex: where the search starts must not matter.
+TYPED_TEST(ContactOf, TheSetDoesNotDependOnItsStart) {
+  for (double shrinkage : {-1e-4, 2e-5, 1e-4, 5e-4}) {
+    RestingBlock<TypeParam> block(shrinkage);
+    auto reference = block.at_rest(std::vector<char>(block.pairs(), 1));
+    ASSERT_TRUE(
+        solve_newton(block.body.problem, tight(1e-12), block.body.work, reference).converged);
+    for (std::size_t only : {std::size_t(0), block.pairs() / 2, block.pairs() - 1}) {
+      std::vector<char> nearly_open(block.pairs(), 0);
+      nearly_open[only] = 1;
+      auto unknowns = block.at_rest(nearly_open);
+      ASSERT_TRUE(
+          solve_newton(block.body.problem, tight(1e-12), block.body.work, unknowns).converged)
+          << shrinkage << " from pair " << only;
+      EXPECT_EQ(unknowns.contact, reference.contact) << shrinkage << " from pair " << only;
+      for (std::size_t i = 0; i < reference.displacement.size(); ++i) {
+        EXPECT_NEAR(unknowns.displacement[i], reference.displacement[i], 1e-12);
+      }
+    }
+  }
+}
+
+TYPED_TEST(ContactOf, ABlockThatDoesNotBendStandsOnAllOfItsBottom) {
+  RestingBlock<TypeParam> block(0.0);
+  auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));
+  ASSERT_TRUE(solve_newton(block.body.problem, tight(1e-12), block.body.work, unknowns).converged);
+  EXPECT_EQ(closed_of(unknowns.contact), static_cast<int>(block.pairs()));
+  for (double r : block.floor(unknowns).reaction) EXPECT_GT(r, 0.0);
+}
+
+}  // namespace
+}  // namespace dccast::mechanics
