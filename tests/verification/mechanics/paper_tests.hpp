@@ -16,6 +16,8 @@ struct TestRun {
   int cells = 0;                                       ///< per side; 0: the paper's mesh
   mesh::ElementKind element = mesh::ElementKind::p1;
   std::optional<double> end;                           ///< [s]; absent: the paper's
+  /// Halve a step that fails; absent: unless plain.
+  std::optional<bool> cut_steps;
 };
 
 using Result = std::variant<Figures, Failed>;

@@ -28,7 +28,7 @@ Result step_through(FixedBody<Element>& body, const TestRun& run, double end, Pr
     if (!outcome.converged) {
       ++failed;
       dt = 0.5 * step;
-      if (run.options.parameters.plain || dt < run.dt / 1024.0) {
+      if (!run.cut_steps.value_or(!run.options.parameters.plain) || dt < run.dt / 1024.0) {
         char text[160];
         std::snprintf(text, sizeof text,
                       "the step to t = %g s did not converge in %d iterations: relative residual %.2e",

@@ -1,0 +1,175 @@
+#include "tests/verification/program/claims.hpp"
+
+namespace dccast::verification {
+
+namespace {
+
+using mechanics::Algorithm;
+
+// Published figures have four or five digits; ours must be the same number up to the last.
+constexpr double same_digits = 5e-4;
+
+RunRequest named(const char* name) {
+  RunRequest request;
+  request.name = name;
+  return request;
+}
+RunRequest with_step(const char* name, double dt) {
+  RunRequest request = named(name);
+  request.dt = dt;
+  return request;
+}
+RunRequest with_liquid(double epsilon, double delta, double beta) {
+  RunRequest request = named("T1");
+  request.liquid = FictitiousLiquid{epsilon, delta, beta};
+  return request;
+}
+/// Iteration counts depend on where one stops: they are claimed at a relative residual of 1e-6,
+/// where displacement and stress agree with those of 1e-10 to four digits.
+RunRequest counted(Algorithm algorithm) {
+  RunRequest request = with_step("T4", 0.0625);
+  request.algorithm = algorithm;
+  request.tolerance = 1e-6;
+  return request;
+}
+
+void add_t1(std::vector<Claim>& all) {
+  all.push_back(
+      {"T1 direct, displacement", named("T1"), "displacement_error", Relation::at_most, 2.42e-4});
+  all.push_back({"T1 direct, stress", named("T1"), "stress_error", Relation::at_most, 6.91e-3});
+  all.push_back({"T1 direct, order of displacement", named("orders"), "order_t1_displacement",
+                 Relation::within, 2.0, 0.05});
+  all.push_back({"T1 direct, order of stress", named("orders"), "order_t1_stress", Relation::within,
+                 1.0, 0.05});
+  for (double epsilon : {1e-3, 1e-5}) {
+    const RunRequest extended = with_liquid(epsilon, 2.0, 1.0);
+    all.push_back({"T1 extended (2,1), displacement against direct", extended,
+                   "displacement_error_over_direct", Relation::within, 1.0, 0.05});
+    all.push_back({"T1 extended (2,1), stress against direct", extended, "stress_error_over_direct",
+                   Relation::within, 1.0, 0.01});
+  }
+  const double epsilon[] = {1e-1, 1e-3, 1e-5}, paper[] = {0.0165, 0.350, 0.454};
+  for (int i = 0; i < 3; ++i) {
+    all.push_back({"T1 extended (1,2), displacement, maximum norm", with_liquid(epsilon[i], 1, 2),
+                   "displacement_error_max_norm", Relation::within, paper[i], 0.15});
+  }
+  for (double e : epsilon) {
+    all.push_back({"T1 extended (1,1), displacement, maximum norm", with_liquid(e, 1, 1),
+                   "displacement_error_max_norm", Relation::within, 2.2e-3, 0.15});
+  }
+}
+
+void add_t2(std::vector<Claim>& all) {
+  for (double dt : {1.0, 0.1}) {
+    const bool nightly = dt < 1.0;
+    const RunRequest t2 = with_step("T2", dt);
+    const std::string name = nightly ? "T2, dt 0.1" : "T2, dt 1";
+    all.push_back({name + ", displacement", t2, "displacement_error", Relation::at_most, 1.75e-4, 0,
+                   nightly});
+    all.push_back({name + ", stress", t2, "stress_error", Relation::at_most, 1.25e-2, 0, nightly});
+    all.push_back({name + ", stress at centroids", t2, "stress_error_at_centroids",
+                   Relation::at_most, 7.4e-3, 0, nightly});
+    if (nightly) {
+      all.push_back({name + ", contact iterations per step", t2, "iterations_per_step",
+                     Relation::at_most, 1.2, 0, nightly});
+    }
+  }
+  RunRequest sbm = with_step("T2", 0.1);
+  sbm.algorithm = Algorithm::sbm;
+  sbm.increment_test = true;
+  all.push_back({"T2, dt 0.1, SBM, iterations per step", sbm, "iterations_per_step",
+                 Relation::within, 250.0, 0.1, true});
+}
+
+struct Published {
+  double dt, displacement, stress;
+  bool nightly;
+};
+
+void add_square(std::vector<Claim>& all, const char* name, const std::vector<Published>& figures) {
+  for (const Published& p : figures) {
+    char title[60];
+    std::snprintf(title, sizeof title, "%s, dt %g", name, p.dt);
+    const RunRequest request = with_step(name, p.dt);
+    all.push_back({std::string(title) + ", displacement", request, "displacement_error",
+                   Relation::within, p.displacement, same_digits, p.nightly});
+    all.push_back({std::string(title) + ", stress", request, "stress_error", Relation::within,
+                   p.stress, same_digits, p.nightly});
+  }
+}
+
+void add_iterations(std::vector<Claim>& all) {
+  const std::pair<Algorithm, double> most[] = {{Algorithm::newton, 6.4},
+                                               {Algorithm::vnbm, 31.0},
+                                               {Algorithm::sbm, 208.0},
+                                               {Algorithm::nbm, 69.0}};
+  for (const auto& [algorithm, bound] : most) {
+    all.push_back({"T4, dt 0.0625, iterations per step", counted(algorithm), "iterations_per_step",
+                   Relation::at_most, bound});
+  }
+  RunRequest plain = with_step("T4", 0.0625);
+  plain.algorithm = Algorithm::nbm;
+  plain.plain = true;
+  all.push_back({"T4, dt 0.0625, plain NBM must fail", plain, "", Relation::fails_at, 0.3125});
+  all.push_back({"T4, all algorithms at 1e-10: largest difference", named("agreement"),
+                 "largest_difference", Relation::at_most, 1e-4});
+}
+
+void add_heat(std::vector<Claim>& all) {
+  all.push_back({"Stefan, similarity constant", named("stefan"), "similarity_constant",
+                 Relation::within, 0.27296013, 2e-8});
+  all.push_back({"Stefan, front", named("stefan"), "front_error", Relation::at_most, 0.02});
+  all.push_back(
+      {"Stefan, temperature [K]", named("stefan"), "temperature_error_k", Relation::at_most, 0.5});
+  all.push_back({"mushy Stefan, solidus front", named("mushy-stefan"), "solidus_front_error",
+                 Relation::at_most, 5e-3});
+  all.push_back({"mushy Stefan, liquidus front", named("mushy-stefan"), "liquidus_front_error",
+                 Relation::at_most, 5e-3});
+  all.push_back({"steady strand, largest error [K]", named("strand"), "largest_temperature_error_k",
+                 Relation::at_most, 0.1});
+  all.push_back({"steady strand, depth of isotherms", named("strand"), "isotherm_error",
+                 Relation::at_most, 1e-3});
+}
+
+void add_exact_checks(std::vector<Claim>& all) {
+  for (const auto element : {mesh::ElementKind::p1, mesh::ElementKind::q1}) {
+    const std::string family = element == mesh::ElementKind::p1 ? ", P1" : ", Q1";
+    RunRequest patch = named("patch"), creep = named("creep");
+    patch.element = creep.element = element;
+    all.push_back({"patch test" + family + ", displacement", patch, "displacement_error",
+                   Relation::at_most, 1e-12});
+    all.push_back(
+        {"patch test" + family + ", stress", patch, "stress_error", Relation::at_most, 1e-11});
+    all.push_back({"creep under constant load" + family, creep, "displacement_error",
+                   Relation::at_most, 1e-6});
+  }
+  all.push_back({"relaxation, order in time", named("orders"), "order_relaxation_stress",
+                 Relation::within, 1.0, 0.1});
+  all.push_back({"T4, order in time of displacement", named("orders"), "order_t4_displacement",
+                 Relation::within, 1.0, 0.1});
+}
+
+}  // namespace
+
+const std::vector<Claim>& claims() {
+  static const std::vector<Claim> all = [] {
+    std::vector<Claim> list;
+    add_t1(list);
+    add_t2(list);
+    add_square(list, "T3",
+               {{1e-5, 2.2865e-5, 2.5309e-5, true},
+                {1e-3, 2.288e-3, 2.531e-3, false},
+                {0.0625, 0.14976, 0.15941, false}});
+    add_square(list, "T4",
+               {{1e-5, 2.7005e-5, 2.2784e-5, true},
+                {1e-3, 2.7035e-3, 2.2789e-3, false},
+                {0.0625, 0.17995, 0.14408, false}});
+    add_iterations(list);
+    add_heat(list);
+    add_exact_checks(list);
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace dccast::verification

@@ -1,0 +1,130 @@
+#include "tests/verification/program/named_tests.hpp"
+
+#include <stdexcept>
+
+#include "tests/verification/mechanics/exact_checks.hpp"
+#include "tests/verification/program/heat_tests.hpp"
+#include "tests/verification/program/orders.hpp"
+
+namespace dccast::verification {
+
+mechanics::Options options_of(const RunRequest& request) {
+  mechanics::Options options;
+  options.algorithm = request.algorithm;
+  if (request.tolerance) options.tolerance = *request.tolerance;
+  auto& p = options.parameters;
+  p.plain = request.plain;
+  p.increment_test = request.increment_test;
+  p.relaxation = 0.9;
+  if (request.algorithm != mechanics::Algorithm::sbm) return options;
+  p.gamma_p = 1e-6, p.lambda_p = 0.5e6;
+  const bool is_t2 = request.name == "T2";
+  p.gamma_c = is_t2 ? 0.5e9 : 0.5e12;
+  p.lambda_c = is_t2 ? 1e-9 : 1e-12;
+  return options;
+}
+
+namespace {
+
+TestRun test_run(const RunRequest& request, double usual_dt) {
+  TestRun run;
+  run.options = options_of(request);
+  run.dt = request.dt.value_or(usual_dt);
+  run.cells = request.cells;
+  run.element = request.element;
+  run.end = request.end;
+  if (request.cut_steps) run.cut_steps = true;
+  return run;
+}
+
+Result run_t1_by_name(const RunRequest& request) {
+  T1Run run;
+  if (request.cells > 0) {  // columns; rows in the proportion of the usual mesh, by sixes
+    run.columns = request.cells;
+    run.rows = run.liquid_rows = (request.cells * 48 / 40 + 5) / 6 * 6;
+  }
+  run.element = request.element;
+  run.diagonals = request.diagonals;
+  run.liquid = request.liquid;
+  const T1Result t1 = run_t1(run);
+  Figures figures;
+  figures.displacement_error = t1.whole.displacement;
+  figures.stress_error = t1.whole.stress;
+  figures.iterations_per_step = 1.0;
+  figures.cpu_s = t1.cpu_s;
+  figures.elements = t1.solid_elements;
+  figures.nodes = t1.nodes;
+  figures.steps = 1;
+  figures.more = {{"displacement_error_max_norm", t1.whole.displacement_max},
+                  {"stress_error_max_norm", t1.whole.stress_max},
+                  {"away_displacement_error", t1.away.displacement},
+                  {"away_displacement_error_max_norm", t1.away.displacement_max},
+                  {"away_stress_error", t1.away.stress},
+                  {"away_stress_error_max_norm", t1.away.stress_max}};
+  if (run.liquid) {
+    figures.more["front_pressure_error"] = t1.pressure_on_front_error;
+    run.liquid.reset();
+    const T1Result direct = run_t1(run);
+    figures.more["displacement_error_over_direct"] =
+        t1.whole.displacement / direct.whole.displacement;
+    figures.more["stress_error_over_direct"] = t1.whole.stress / direct.whole.stress;
+  }
+  return figures;
+}
+
+using Mechanical = Result (*)(const TestRun&);
+std::function<Result(const RunRequest&)> mechanical(Mechanical run, double usual_dt) {
+  return [run, usual_dt](const RunRequest& request) { return run(test_run(request, usual_dt)); };
+}
+
+}  // namespace
+
+const std::vector<NamedTest>& named_tests() {
+  static const std::vector<NamedTest> tests{
+      {"T1", "paper 3.4.1: metallostatic pressure, given or by a fictitious liquid", "0.02 s",
+       run_t1_by_name},
+      {"T2", "paper 4.3.1: thermo-elastic contact with a moving gap", "9 s at dt 1, 90 s at 0.1",
+       mechanical(run_t2, 1.0)},
+      {"T3", "paper 4.3.2: elastic-viscoplastic square, stress linear in time",
+       "0.01 s at dt 0.0625, 1 min at 1e-5", mechanical(run_t3, 0.0625)},
+      {"T4", "paper 4.3.4: T3 with Signorini contact", "0.01 s at dt 0.0625, 1 min at 1e-5",
+       mechanical(run_t4, 0.0625)},
+      {"patch", "linear displacement and rotation on a distorted mesh leave round-off", "0.01 s",
+       mechanical(run_patch, 1.0)},
+      {"creep", "constant load creeps at a constant rate, exactly", "0.02 s",
+       mechanical(run_creep, 0.0625)},
+      {"relaxation", "a held strain relaxes by its closed form, first order in dt", "0.01 s",
+       mechanical(run_relaxation, 0.0125)},
+      {"bowed-strip", "a free strip bows under a linear temperature without stress in its plane",
+       "0.01 s", mechanical(run_bowed_strip, 1.0)},
+      {"orders", "observed orders under refinement: T1 in the cell, T4 in the step", "0.5 s",
+       [](const RunRequest& request) { return run_orders(request); }},
+      {"agreement", "largest difference between the four algorithms on T4 at a tight tolerance",
+       "2 s", [](const RunRequest& request) { return run_agreement(request); }},
+      {"stefan", "two-phase Stefan problem, isothermal change, against Neumann", "0.5 s",
+       run_stefan_by_name},
+      {"mushy-stefan", "Stefan problem over a solidification interval", "0.5 s",
+       run_mushy_stefan_by_name},
+      {"strand", "steady moving strand against its closed form; --data FILE for another strand",
+       "5 s", run_strand_by_name},
+      {"decaying-mode", "cosine mode of an insulated square", "0.1 s", run_decaying_mode_by_name},
+  };
+  return tests;
+}
+
+RunRequest completed(RunRequest request) {
+  if (request.dt) return request;
+  if (request.name == "T2") request.dt = 1.0;
+  if (request.name == "T3" || request.name == "T4") request.dt = 0.0625;
+  return request;
+}
+
+Result run_by_name(const RunRequest& request) {
+  for (const NamedTest& test : named_tests()) {
+    if (test.name == request.name) return test.run(request);
+  }
+  throw std::invalid_argument("no test is called '" + request.name +
+                              "'; `dccast-verify list` names them");
+}
+
+}  // namespace dccast::verification

@@ -1,0 +1,169 @@
+#include "tests/verification/program/plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "tests/verification/program/table.hpp"
+
+namespace dccast::verification {
+
+namespace {
+
+constexpr double width = 460, height = 320, left = 64, right = 14, top = 34, bottom = 46;
+constexpr std::array<const char*, 5> colours{"#1f5f99", "#c2571a", "#3f7f3f", "#7a4a9e", "#555"};
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  char text[512];
+  std::va_list values;
+  va_start(values, pattern);
+  std::vsnprintf(text, sizeof text, pattern, values);
+  va_end(values);
+  return text;
+}
+
+/// One logarithmic axis between whole decades.
+struct Axis {
+  double low = 1e300, high = 0.0;
+  double from, to;  ///< picture coordinates
+
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  int first_decade() const { return static_cast<int>(std::floor(std::log10(low) + 1e-9)); }
+  int last_decade() const { return static_cast<int>(std::ceil(std::log10(high) - 1e-9)); }
+  double at(double value) const {
+    const double decades = std::max(1, last_decade() - first_decade());
+    return from + (to - from) * (std::log10(value) - first_decade()) / decades;
+  }
+};
+
+std::string tick_text(int decade) {
+  return format("10<tspan dy=\"-5\" font-size=\"9\">%d</tspan>", decade);
+}
+
+std::string grid(const Axis& x, const Axis& y) {
+  std::string out;
+  for (int d = x.first_decade(); d <= x.last_decade(); ++d) {
+    const double at = x.at(std::pow(10.0, d));
+    out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", at, at,
+                  y.to, y.from);
+    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", at, y.from + 18) +
+           tick_text(d) + "</text>";
+  }
+  for (int d = y.first_decade(); d <= y.last_decade(); ++d) {
+    const double at = y.at(std::pow(10.0, d));
+    out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", x.from,
+                  x.to, at, at);
+    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.from - 8, at + 4) +
+           tick_text(d) + "</text>";
+  }
+  return out;
+}
+
+std::string line_of(const Curve2D& curve, const Axis& x, const Axis& y, const char* colour) {
+  std::string path;
+  const bool reference = curve.slope != 0.0;
+  for (const auto& [px, py] : curve.points) {
+    path += format("%s%.1f %.1f", path.empty() ? "M" : "L", x.at(px), y.at(py));
+  }
+  std::string out = format("<path d=\"%s\" fill=\"none\" stroke=\"%s\" stroke-width=\"%s\"%s/>",
+                           path.c_str(), reference ? "#999" : colour, reference ? "1.2" : "2",
+                           reference ? " stroke-dasharray=\"5 4\"" : "");
+  if (reference) return out;
+  for (const auto& [px, py] : curve.points) {
+    out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.4\" fill=\"%s\"/>", x.at(px), y.at(py),
+                  colour);
+  }
+  return out;
+}
+
+std::string head(const std::string& title, double w, double h) {
+  return format(
+             "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\" "
+             "xmlns=\"http://www.w3.org/2000/svg\" font-family=\"Helvetica, Arial, sans-serif\" "
+             "font-size=\"12\" fill=\"#333\">",
+             w, h, w, h) +
+         "<style>.grid{stroke:#e3e6ea;stroke-width:1}</style>" +
+         format("<text x=\"%.0f\" y=\"18\" font-size=\"14\" font-weight=\"600\">", 8.0) +
+         escaped(title) + "</text>";
+}
+
+/// Blue through white to red.
+std::string colour_of(double share) {
+  const double s = std::clamp(share, -1.0, 1.0), fade = 1.0 - std::abs(s);
+  const double strong[3] = {s < 0 ? 33.0 : 178.0, s < 0 ? 90.0 : 34.0, s < 0 ? 160.0 : 40.0};
+  return format("#%02x%02x%02x", int(strong[0] + fade * (247 - strong[0])),
+                int(strong[1] + fade * (247 - strong[1])),
+                int(strong[2] + fade * (247 - strong[2])));
+}
+
+}  // namespace
+
+std::string log_log_svg(const std::string& title, const std::string& x_label,
+                        const std::vector<Curve2D>& curves) {
+  Axis x{1e300, 0.0, left, width - right}, y{1e300, 0.0, height - bottom, top};
+  for (const auto& curve : curves) {
+    for (const auto& [px, py] : curve.points) x.include(px), y.include(py);
+  }
+  std::string out = head(title, width, height) + grid(x, y);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const char* colour = colours[i % colours.size()];
+    out += line_of(curves[i], x, y, colour);
+    const double row = height - bottom - 12 - 16.0 * double(curves.size() - 1 - i);
+    out += format(
+        "<rect x=\"%.1f\" y=\"%.1f\" width=\"150\" height=\"16\" fill=\"white\" "
+        "fill-opacity=\".8\"/><line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" "
+        "stroke=\"%s\" stroke-width=\"2\"/>",
+        width - right - 156, row - 12, width - right - 150, width - right - 130, row - 4, row - 4,
+        curves[i].slope != 0.0 ? "#999" : colour);
+    out += format("<text x=\"%.1f\" y=\"%.1f\">", width - right - 124, row) +
+           escaped(curves[i].name) + "</text>";
+  }
+  out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", 0.5 * (left + width - right),
+                height - 8) +
+         escaped(x_label) + "</text>";
+  return out + "</svg>\n";
+}
+
+std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
+                      const std::vector<double>& value, double limit, const std::string& unit) {
+  double x_low = 1e300, x_high = -1e300, y_high = -1e300;
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    x_low = std::min(x_low, mesh.point(n)[0]);
+    x_high = std::max(x_high, mesh.point(n)[0]);
+    y_high = std::max(y_high, mesh.point(n)[1]);
+  }
+  constexpr double picture = 250, edge = 12;
+  const double scale = picture / (x_high - x_low), high = scale * y_high;
+  std::string out = head(title, picture + 2 * edge + 76, high + 30 + edge);
+  for (int e = 0; e < mesh.elements(); ++e) {
+    const std::string colour = colour_of(value[std::size_t(e)] / limit);
+    out += "<polygon points=\"";
+    for (int i = 0; i < mesh.nodes_per_element; ++i) {
+      const double* p = mesh.point(mesh.nodes_of(e)[i]);
+      out += format("%.2f,%.2f ", edge + scale * (p[0] - x_low), 30 + high - scale * p[1]);
+    }
+    out += format("\" fill=\"%s\" stroke=\"%s\" stroke-width=\".4\"/>", colour.c_str(),
+                  colour.c_str());
+  }
+  constexpr int shades = 20;
+  for (int i = 0; i < shades; ++i) {
+    out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"14\" height=\"%.1f\" fill=\"%s\"/>",
+                  picture + 2 * edge, 40 + i * 8.0, 8.4,
+                  colour_of(1.0 - 2.0 * i / (shades - 1.0)).c_str());
+  }
+  const std::array<std::pair<double, double>, 3> marks{
+      {{limit, 48.0}, {0.0, 124.0}, {-limit, 200.0}}};
+  for (const auto& [mark, at] : marks) {
+    out += format("<text x=\"%.1f\" y=\"%.1f\">%.3g</text>", picture + 2 * edge + 20, at, mark);
+  }
+  out +=
+      format("<text x=\"%.1f\" y=\"%.1f\">", picture + 2 * edge, 220.0) + escaped(unit) + "</text>";
+  return out + "</svg>\n";
+}
+
+}  // namespace dccast::verification

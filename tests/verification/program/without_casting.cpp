@@ -1,0 +1,16 @@
+#include <stdexcept>
+
+#include "tests/verification/program/paper_tables.hpp"
+
+// Table 11 in a build of the core alone.
+namespace dccast::verification {
+
+bool has_casting_table() {
+  return false;
+}
+
+Table casting_table(const TableOptions&) {
+  throw std::logic_error("table 11 needs case files, which this build is without");
+}
+
+}  // namespace dccast::verification
