@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <variant>
 
@@ -8,6 +9,13 @@
 #include "tests/verification/mechanics/paper_tests.hpp"
 
 namespace dccast::verification {
+
+/// The last residual of a step that is a number; zero when there is none.
+inline double last_finite(const std::vector<double>& residuals) {
+  const auto found = std::find_if(residuals.rbegin(), residuals.rend(),
+                                  [](double r) { return std::isfinite(r); });
+  return found == residuals.rend() ? 0.0 : *found;
+}
 
 /// Steps a body to `end`. `prepare(t)` sets loads and targets for the end of a step. A step that does
 /// not converge is halved down to dt / 1024 and grows again afterwards, unless the run is plain.
@@ -30,9 +38,11 @@ Result step_through(FixedBody<Element>& body, const TestRun& run, double end, Pr
       dt = 0.5 * step;
       if (!run.cut_steps.value_or(!run.options.parameters.plain) || dt < run.dt / 1024.0) {
         char text[160];
+        const bool finite = std::isfinite(outcome.equilibrium_residual);
         std::snprintf(text, sizeof text,
-                      "the step to t = %g s did not converge in %d iterations: relative residual %.2e",
-                      t + step, outcome.iterations, outcome.equilibrium_residual);
+                      "the step to t = %g s %s %d iterations; the last finite relative residual was %.2e",
+                      t + step, finite ? "did not converge in" : "diverged beyond all numbers after",
+                      outcome.iterations, last_finite(outcome.residual_history));
         return Failed{t + step, text};
       }
       continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <map>
 
 #include "tests/verification/program/table.hpp"
 
@@ -12,7 +13,7 @@ namespace dccast::verification {
 
 namespace {
 
-constexpr double width = 460, height = 320, left = 64, right = 14, top = 34, bottom = 46;
+constexpr double width = 376, height = 300, left = 64, right = 14, top = 34, bottom = 46;
 constexpr std::array<const char*, 5> colours{"#1f5f99", "#c2571a", "#3f7f3f", "#7a4a9e", "#555"};
 
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
@@ -24,42 +25,45 @@ constexpr std::array<const char*, 5> colours{"#1f5f99", "#c2571a", "#3f7f3f", "#
   return text;
 }
 
-/// One logarithmic axis between whole decades.
+/// One logarithmic axis, a little wider than what it shows.
 struct Axis {
-  double low = 1e300, high = 0.0;
   double from, to;  ///< picture coordinates
+  double low = 1e300, high = 0.0;
 
   void include(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
+    low = std::min(low, value / 1.25);
+    high = std::max(high, value * 1.25);
   }
-  int first_decade() const { return static_cast<int>(std::floor(std::log10(low) + 1e-9)); }
-  int last_decade() const { return static_cast<int>(std::ceil(std::log10(high) - 1e-9)); }
   double at(double value) const {
-    const double decades = std::max(1, last_decade() - first_decade());
-    return from + (to - from) * (std::log10(value) - first_decade()) / decades;
+    return from + (to - from) * std::log(value / low) / std::log(high / low);
+  }
+  /// 1, 2 and 5 in every decade; over more than two decades the ones only.
+  std::vector<double> ticks() const {
+    std::vector<double> all;
+    const bool fine = high / low < 100.0;
+    for (int d = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, d) < high; ++d) {
+      for (double m : {1.0, 2.0, 5.0}) {
+        const double tick = m * std::pow(10.0, d);
+        if (tick >= low && tick <= high && (fine || m == 1.0)) all.push_back(tick);
+      }
+    }
+    return all;
   }
 };
 
-std::string tick_text(int decade) {
-  return format("10<tspan dy=\"-5\" font-size=\"9\">%d</tspan>", decade);
-}
-
 std::string grid(const Axis& x, const Axis& y) {
   std::string out;
-  for (int d = x.first_decade(); d <= x.last_decade(); ++d) {
-    const double at = x.at(std::pow(10.0, d));
-    out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", at, at,
-                  y.to, y.from);
-    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", at, y.from + 18) +
-           tick_text(d) + "</text>";
+  for (double tick : x.ticks()) {
+    out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>",
+                  x.at(tick), x.at(tick), y.to, y.from);
+    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>", x.at(tick),
+                  y.from + 18, tick);
   }
-  for (int d = y.first_decade(); d <= y.last_decade(); ++d) {
-    const double at = y.at(std::pow(10.0, d));
+  for (double tick : y.ticks()) {
     out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", x.from,
-                  x.to, at, at);
-    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.from - 8, at + 4) +
-           tick_text(d) + "</text>";
+                  x.to, y.at(tick), y.at(tick));
+    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%g</text>", x.from - 8,
+                  y.at(tick) + 4, tick);
   }
   return out;
 }
@@ -105,7 +109,7 @@ std::string colour_of(double share) {
 
 std::string log_log_svg(const std::string& title, const std::string& x_label,
                         const std::vector<Curve2D>& curves) {
-  Axis x{1e300, 0.0, left, width - right}, y{1e300, 0.0, height - bottom, top};
+  Axis x{left, width - right}, y{height - bottom, top};
   for (const auto& curve : curves) {
     for (const auto& [px, py] : curve.points) x.include(px), y.include(py);
   }
@@ -140,15 +144,24 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
   constexpr double picture = 250, edge = 12;
   const double scale = picture / (x_high - x_low), high = scale * y_high;
   std::string out = head(title, picture + 2 * edge + 76, high + 30 + edge);
+  // One path for each shade: thousands of elements, forty shapes.
+  std::map<int, std::string> path;
   for (int e = 0; e < mesh.elements(); ++e) {
-    const std::string colour = colour_of(value[std::size_t(e)] / limit);
-    out += "<polygon points=\"";
+    const double share = std::clamp(value[std::size_t(e)] / limit, -1.0, 1.0);
+    std::string& d = path[static_cast<int>(std::lround(20.0 * share))];
     for (int i = 0; i < mesh.nodes_per_element; ++i) {
       const double* p = mesh.point(mesh.nodes_of(e)[i]);
-      out += format("%.2f,%.2f ", edge + scale * (p[0] - x_low), 30 + high - scale * p[1]);
+      d += format("%c%.1f %.1f", i == 0 ? 'M' : 'L', edge + scale * (p[0] - x_low),
+                  30 + high - scale * p[1]);
     }
-    out += format("\" fill=\"%s\" stroke=\"%s\" stroke-width=\".4\"/>", colour.c_str(),
+    d += "Z";
+  }
+  for (const auto& [shade, d] : path) {
+    const std::string colour = colour_of(shade / 20.0);
+    out += format("<path fill=\"%s\" stroke=\"%s\" stroke-width=\".5\" d=\"", colour.c_str(),
                   colour.c_str());
+    out += d;
+    out += "\"/>";
   }
   constexpr int shades = 20;
   for (int i = 0; i < shades; ++i) {
@@ -159,7 +172,7 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
   const std::array<std::pair<double, double>, 3> marks{
       {{limit, 48.0}, {0.0, 124.0}, {-limit, 200.0}}};
   for (const auto& [mark, at] : marks) {
-    out += format("<text x=\"%.1f\" y=\"%.1f\">%.3g</text>", picture + 2 * edge + 20, at, mark);
+    out += format("<text x=\"%.1f\" y=\"%.1f\">%g</text>", picture + 2 * edge + 20, at, mark);
   }
   out +=
       format("<text x=\"%.1f\" y=\"%.1f\">", picture + 2 * edge, 220.0) + escaped(unit) + "</text>";

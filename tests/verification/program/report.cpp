@@ -25,7 +25,7 @@ h2{font-size:18px;margin:4px 0 8px;color:#16324f}
 table{border-collapse:collapse;font-size:13px;width:100%}
 th,td{padding:5px 9px;border-bottom:1px solid #eaecef;text-align:left;vertical-align:top}
 th{border-bottom:2px solid #c8ced5;font-weight:600;color:#3b4650}
-.number{text-align:right;font-variant-numeric:tabular-nums}
+td.number,th.number{text-align:right;font-variant-numeric:tabular-nums}
 .pass{color:#1a7f37;font-weight:600}.miss{color:#cf222e;font-weight:700}
 code{font-size:12px;background:#f0f2f4;padding:1px 4px;border-radius:3px}
 .plots{display:flex;flex-wrap:wrap;gap:18px}
@@ -73,8 +73,8 @@ std::string plots() {
 std::string shear_section() {
   std::string out =
       "<section><h2>Shear stresses of T1 with a fictitious liquid (the paper's figures 9 to "
-      "11)</h2><p class=\"setup\">sigma_23 at epsilon = 1e-3; the exact solution has none. The "
-      "scale is the same in all three.</p><div class=\"plots\">";
+      "11)</h2><p class=\"setup\">sigma_23 at epsilon = 1e-3; the exact solution has none. Mind "
+      "the scales: each picture has its own.</p><div class=\"plots\">";
   for (const auto& [delta, beta] : {std::pair{1.0, 2.0}, {1.0, 1.0}, {2.0, 1.0}}) {
     out += shear_picture({1e-3, delta, beta});
   }
@@ -103,11 +103,14 @@ std::string shear_picture(const FictitiousLiquid& liquid) {
   T1Run run;
   run.liquid = liquid;
   const T1Result t1 = run_t1(run);
-  constexpr double strongest = 2000.0;  // [Pa]; a quarter of the pressure's range on the front
+  double strongest = 0.0;
+  for (double s : t1.shear_stress) strongest = std::max(strongest, std::abs(s));
+  const double digit = std::pow(10.0, std::floor(std::log10(strongest)));
   char title[80];
   std::snprintf(title, sizeof title, "delta = %g, beta = %g, epsilon = %g", liquid.delta,
                 liquid.beta, liquid.epsilon);
-  return field_svg(title, t1.mesh, t1.shear_stress, strongest, "sigma_23 [Pa]");
+  return field_svg(title, t1.mesh, t1.shear_stress, digit * std::ceil(strongest / digit),
+                   "sigma_23 [Pa]");
 }
 
 std::string html_report(const ReportOptions& options) {

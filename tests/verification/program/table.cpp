@@ -17,7 +17,8 @@ std::string text_of(const Cell& cell) {
 }
 
 std::string to_markdown(const Table& table) {
-  std::string out = "### " + table.title + "\n\n";
+  std::string out = "### ";
+  out += table.title + "\n\n";
   if (!table.setup.empty()) out += table.setup + "\n\n";
   out += "|";
   for (const auto& column : table.columns) out += " " + column + " |";
@@ -29,8 +30,8 @@ std::string to_markdown(const Table& table) {
     for (const Cell& cell : row) out += " " + text_of(cell) + " |";
     out += "\n";
   }
-  for (const auto& remark : table.remarks) out += "\n- " + remark;
   if (!table.remarks.empty()) out += "\n";
+  for (const auto& remark : table.remarks) out += "- " + remark + "\n";
   return out;
 }
 
@@ -102,7 +103,11 @@ std::string to_html(const Table& table) {
   std::string out = "<section><h2>" + escaped(table.title) + "</h2>\n";
   if (!table.setup.empty()) out += "<p class=\"setup\">" + inline_html(table.setup) + "</p>\n";
   out += "<div class=\"wide\"><table><thead><tr>";
-  for (const auto& column : table.columns) out += "<th>" + escaped(column) + "</th>";
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const bool number = !table.rows.empty() && table.rows.front()[i].is_number();
+    out += number ? "<th class=\"number\">" : "<th>";
+    out += escaped(table.columns[i]) + "</th>";
+  }
   out += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     out += "<tr>";
