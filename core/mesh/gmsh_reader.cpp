@@ -66,8 +66,9 @@ private:
     int patch = -1;
   };
 
-  void fault(const std::string& message, const std::string& permitted = {},
-             const std::string& remedy = {}) {
+  void fault(const std::string& message,
+             const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
+             const std::string& remedy = "mend the mesh and export it again") {
     faults_.add("mesh.file", name_, message, permitted, remedy);
   }
 
@@ -290,7 +291,8 @@ std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& na
     const gmsh::File file = gmsh::parse(text);
     return Builder<Dim>(file, name, kind, faults).build();
   } catch (const gmsh::FormatError& error) {
-    faults.add("mesh.file", name, error.what(), "MSH 2.2 or 4.1, ASCII");
+    faults.add("mesh.file", name, error.what(), "MSH 2.2 or 4.1, ASCII",
+               "export it from Gmsh as MSH 4.1 or 2.2 in ASCII");
     return std::nullopt;
   }
 }
@@ -303,7 +305,8 @@ std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKin
   // A folder can be opened, but not read.
   if (!std::filesystem::is_directory(path)) stream.open(path, std::ios::binary);
   if (!stream.is_open()) {
-    faults.add("mesh.file", name, "cannot be read", "a readable Gmsh mesh");
+    faults.add("mesh.file", name, "cannot be read", "a readable Gmsh mesh",
+               "name a file that is there, or leave mesh.file out");
     return std::nullopt;
   }
   const std::string text{std::istreambuf_iterator<char>(stream), {}};

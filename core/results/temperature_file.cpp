@@ -32,10 +32,11 @@ void check_times(const std::string& name, const std::vector<double>& time, Fault
   for (std::size_t i = 0; i < time.size(); ++i) {
     const std::string where = "time_s[" + std::to_string(i) + "]";
     if (!std::isfinite(time[i]))
-      return faults.add(field, name, where + " is not a number", "finite times in s");
+      return faults.add(field, name, where + " is not a number", "finite times in s",
+                        "write the time of each row of temperature_c");
     if (i > 0 && time[i] <= time[i - 1])
       return faults.add(field, name, where + " is not later than the one before",
-                        "strictly increasing times in s");
+                        "strictly increasing times in s", "sort the rows by time");
   }
 }
 
@@ -46,7 +47,7 @@ void check_temperatures(const std::string& name, const std::vector<double>& temp
     return faults.add(field, name,
                       "temperature_c[" + std::to_string(i / nodes) + ", " +
                           std::to_string(i % nodes) + "] = " + std::to_string(temperature[i]),
-                      "-273.15 to 3000 degC");
+                      "-273.15 to 3000 degC", "write temperatures in degC");
   }
 }
 
@@ -57,19 +58,21 @@ bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t n
   for (const char* dataset : {"/time_s", "/temperature_c"}) {
     if (file.has(dataset)) continue;
     faults.add(field, name, std::string("has no dataset ") + dataset,
-               "time_s (t) in s and temperature_c (t, node) in degC");
+               "time_s (t) in s and temperature_c (t, node) in degC", "add the dataset");
     found = false;
   }
   if (!found) return false;
   const auto time = file.shape_of("/time_s");
   const auto temperature = file.shape_of("/temperature_c");
   if (time.size() != 1 || time[0] == 0) {
-    faults.add(field, name, "time_s has the shape " + text_of(time), "(t), t at least 1");
+    faults.add(field, name, "time_s has the shape " + text_of(time), "(t), t at least 1",
+               "write the times as one row");
     return false;
   }
   if (temperature != hdf5::Shape{time[0], nodes}) {
     faults.add(field, name, "temperature_c has the shape " + text_of(temperature),
-               text_of({time[0], nodes}) + ": the times of time_s, the nodes of the mesh");
+               text_of({time[0], nodes}) + ": the times of time_s, the nodes of the mesh",
+               "write one row a time, in the order of the nodes of the mesh");
     return false;
   }
   return true;
@@ -112,7 +115,8 @@ std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::p
     if (faults.list().size() != faults_before) return std::nullopt;
     return TemperatureHistory(std::move(time), std::move(temperature));
   } catch (const StorageError& error) {
-    faults.add(field, name, error.what(), "a readable HDF5 file");
+    faults.add(field, name, error.what(), "a readable HDF5 file",
+               "name a file that is there, or leave thermal.file out");
     return std::nullopt;
   }
 }
