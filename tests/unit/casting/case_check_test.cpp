@@ -1,0 +1,132 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/unit/casting/small_casting.hpp"
+
+namespace dccast::casting {
+namespace {
+
+using testing::small_casting;
+
+std::string all(const Faults& faults) {
+  std::string text;
+  for (const Fault& f : faults.list()) text += f.field + ": " + f.message + "\n";
+  return text;
+}
+
+TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
+  const CheckedCase checked = check(small_casting());
+  EXPECT_TRUE(checked.faults.empty()) << all(checked.faults);
+  EXPECT_TRUE(checked.warnings.empty()) << all(checked.warnings);
+  EXPECT_GT(checked.estimate.steps, 30);
+  EXPECT_GT(checked.estimate.nodes, 8 * 7);
+  EXPECT_EQ(checked.estimate.elements % 14, 0);
+  EXPECT_GT(checked.estimate.solver_seconds, 0.0);
+  EXPECT_GT(checked.estimate.memory_bytes, 0.0);
+}
+
+struct Mistake {
+  const char* name;
+  const char* field;
+  std::function<void(Case&)> make;
+};
+
+class CaseFault : public ::testing::TestWithParam<Mistake> {};
+
+/// Each fault says where, what, what is permitted and what to write.
+TEST_P(CaseFault, IsFoundAndSaysHowToMendIt) {
+  Case c = small_casting();
+  GetParam().make(c);
+  const CheckedCase checked = check(c);
+  bool found = false;
+  for (const Fault& fault : checked.faults.list()) {
+    EXPECT_FALSE(fault.field.empty());
+    EXPECT_FALSE(fault.message.empty()) << fault.field;
+    EXPECT_FALSE(fault.permitted.empty()) << fault.field << ": " << fault.message;
+    EXPECT_FALSE(fault.remedy.empty()) << fault.field << ": " << fault.message;
+    found |= fault.field == GetParam().field;
+  }
+  EXPECT_TRUE(found) << GetParam().field << " is not among:\n" << all(checked.faults);
+}
+
+const Mistake mistakes[] = {
+    {"SolidusAboveLiquidus", "alloy.solidus", [](Case& c) { c.alloy.solidus = 650.0; }},
+    {"CoherencyAboveLiquidus", "alloy.coherency", [](Case& c) { c.alloy.coherency = 700.0; }},
+    {"TableNotIncreasing", "alloy.density",
+     [](Case& c) {
+       c.alloy.density = {Abscissa::temperature, {0, 649, 620}, {2700, 2360, 2557}};
+     }},
+    {"SpeedNotIncreasing", "schedule.casting_speed",
+     [](Case& c) {
+       c.schedule.casting_speed = {Abscissa::time, {0, 0}, {1e-3, 2e-3}};
+     }},
+    {"StepsNotIncreasing", "time.step",
+     [](Case& c) {
+       c.time.step = {Abscissa::time, {5, 1}, {1, 1}};
+     }},
+    {"MonitorBesideTheSlab", "monitor[1].x", [](Case& c) { c.monitors[1].x = 0.3; }},
+    {"MonitorAboveTheSlab", "monitor[2].y", [](Case& c) { c.monitors[2].y = 0.13; }},
+    {"MonitorTwice", "monitor[1].name", [](Case& c) { c.monitors[1].name = "corner"; }},
+    {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 60; }},
+    {"GrowthCellOfMicrometres", "mesh.columns", [](Case& c) { c.section.growth_cell = 1e-9; }},
+    {"TooManySteps", "time.step", [](Case& c) { c.limits.maximum_steps = 20; }},
+    {"UnreadableMesh", "mesh.file",
+     [](Case& c) {
+       c.section.file = "nowhere.msh";
+       c.section.growth = false;
+     }},
+    {"UnreadableTemperature", "thermal.file",
+     [](Case& c) {
+       c.thermal.file = "nowhere.h5";
+       c.section.growth = false;
+     }},
+    {"OverlappingZones", "cooling.zone[1].from", [](Case& c) { c.cooling.zones[1].from = 0.02; }},
+    {"ZoneUpsideDown", "cooling.zone[0].to", [](Case& c) { c.cooling.zones[0].to = -0.01; }},
+    {"ImportedMeshThatGrows", "mesh.growth", [](Case& c) { c.section.file = "slab.msh"; }},
+    {"TemperatureOfASlabThatGrows", "thermal.file", [](Case& c) { c.thermal.file = "t.h5"; }},
+    {"InsulatedTopOfASlabThatGrows", "cooling.top",
+     [](Case& c) { c.cooling.top = thermal::Top::insulated; }},
+    {"GrowthCellTooHigh", "mesh.growth_cell", [](Case& c) { c.section.growth_cell = 0.2; }},
+    {"SideCellTooWide", "mesh.side_cell", [](Case& c) { c.section.side_cell = 0.3; }},
+    {"BottomCellTooHigh", "mesh.bottom_cell", [](Case& c) { c.section.bottom_cell = 0.3; }},
+    {"AxisymmetricMechanics", "mechanics.enabled",
+     [](Case& c) { c.section.kind = mesh::SectionKind::axisymmetric; }},
+    {"EndBeforeTheBeginning", "time.end", [](Case& c) { c.time.end = -11.0; }},
+    {"MinimumAboveTheSteps", "time.minimum_step", [](Case& c) { c.time.minimum_step = 0.5; }},
+    {"YosidaIndexTooLarge", "mechanics.parameters.lambda_p",
+     [](Case& c) {
+       c.mechanics.options.algorithm = mechanics::Algorithm::sbm;
+       c.mechanics.options.parameters.lambda_p = 2.0 / c.mechanics.options.parameters.gamma_p;
+     }},
+};
+INSTANTIATE_TEST_SUITE_P(Mistakes, CaseFault, ::testing::ValuesIn(mistakes),
+                         [](const auto& mistake) { return mistake.param.name; });
+
+TEST(CaseCheck, NamesAllFaultsInOneAnswer) {
+  Case c = small_casting();
+  c.alloy.solidus = 660.0;
+  c.cooling.zones[1].from = 0.01;
+  c.time.minimum_step = 2.0;
+  c.section.side_cell = 1.0;
+  EXPECT_GE(check(c).faults.list().size(), 4u);
+}
+
+TEST(CaseCheck, AMonitorMayWaitForItsMetal) {
+  Case c = small_casting();
+  c.monitors[2].y = 0.1199;  // the level reaches 0.12 m
+  EXPECT_TRUE(check(c).faults.empty());
+}
+
+TEST(CaseCheck, WarnsOfACaseThatShowsNothing) {
+  Case c = small_casting();
+  c.monitors.clear();
+  c.mechanics.start = 30.0;
+  const CheckedCase checked = check(c);
+  EXPECT_TRUE(checked.faults.empty());
+  EXPECT_EQ(checked.warnings.list().size(), 2u);
+}
+
+}  // namespace
+}  // namespace dccast::casting

@@ -1,0 +1,91 @@
+#include "core/casting/casting_schedule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/casting/small_casting.hpp"
+
+namespace dccast::casting {
+namespace {
+
+using testing::small_casting;
+
+TEST(CastingSchedule, LengthIsTheExactIntegralOfTheSpeed) {
+  Case c = small_casting();
+  c.schedule.casting_speed = {Abscissa::time, {5.0, 15.0}, {1e-3, 2e-3}};
+  const CastingSchedule schedule(c);
+  EXPECT_EQ(schedule.begin(), -10.0);
+  EXPECT_EQ(schedule.end(), 20.0);
+  EXPECT_EQ(schedule.cast_length(0.0, -10.0, 9.0), 0.0);
+  EXPECT_NEAR(schedule.cast_length(0.0, -1.0, 3.0), 2e-3, 1e-17) << "nothing before time zero";
+  // However the time is cut: 5 s at 1 mm/s, 10 s at a mean of 1.5, 5 s at 2.
+  for (double dt : {20.0, 7.0, 1.0, 0.3}) {
+    double length = 0.0;
+    for (double t = 0.0; t < 20.0 - 1e-12; t += dt) {
+      length = schedule.cast_length(length, t, std::min(dt, 20.0 - t));
+    }
+    EXPECT_NEAR(length, 5e-3 + 15e-3 + 10e-3, 1e-14) << dt;
+  }
+}
+
+/// V = a + b L gives L = a/b (exp(b t) - 1); the formula of Runge and Kutta is of order 4.
+TEST(CastingSchedule, SpeedMayDependOnTheCastLength) {
+  Case c = small_casting();
+  c.schedule.casting_speed = {Abscissa::cast_length, {0.0, 10.0}, {0.1, 2.1}};
+  const CastingSchedule schedule(c);
+  const double exact = 0.5 * (std::exp(0.2 * 10.0) - 1.0);
+  const auto error = [&](int steps) {
+    double length = 0.0;
+    for (int i = 0; i < steps; ++i)
+      length = schedule.cast_length(length, i * 10.0 / steps, 10.0 / steps);
+    return std::abs(length - exact);
+  };
+  EXPECT_NEAR(std::log2(error(10) / error(20)), 4.0, 0.2);
+  EXPECT_LE(error(40), 1e-6);
+}
+
+TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
+  Case c = small_casting();
+  c.cooling.water.start = 2.6;
+  c.mechanics.start = 1.35;
+  const CastingSchedule schedule(c);
+  std::vector<double> ends;
+  double t = schedule.begin(), shortest = 1e9;
+  while (t < schedule.end() - 1e-9) {
+    const double dt = schedule.step_at(t);
+    EXPECT_GT(dt, 0.0);
+    EXPECT_LE(dt, 1.0 + 1e-8);
+    if (std::abs(t + 0.001) > 1e-9 && std::abs(t - 4.0) > 1e-9) shortest = std::min(shortest, dt);
+    t += dt;
+    ends.push_back(t);
+  }
+  for (double event : {-0.001, 0.0, 1.35, 2.6, 4.0, 4.001, 20.0}) {
+    EXPECT_TRUE(std::any_of(ends.begin(), ends.end(), [&](double e) {
+      return std::abs(e - event) < 1e-8;
+    })) << event;
+  }
+  // A remainder is shared, not left over: but for the two millisecond jumps of the table itself no
+  // step is below a third of what is asked for.
+  EXPECT_GE(shortest, 0.25 / 3.0);
+}
+
+TEST(CastingSchedule, WaterRunsAfterItsStart) {
+  Case c = small_casting();
+  c.cooling.water.start = 3.0;
+  EXPECT_EQ(CastingSchedule(c).water_flow(3.0, 0.0), 0.0) << "the step that ends there is dry";
+  EXPECT_EQ(CastingSchedule(c).water_flow(3.1, 0.0), 2e-3);
+  c.cooling.water.enabled = false;
+  EXPECT_EQ(CastingSchedule(c).water_flow(3.1, 0.0), 0.0);
+}
+
+TEST(CastingSchedule, TemperatureFollowsTimeOrLength) {
+  Case c = small_casting();
+  c.schedule.casting_temperature = {Abscissa::time, {0.0, 10.0}, {700.0, 680.0}};
+  EXPECT_DOUBLE_EQ(CastingSchedule(c).casting_temperature(5.0, 0.0), 690.0);
+  c.schedule.casting_temperature = {Abscissa::cast_length, {0.0, 0.1}, {700.0, 680.0}};
+  EXPECT_DOUBLE_EQ(CastingSchedule(c).casting_temperature(5.0, 0.05), 690.0);
+}
+
+}  // namespace
+}  // namespace dccast::casting

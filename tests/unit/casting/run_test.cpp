@@ -1,0 +1,140 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/results/result_reader.hpp"
+#include "tests/unit/casting/small_casting.hpp"
+
+namespace dccast::casting {
+namespace {
+
+using testing::Recorder;
+using testing::small_casting;
+using testing::TemporaryFolder;
+
+class Run : public ::testing::TestWithParam<mesh::ElementKind> {};
+
+TEST_P(Run, EveryStepPassesItsChecks) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  const Case c = small_casting(GetParam());
+  const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+  ASSERT_EQ(outcome.end, RunEnd::succeeded) << (outcome.failure ? outcome.failure->message : "");
+  EXPECT_FALSE(outcome.failure);
+  ASSERT_FALSE(recorder.reports.empty());
+  EXPECT_EQ(check(c).estimate.steps, static_cast<std::int64_t>(recorder.reports.size()));
+  EXPECT_EQ(check(c).estimate.nodes, recorder.reports.back().nodes);
+  EXPECT_EQ(check(c).estimate.elements, recorder.reports.back().elements);
+  std::int64_t step = 0;
+  double time = -10.0;
+  for (const auto& r : recorder.reports) {
+    EXPECT_EQ(r.step, ++step);
+    EXPECT_NEAR(r.time, time + r.time_step, 1e-9);
+    time = r.time;
+    EXPECT_LE(std::abs(r.energy_balance_error), 1e-10) << "t = " << r.time;
+    EXPECT_NEAR(r.cast_length, 1e-3 * std::max(0.0, r.time), 1e-12);
+    EXPECT_NEAR(r.progress, (r.time + 10.0) / 30.0, 1e-9);
+    if (r.time <= 1e-9) {
+      EXPECT_EQ(r.weight, 0.0) << "the mechanics starts at zero";
+      continue;
+    }
+    EXPECT_GT(r.weight, 600.0);
+    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-4 * r.weight) << "t = " << r.time;
+    EXPECT_LE(r.equilibrium_residual, c.mechanics.options.tolerance);
+    EXPECT_LE(r.complementarity_error, 1e-5);
+    EXPECT_EQ(r.failed_attempts, 0);
+  }
+  const auto& last = recorder.reports.back();
+  EXPECT_NEAR(last.time, 20.0, 1e-9);
+  EXPECT_EQ(last.progress, 1.0);
+  EXPECT_GT(last.wall_heat_flux, 0.0);
+  EXPECT_GT(last.sump_depth, 0.0);
+  EXPECT_LT(last.mould_exit_temperature, 640.0);
+  EXPECT_GT(std::abs(last.monitor_displacement[0][0]), 1e-5) << "the corner has left the mould";
+  EXPECT_EQ(last.monitor_displacement[1][0], 0.0) << "the axis of symmetry stays";
+}
+
+TEST_P(Run, AMonitorIsSilentUntilItsMetalIsPoured) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  ASSERT_EQ(run(small_casting(GetParam()), {folder / "", false}, recorder).end, RunEnd::succeeded);
+  for (const auto& r : recorder.reports) {
+    EXPECT_EQ(std::isnan(r.monitor_displacement[2][0]), r.cast_length < 0.015 - 1e-9) << r.time;
+  }
+}
+
+TEST_P(Run, TheFileHoldsWhatTheObserverSaw) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  ASSERT_EQ(run(small_casting(GetParam()), {folder / "", false}, recorder).end, RunEnd::succeeded);
+  EXPECT_FALSE(std::filesystem::exists(folder / "checkpoint.bin"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "results.xdmf"));
+  const results::ResultReader reader(folder / "results.h5");
+  const auto history = reader.history();
+  ASSERT_EQ(history.size(), recorder.reports.size());
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    EXPECT_EQ(history[i].time, recorder.reports[i].time);
+    EXPECT_EQ(history[i].monitor_displacement[0], recorder.reports[i].monitor_displacement[0]);
+    EXPECT_EQ(history[i].bottom_reaction, recorder.reports[i].bottom_reaction);
+  }
+  EXPECT_EQ(reader.frames(), 7u) << "every five seconds from -10 to 20";
+  EXPECT_NEAR(reader.frame(6).metal_level, 0.12, 1e-12);
+  EXPECT_EQ(reader.header().title, "a small casting");
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Run,
+                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
+
+TEST(RunEnds, CancelLeavesAtOnce) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  recorder.act_after = 4;
+  recorder.then = Order::cancel;
+  EXPECT_EQ(run(small_casting(), {folder / "", false}, recorder).end, RunEnd::cancelled);
+  EXPECT_EQ(recorder.reports.size(), 4u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "results.h5"));
+}
+
+/// Mechanics that may not iterate at all: the step is cut to the minimum, then the run has failed.
+TEST(RunEnds, ASolveThatFailsSaysWhenAndWithWhatResiduals) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  Case c = small_casting();
+  c.mechanics.options.maximum_iterations = 0;
+  c.time.minimum_step = 0.02;
+  const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+  ASSERT_EQ(outcome.end, RunEnd::solve_failed);
+  ASSERT_TRUE(outcome.failure);
+  EXPECT_NEAR(outcome.failure->time, 0.0, 1e-9) << "where the mechanics starts";
+  EXPECT_GE(outcome.failure->time_step, 0.02);
+  EXPECT_LT(outcome.failure->time_step, 0.04);
+  ASSERT_FALSE(outcome.failure->residual_history.empty());
+  EXPECT_GT(outcome.failure->residual_history.back(), 1e-7);
+  EXPECT_THAT(outcome.failure->message, ::testing::HasSubstr("time.minimum_step"));
+  EXPECT_FALSE(recorder.reports.empty()) << "the hold went well";
+  const results::ResultReader reader(folder / "results.h5");
+  EXPECT_EQ(reader.history().size(), recorder.reports.size()) << "what there was is kept";
+}
+
+/// Steps that do not converge are cut and grow back; the casting goes through all the same.
+TEST(RunEnds, StepsAreCutAndGrowBack) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  Case c = small_casting();
+  c.mechanics.options.maximum_iterations = 6;
+  c.time.minimum_step = 1e-6;
+  const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+  ASSERT_EQ(outcome.end, RunEnd::succeeded) << (outcome.failure ? outcome.failure->message : "");
+  int failed = 0;
+  for (const auto& r : recorder.reports) {
+    failed += r.failed_attempts;
+    EXPECT_LE(r.iterations, 6);
+    EXPECT_LE(std::abs(r.energy_balance_error), 1e-10) << "dt = " << r.time_step;
+  }
+  EXPECT_GT(failed, 0);
+  EXPECT_NEAR(recorder.reports.back().time, 20.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace dccast::casting

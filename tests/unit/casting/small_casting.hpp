@@ -1,0 +1,79 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "core/casting/simulation.hpp"
+#include "tests/unit/results/sample_run.hpp"
+#include "tests/unit/thermal/casting_case.hpp"
+
+namespace dccast::casting::testing {
+
+using results::TemporaryFolder;
+
+/// The paper's alloy in a few cells: ten seconds of hold, twenty of casting.
+inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
+  Case c;
+  c.title = "a small casting";
+  c.source_json = R"({"title": "a small casting"})";
+  c.section.half_width = 0.28;
+  c.section.initial_depth = 0.10;
+  c.section.element = element;
+  c.section.columns = 7;
+  c.section.rows = 6;
+  c.section.side_cell = 0.012;
+  c.section.bottom_cell = 0.010;
+  c.section.growth_cell = 0.008;
+  c.alloy = thermal::testing::casting_alloy();
+  c.alloy.name = "paper";
+  c.alloy.coherency = 649.0;
+  c.alloy.young_modulus = {Abscissa::temperature, {126.9, 326.9, 526.9}, {67e9, 58e9, 40e9}};
+  c.alloy.poisson_ratio = {Abscissa::temperature, {126.9, 326.9, 526.9}, {0.3134, 0.3448, 0.45}};
+  c.alloy.creep = material::NortonHoffConstants{4.0e12, 15.72e6, 37.3 * 4184.0, 6.0};
+  c.schedule.hold = 10.0;
+  c.schedule.casting_speed = Curve(1e-3);
+  c.schedule.casting_temperature = Curve(680.0);
+  c.schedule.water_flow = Curve(2e-3);
+  c.cooling = thermal::testing::casting_cooling();
+  // Forces are judged against those that act, which are a thousand times the weight: at the default
+  // of 1e-7 the reaction is off by up to 5e-4 of it.
+  c.mechanics.options.tolerance = 1e-9;
+  c.time.end = 20.0;
+  c.time.step = {Abscissa::time, {-10.0, -0.001, 0.0, 4.0, 4.001}, {1.0, 1.0, 0.25, 0.25, 1.0}};
+  c.monitors = {{"corner", 0.28, 0.0}, {"centre", 0.0, 0.0}, {"not yet poured", 0.1, 0.115}};
+  c.output.frame_interval = 5.0;
+  c.checkpoint = {0, 0.0};
+  return c;
+}
+
+/// Keeps every report and orders what it was told to.
+class Recorder : public StepObserver {
+public:
+  std::vector<results::StepReport> reports;
+  std::int64_t resumed_from = -1;
+  std::vector<std::string> messages;
+  std::int64_t act_after = -1;  ///< step after which `then` is ordered
+  Order then = Order::go_on;
+  bool die = false;  ///< leave by an exception instead, as if the process were killed
+
+  struct Killed {};
+
+  Order on_step(const results::StepReport& report) override {
+    reports.push_back(report);
+    if (report.step != act_after) return Order::go_on;
+    if (die) throw Killed{};
+    return then;
+  }
+  void on_resumed(std::int64_t step, double) override { resumed_from = step; }
+  void on_message(std::string_view text) override { messages.emplace_back(text); }
+};
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace dccast::casting::testing
