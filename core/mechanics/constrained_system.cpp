@@ -4,12 +4,18 @@
 
 namespace dccast::mechanics {
 
+void ConstrainedSystem::lift(std::span<const double> stiffness,
+                             std::span<const double> step_of_fixed) {
+  lifting_ = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
+                         [](double d) { return d != 0.0; });
+  if (lifting_) linalg::multiply(*pattern_, stiffness, step_of_fixed, work_->lifted);
+}
+
 bool ConstrainedSystem::factorize(std::span<const char> fixed,
                                   std::span<const double> step_of_fixed) {
   auto& values = work_->stiffness;
-  lifting_ = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
-                         [](double d) { return d != 0.0; });
-  if (lifting_) linalg::multiply(*pattern_, values, step_of_fixed, work_->lifted);
+  lift(values, step_of_fixed);
+  work_->unheld_stiffness = values;
 
   const auto& start = pattern_->column_start();
   const auto& row = pattern_->row();
@@ -21,7 +27,15 @@ bool ConstrainedSystem::factorize(std::span<const char> fixed,
     // Its own diagonal keeps the scale of the neighbourhood, and with it the pivots' scale.
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
+  condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
   return work_->solver.factorize(values);
+}
+
+bool ConstrainedSystem::change(std::span<const char> fixed,
+                               std::span<const double> step_of_fixed) {
+  if (!condensation_.change(fixed)) return false;
+  lift(work_->unheld_stiffness, step_of_fixed);
+  return true;
 }
 
 void ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed) {
@@ -29,7 +43,7 @@ void ConstrainedSystem::solve(std::span<const char> fixed, std::span<const doubl
   for (std::size_t i = 0; i < d.size(); ++i) {
     d[i] = fixed[i] != 0 ? 0.0 : -work_->residual[i] - (lifting_ ? work_->lifted[i] : 0.0);
   }
-  work_->solver.solve(d, d);
+  condensation_.solve(d, d);
   for (std::size_t i = 0; i < d.size(); ++i) {
     if (fixed[i] != 0) d[i] = step_of_fixed[i];
   }

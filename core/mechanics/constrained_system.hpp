@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/linalg/condensation.hpp"
 #include "core/mechanics/step_outcome.hpp"
 
 namespace dccast::mechanics {
@@ -21,12 +22,20 @@ public:
   /// @return false when the reduced matrix is not positive definite
   bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
+  /// The same stiffness with other unknowns held, by condensation onto those that changed: after a
+  /// factorize() that succeeded, while `work` is not factorised otherwise.
+  /// @return false when that does not pay or the matrix is not positive definite: factorise
+  bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
+
   /// direction = solution of K d = -residual on the free unknowns, step_of_fixed on the held ones.
   void solve(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
 private:
+  void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);
+
   const linalg::SparsityPattern* pattern_;
   Workspace* work_;
+  linalg::Condensation condensation_;
   bool lifting_ = false;
 };
 

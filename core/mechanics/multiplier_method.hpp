@@ -156,7 +156,14 @@ protected:
                  std::span<const double> step_of_fixed) {
     evaluate(multiplier_law());
     equilibrium_.tangent(work_.stiffness);
-    return system.factorize(fixed, step_of_fixed);
+    return factorized_ = system.factorize(fixed, step_of_fixed);
+  }
+
+  /// The same for a contact set that moved: the matrix does not change within a step.
+  bool hold(ConstrainedSystem& system, std::span<const char> fixed,
+            std::span<const double> step_of_fixed) {
+    if (factorized_ && system.change(fixed, step_of_fixed)) return true;
+    return factorize(system, fixed, step_of_fixed);
   }
 
   void advance() {
@@ -180,6 +187,7 @@ protected:
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;
   double acting_ = 0.0;
+  bool factorized_ = false;
   bool settled_ = false;  ///< every increment since it was set passed the paper's test
 };
 

@@ -100,7 +100,7 @@ private:
   bool solve_displacement() {
     ++this->outcome_.iterations;
     const auto step = constraints_.step_from(this->unknowns_.displacement);
-    if (refactor_ && !this->factorize(system_, constraints_.fixed(), step)) return false;
+    if (refactor_ && !this->hold(system_, constraints_.fixed(), step)) return false;
     refactor_ = false;
     this->evaluate(this->multiplier_law());
     system_.solve(constraints_.fixed(), step);

@@ -63,10 +63,12 @@ private:
       const int most = iteration_limit(options_) + (descending_ ? further_iterations : 0);
       if (outcome_.iterations >= most || !std::isfinite(relative)) return;
       ++outcome_.iterations;
-      const bool refactor = outcome_.iterations == 1 || changes > 0 || lifting || blocked_ ||
-                            relative > chord_reduction * last;
+      // A set that moves near balance keeps the tangent: docs/contact-factorisation.md.
+      const bool moved = changes > 0 || lifting || blocked_;
+      const bool slow = outcome_.iterations == 1 || (!moved && relative > chord_reduction * last);
       last = relative;
-      if (refactor && !factorize(step_of_fixed)) return;
+      const bool kept = !slow && (!moved || system_.change(constraints_.fixed(), step_of_fixed));
+      if (!kept && !factorize(step_of_fixed)) return;
       system_.solve(constraints_.fixed(), step_of_fixed);
       full_step = take_step(lifting);
     }

@@ -23,6 +23,7 @@ struct StepOutcome {
 struct Workspace {
   linalg::CholmodSolver solver;
   std::vector<double> stiffness;
+  std::vector<double> unheld_stiffness;  ///< as it was before unknowns were held
   std::vector<double> residual;
   std::vector<double> direction;
   std::vector<double> lifted;

@@ -88,7 +88,7 @@ private:
   /// VNBM2(b)(i).
   bool solve_displacement(bool refactor) {
     const auto step = constraints_.step_from(this->unknowns_.displacement);
-    if (refactor && !this->factorize(system_, constraints_.fixed(), step)) return false;
+    if (refactor && !this->hold(system_, constraints_.fixed(), step)) return false;
     system_.solve(constraints_.fixed(), step);
     this->advance();
     return true;
