@@ -104,9 +104,11 @@ Table table_of(const std::vector<Verdict>& verdicts) {
   table.title = "Figures to reach";
   table.columns = {"figure", "reach", "ours", "verdict", "command"};
   for (const Verdict& v : verdicts) {
+    std::string command = "`";
+    command.append(command_of(v.claim->request)).append("`");
     table.rows.push_back({v.claim->what, text_of_bound(*v.claim),
                           std::isfinite(v.measured) ? Cell(v.measured) : Cell(v.note),
-                          v.passed ? "pass" : "MISS", "`" + command_of(v.claim->request) + "`"});
+                          v.passed ? "pass" : "MISS", command});
   }
   return table;
 }

@@ -73,7 +73,8 @@ std::string plots() {
 std::string shear_section() {
   std::string out =
       "<section><h2>Shear stresses of T1 with a fictitious liquid (the paper's figures 9 to "
-      "11)</h2><p class=\"setup\">sigma_23 at epsilon = 1e-3; the exact solution has none. Mind "
+      "11)</h2><p class=\"setup\">sigma_23 at epsilon = 1e-3; the mean of the two triangles of "
+      "each cell; the exact solution has none. Mind "
       "the scales: each picture has its own.</p><div class=\"plots\">";
   for (const auto& [delta, beta] : {std::pair{1.0, 2.0}, {1.0, 1.0}, {2.0, 1.0}}) {
     out += shear_picture({1e-3, delta, beta});
@@ -103,14 +104,18 @@ std::string shear_picture(const FictitiousLiquid& liquid) {
   T1Run run;
   run.liquid = liquid;
   const T1Result t1 = run_t1(run);
+  // Mean of the two triangles of a cell: their alternation is the element's, not the method's.
+  std::vector<double> shear = t1.shear_stress;
+  for (std::size_t i = 0; i + 1 < shear.size(); i += 2) {
+    shear[i] = shear[i + 1] = 0.5 * (shear[i] + shear[i + 1]);
+  }
   double strongest = 0.0;
-  for (double s : t1.shear_stress) strongest = std::max(strongest, std::abs(s));
+  for (double s : shear) strongest = std::max(strongest, std::abs(s));
   const double digit = std::pow(10.0, std::floor(std::log10(strongest)));
   char title[80];
   std::snprintf(title, sizeof title, "delta = %g, beta = %g, epsilon = %g", liquid.delta,
                 liquid.beta, liquid.epsilon);
-  return field_svg(title, t1.mesh, t1.shear_stress, digit * std::ceil(strongest / digit),
-                   "sigma_23 [Pa]");
+  return field_svg(title, t1.mesh, shear, digit * std::ceil(strongest / digit), "sigma_23 [Pa]");
 }
 
 std::string html_report(const ReportOptions& options) {

@@ -21,17 +21,17 @@ std::string to_markdown(const Table& table) {
   out += table.title + "\n\n";
   if (!table.setup.empty()) out += table.setup + "\n\n";
   out += "|";
-  for (const auto& column : table.columns) out += " " + column + " |";
+  for (const auto& column : table.columns) out.append(" ").append(column).append(" |");
   out += "\n|";
   for (std::size_t i = 0; i < table.columns.size(); ++i) out += "---|";
   out += "\n";
   for (const auto& row : table.rows) {
     out += "|";
-    for (const Cell& cell : row) out += " " + text_of(cell) + " |";
+    for (const Cell& cell : row) out.append(" ").append(text_of(cell)).append(" |");
     out += "\n";
   }
   if (!table.remarks.empty()) out += "\n";
-  for (const auto& remark : table.remarks) out += "- " + remark + "\n";
+  for (const auto& remark : table.remarks) out.append("- ").append(remark).append("\n");
   return out;
 }
 

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Writes docs/verification.md anew: every figure and table with the command that made it.
+#   tests/verification/write_tables.sh build/release/bin/dccast-verify > docs/verification.md
+# Takes about half an hour of one core: the paper's time steps, and table 11.
+set -euo pipefail
+verify=$1
+export OPENBLAS_NUM_THREADS=1
+
+show() { # the command as a reader would type it, then what it prints
+  echo
+  echo "\`dccast-verify $*\`"
+  echo
+  "$verify" "$@" 2>/dev/null || echo "(exit code $?)"
+}
+
+cat <<'TEXT'
+# Verification: figures and tables
+
+Written by `tests/verification/write_tables.sh`; nothing in it is typed by hand. What each test is,
+with its source, stands in [tests/verification](../tests/verification/README.md). Errors are relative,
+seconds are processor time of one core. "u" is displacement, "s" stress.
+
+`dccast-verify report -o FILE.html` writes the same as one page with plots.
+
+## Every claimed figure
+TEXT
+show all --nightly
+echo
+echo "## Tables of the paper beside ours"
+for number in 1 2 3; do show table "$number"; done
+cat <<'TEXT'
+
+Shear stress of T1 at epsilon = 1e-3, the paper's figures 9 to 11
+(`dccast-verify shear --delta D --beta B -o FILE`):
+
+![delta 1, beta 2](t1-shear-delta1-beta2.svg)
+![delta 1, beta 1](t1-shear-delta1-beta1.svg)
+![delta 2, beta 1](t1-shear-delta2-beta1.svg)
+TEXT
+for number in 4 5 6; do show table "$number" --full; done
+for number in 7 8; do show table "$number"; done
+show table 11 --limit "${TABLE_11_LIMIT:-1800}"
