@@ -35,7 +35,7 @@ bool Condensation::change(std::span<const char> held) {
   for (const bool released : {false, true}) {
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if ((held[i] != 0) == (base_[i] != 0) || (base_[i] != 0) != released) continue;
-      if (now.size() == most_changes) return false;
+      if (now.size() == most_changes_) return false;
       const auto known = std::find_if(changed_.begin(), changed_.end(), [&](const Changed& c) {
         return c.unknown == static_cast<int>(i);
       });

@@ -19,11 +19,12 @@ namespace dccast::linalg {
 ///
 /// each change costs one solve with M for its column of W = K_ff^-1 (K_fR, E_H), and the rest is a
 /// small quasi-definite matrix. Any kind of factor will do, and nothing of it is changed. It pays
-/// as long as the changes are few, see `most_changes`.
+/// as long as the changes are few.
 class Condensation {
 public:
-  /// Beyond so many changed unknowns the solves for their columns cost what a factorisation does.
-  static constexpr std::size_t most_changes = 16;
+  /// @param most_changes  where change() gives up: beyond some ten changed unknowns the solves for
+  ///                      their columns cost what a factorisation does
+  explicit Condensation(std::size_t most_changes = 8) : most_changes_(most_changes) {}
 
   /// Starts anew. All arguments must outlive the use of this object and stay as they are.
   /// @param values  entries of K, nothing held
@@ -58,6 +59,7 @@ private:
   bool factorize_small();
   void solve_small(std::vector<double>& z) const;
 
+  std::size_t most_changes_;
   const SparsityPattern* pattern_ = nullptr;
   std::span<const double> values_;
   CholmodSolver* solver_ = nullptr;

@@ -1,0 +1,88 @@
+// Prints what the billet's README shows: measured and computed isotherm depths, their convergence,
+// the wall's heat against what comes in, and what the depths depend on.
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/regression/billet/billet_run.hpp"
+#include "tests/support/load_case.hpp"
+
+namespace {
+
+using namespace dccast;
+using regression::BilletRun;
+
+double relative(double ours, double measured) {
+  return 100.0 * (ours / measured - 1.0);
+}
+
+void print_depths(const std::vector<BilletRun>& run) {
+  const std::size_t last = run.size() - 1, shipped = std::min<std::size_t>(1, last);
+  std::puts(
+      "| radius [m] | isotherm [degC] | measured [m] | as shipped [m] | finest [m] | "
+      "extrapolated [m] | difference [mm] | [%] |\n|---|---|---|---|---|---|---|---|");
+  for (std::size_t i = 0; i < regression::measured_isotherms().size(); ++i) {
+    const auto& m = regression::measured_isotherms()[i];
+    const double limit = last == 0
+                             ? run[0].depth[i]
+                             : regression::extrapolated(run[last - 1].depth[i], run[last].depth[i]);
+    std::printf("| %g | %g | %.4f | %.4f | %.4f | %.4f | %+.1f | %+.1f |\n", m.radius,
+                m.temperature, m.depth, run[shipped].depth[i], run[last].depth[i], limit,
+                1e3 * (limit - m.depth), relative(limit, m.depth));
+  }
+}
+
+void print_checks(const BilletRun& run, int refinement) {
+  std::printf("| %d | %d | %d | %.2f | %.2f | %.2f | %.2f | %+.2f | %.1e |\n", refinement,
+              run.nodes, run.steps, 100.0 * run.still, 1e-3 * run.metal_heat, 1e-3 * run.top_heat,
+              1e-3 * run.wall_heat, 100.0 * run.wall_error(), run.worst_balance);
+}
+
+void print_variants(const casting::Case& billet) {
+  constexpr double isotherm[] = {600.0, 547.8, 400.0, 200.0};
+  std::puts(
+      "\n| on the axis [m] | 600 degC | 547.8 degC | 400 degC | 200 degC |\n|---|---|---|---|---|");
+  const auto& measured = regression::measured_isotherms();
+  const auto row = [&](const char* name, auto&& depth) {
+    std::printf("| %s |", name);
+    for (const double t : isotherm) {
+      const auto at = std::find_if(measured.begin(), measured.end(), [&](const auto& m) {
+        return m.radius == 0.0 && m.temperature == t;
+      });
+      std::printf(" %.3f |", depth(std::size_t(at - measured.begin())));
+    }
+    std::puts("");
+  };
+  row("measured", [&](std::size_t i) { return measured[i].depth; });
+  for (const auto& variant : regression::variants(billet)) {
+    const BilletRun run = regression::run_billet(variant.billet);
+    row(variant.name.c_str(), [&](std::size_t i) { return run.depth[i]; });
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+/// dccast-billet [FINEST]: mesh.refinement 1, 2 (as shipped), 4 up to FINEST (default 2).
+int main(int count, char** argument) {
+  const int finest = count > 1 ? std::atoi(argument[1]) : 2;
+  if (finest < 1 || finest > 16) {
+    std::fputs("usage: dccast-billet [FINEST]   FINEST 1 to 16\n", stderr);
+    return 2;
+  }
+  const casting::Case billet = support::load_case("billet");
+  std::vector<BilletRun> run;
+  std::puts(
+      "| refinement | nodes | steps | moved in 100 s [%] | metal [kW/rad] | top [kW/rad] | "
+      "wall [kW/rad] | in - out [%] | worst energy balance "
+      "|\n|---|---|---|---|---|---|---|---|---|");
+  for (int refinement = 1; refinement <= finest; refinement *= 2) {
+    run.push_back(regression::run_billet(regression::refined(billet, refinement)));
+    print_checks(run.back(), refinement);
+    std::fflush(stdout);
+  }
+  std::puts("");
+  print_depths(run);
+  print_variants(billet);
+}
