@@ -76,9 +76,8 @@ void add_t2(std::vector<Claim>& all) {
   }
   RunRequest sbm = with_step("T2", 0.1);
   sbm.algorithm = Algorithm::sbm;
-  sbm.increment_test = true;
   all.push_back({"T2, dt 0.1, SBM, iterations per step", sbm, "iterations_per_step",
-                 Relation::within, 250.0, 0.1, true});
+                 Relation::at_most, 250.0, 0, true});
 }
 
 struct Published {
