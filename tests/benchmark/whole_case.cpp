@@ -1,0 +1,60 @@
+// The whole start stage, 145 s of casting after a hold, by every element and algorithm that an
+// engineer would choose. Figures are seconds of one core.
+
+#include <benchmark/benchmark.h>
+
+#include <filesystem>
+
+#include "core/casting/simulation.hpp"
+#include "tests/support/load_case.hpp"
+
+namespace {
+
+using namespace dccast;
+
+struct Silent : casting::StepObserver {
+  casting::Order on_step(const results::StepReport& report) override {
+    last = report;
+    iterations += report.iterations;
+    mechanical_steps += report.iterations > 0 ? 1 : 0;
+    return casting::Order::go_on;
+  }
+  void on_resumed(std::int64_t, double) override {}
+  void on_message(std::string_view) override {}
+  results::StepReport last;
+  double iterations = 0.0, mechanical_steps = 0.0;
+};
+
+void run_case(benchmark::State& state, const casting::Case& c) {
+  const auto folder = std::filesystem::temp_directory_path() / "dccast-benchmark";
+  for (auto _ : state) {
+    std::filesystem::create_directories(folder);
+    Silent observer;
+    casting::run(c, {folder, false}, observer);
+    state.counters["solver_s"] = observer.last.solver_seconds;
+    state.counters["iterations_per_step"] = observer.iterations / observer.mechanical_steps;
+    state.counters["curl_corner_mm"] = 1e3 * observer.last.monitor_displacement.at(0)[1];
+    state.counters["elements_at_end"] = static_cast<double>(observer.last.elements);
+    std::filesystem::remove_all(folder);
+  }
+}
+
+void start_2d_thickness(benchmark::State& state) {
+  casting::Case c = support::load_case("start-2d-thickness");
+  c.section.element = state.range(0) == 0 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
+  c.section.refinement = static_cast<int>(state.range(1));
+  c.mechanics.options.algorithm =
+      state.range(2) == 0 ? mechanics::Algorithm::newton : mechanics::Algorithm::vnbm;
+  run_case(state, c);
+}
+BENCHMARK(start_2d_thickness)
+    ->ArgNames({"q1", "refinement", "vnbm"})
+    ->Args({0, 1, 0})
+    ->Args({1, 1, 0})
+    ->Args({0, 1, 1})
+    ->Args({0, 2, 0})
+    ->Args({1, 2, 0})
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1);
+
+}  // namespace

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "core/casting/simulation.hpp"
+#include "tests/support/load_case.hpp"
+
+namespace dccast {
+namespace {
+
+struct Recorder : casting::StepObserver {
+  casting::Order on_step(const results::StepReport& report) override {
+    reports.push_back(report);
+    return casting::Order::go_on;
+  }
+  void on_resumed(std::int64_t, double) override {}
+  void on_message(std::string_view) override {}
+  std::vector<results::StepReport> reports;
+};
+
+std::vector<results::StepReport> run(const casting::Case& c) {
+  const auto folder = std::filesystem::temp_directory_path() /
+                      ("dccast-regression-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  Recorder recorder;
+  const auto outcome = casting::run(c, {folder, false}, recorder);
+  EXPECT_EQ(outcome.end, casting::RunEnd::succeeded)
+      << (outcome.failure ? outcome.failure->message : "");
+  std::filesystem::remove_all(folder);
+  return recorder.reports;
+}
+
+casting::Case shipped(mesh::ElementKind element = mesh::ElementKind::p1) {
+  casting::Case c = support::load_case("start-2d-thickness");
+  c.section.element = element;
+  return c;
+}
+
+TEST(Start2dThickness, EveryStepPassesItsOwnChecks) {
+  for (const auto& r : run(shipped())) {
+    EXPECT_LE(r.energy_balance_error, 1e-10) << "t = " << r.time;
+    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-3 * r.weight) << "t = " << r.time;
+    EXPECT_LE(r.complementarity_error, 1e-6) << "t = " << r.time;
+    EXPECT_LE(r.equilibrium_residual, 1e-7) << "t = " << r.time;
+    EXPECT_LE(r.liquid_pressure_error, 2e-2) << "t = " << r.time;
+  }
+}
+
+TEST(Start2dThickness, NewtonAndVnbmAgreeAtEveryMonitorAndStep) {
+  casting::Case c = shipped();
+  c.mechanics.options.tolerance = 1e-10;
+  const auto newton = run(c);
+  c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
+  const auto vnbm = run(c);
+  ASSERT_EQ(newton.size(), vnbm.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < newton.size(); ++i) {
+    for (std::size_t m = 0; m < newton[i].monitor_displacement.size(); ++m) {
+      for (std::size_t d = 0; d < 2; ++d) {
+        largest = std::max(largest, std::abs(newton[i].monitor_displacement[m][d] -
+                                             vnbm[i].monitor_displacement[m][d]));
+      }
+    }
+  }
+  EXPECT_LE(largest, 1e-6) << "[m]";
+  RecordProperty("largest_difference_m", std::to_string(largest));
+}
+
+void expect_curl_mm(const std::vector<results::StepReport>& reports, double corner, double mid,
+                    double centre) {
+  const auto& last = reports.back().monitor_displacement;
+  EXPECT_NEAR(1e3 * last.at(0)[1], corner, 0.02);
+  EXPECT_NEAR(1e3 * last.at(1)[1], mid, 0.02);
+  EXPECT_NEAR(1e3 * last.at(2)[1], centre, 0.02);
+}
+
+TEST(Start2dThickness, FinalCurlOfLinearTriangles) {
+  expect_curl_mm(run(shipped()), 4.110, 0.868, 0.0);
+}
+
+TEST(Start2dThickness, FinalCurlOfMeanDilatationQuadrilaterals) {
+  expect_curl_mm(run(shipped(mesh::ElementKind::q1)), 4.855, 1.110, 0.0);
+}
+
+}  // namespace
+}  // namespace dccast
