@@ -192,7 +192,7 @@ std::string inputs_table(const v1::Case& input) {
   rows += row("Element", input.mesh().element() == v1::Q1 ? "q1" : "p1",
               input.mesh().element() == v1::Q1
                   ? ""
-                  : "linear triangles lock: they overstate the curl on coarse meshes");
+                  : "linear triangles lock on coarse meshes: compare with q1 or refine");
   rows +=
       row("Algorithm", html_escaped(v1::Mechanics::Algorithm_Name(input.mechanics().algorithm())));
   return "<section class='card'><h2>What the result rests on</h2><table>" + rows +
