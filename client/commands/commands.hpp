@@ -31,6 +31,7 @@ void add_pause(CLI::App& app, Program& program);
 void add_resume(CLI::App& app, Program& program);
 void add_delete(CLI::App& app, Program& program);
 void add_fetch(CLI::App& app, Program& program);
+void add_convergence(CLI::App& app, Program& program);
 void add_report(CLI::App& app, Program& program);
 void add_schema(CLI::App& app, Program& program);
 void add_alloys(CLI::App& app, Program& program);

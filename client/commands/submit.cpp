@@ -1,10 +1,10 @@
 #include <iostream>
 #include <map>
-#include <thread>
 
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
 #include "client/request_id.hpp"
+#include "client/submission.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -23,17 +23,6 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
   std::cerr << "dccast: not submitted, " << checked.faults.size()
             << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
   return ExitCode::invalid;
-}
-
-/// The request id makes it safe to ask again when an answer was lost on its way.
-grpc::Status submit_patiently(Connection& connection, const v1::SubmitJobRequest& request,
-                              v1::Job& job) {
-  constexpr int attempts = 3;
-  for (int attempt = 1;; ++attempt) {
-    const grpc::Status status = connection.try_call(&Stub::SubmitJob, request, job);
-    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || attempt == attempts) return status;
-    std::this_thread::sleep_for(std::chrono::milliseconds(300 * attempt));
-  }
 }
 
 ExitCode run(const Options& options, Program& program) {
