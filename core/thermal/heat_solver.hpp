@@ -44,8 +44,7 @@ struct HeatBalance {
   double side = 0.0;     ///< [J/m] out
   double bottom = 0.0;   ///< [J/m] out
   double moved = 0.0;    ///< [J/m] all heat that moved, the measure of the errors
-  /// stored + side + bottom - top - entered, beyond what the rounding of the stored totals
-  /// explains, relative to `moved`.
+  /// |stored + side + bottom - top - entered|, rounding included, relative to `moved`.
   double error = 0.0;
 };
 
