@@ -7,6 +7,7 @@
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
 #include "core/mechanics/solve_step.hpp"
+#include "core/mechanics/step_constraints.hpp"
 
 namespace dccast::mechanics {
 
@@ -144,11 +145,27 @@ protected:
       difference += d.norm() * d.norm();
     }
     outcome_.constitutive_residual = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
+    return relative_residual(fixed);
+  }
+
+  /// Norm of the residual on the free unknowns against the forces that act.
+  double relative_residual(std::span<const char> fixed) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < work_.residual.size(); ++i) {
       if (fixed[i] == 0) sum += work_.residual[i] * work_.residual[i];
     }
     return std::sqrt(sum) / acting_;
+  }
+
+  /// The contact set by Newton, NBM2(b)(ii). It may move at every iteration, as in the paper's loop,
+  /// but not while the residual is above `from`: far from balance it swings. @return whether it moved
+  bool close_contact(StepConstraints<Element>& constraints, double relative, double from) {
+    constexpr int free_contact_changes = 8;  // then pairs go one by one
+    if (relative > from) return false;
+    const bool careful = outcome_.contact_changes > free_contact_changes;
+    const int changes = constraints.update(unknowns_.displacement, work_.residual, careful);
+    outcome_.contact_changes += changes > 0 ? 1 : 0;
+    return changes > 0;
   }
 
   /// The linear problem (57): matrix of the present parameters, factorised for the held unknowns.

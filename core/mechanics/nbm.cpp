@@ -8,7 +8,6 @@ namespace dccast::mechanics {
 namespace {
 
 constexpr double contact_from_residual = 1e-2;
-constexpr int free_contact_changes = 8;
 // Armijo's rule (Bertsekas): the share of the predicted decrease that is asked for, and the smallest
 // step before an iteration is given up.
 constexpr double armijo_share = 1e-2;
@@ -51,11 +50,7 @@ public:
 
   StepOutcome solve() {
     StepOutcome& outcome = this->outcome_;
-    const long factorizations = this->work_.solver.factorizations();
-    const long solves = this->work_.solver.solves();
-    iterate();
-    outcome.factorizations = static_cast<int>(this->work_.solver.factorizations() - factorizations);
-    outcome.solves = static_cast<int>(this->work_.solver.solves() - solves);
+    count_solver_use(this->work_, outcome, [this] { iterate(); });
     if (outcome.converged) {
       constraints_.store();
       this->store_deviator();
@@ -72,7 +67,7 @@ private:
       const double relative = outcome.equilibrium_residual;
       outcome.residual_history.push_back(relative);
       if (!std::isfinite(relative)) return;
-      refactor_ = close_contact(relative);
+      refactor_ = this->close_contact(constraints_, relative, contact_from_residual);
       if (!refactor_ && relative <= this->options_.tolerance) {
         outcome.converged = true;
         return;
@@ -162,15 +157,6 @@ private:
       sum += stress * stress;
     }
     return std::sqrt(sum);
-  }
-
-  bool close_contact(double relative) {
-    if (relative > contact_from_residual) return false;
-    const bool careful = this->outcome_.contact_changes > free_contact_changes;
-    const int changes = constraints_.update(this->unknowns_.displacement, this->work_.residual,
-                                            careful);
-    this->outcome_.contact_changes += changes > 0 ? 1 : 0;
-    return changes > 0;
   }
 
   ConstrainedSystem system_;

@@ -35,10 +35,7 @@ public:
         constraints_(problem, unknowns.contact) {}
 
   StepOutcome solve() {
-    const long factorizations = work_.solver.factorizations(), solves = work_.solver.solves();
-    iterate();
-    outcome_.factorizations = static_cast<int>(work_.solver.factorizations() - factorizations);
-    outcome_.solves = static_cast<int>(work_.solver.solves() - solves);
+    count_solver_use(work_, outcome_, [this] { iterate(); });
     if (outcome_.converged) store();
     return outcome_;
   }

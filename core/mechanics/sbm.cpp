@@ -43,11 +43,7 @@ public:
 
   StepOutcome solve() {
     StepOutcome& outcome = this->outcome_;
-    const long factorizations = this->work_.solver.factorizations();
-    const long solves = this->work_.solver.solves();
-    iterate();
-    outcome.factorizations = static_cast<int>(this->work_.solver.factorizations() - factorizations);
-    outcome.solves = static_cast<int>(this->work_.solver.solves() - solves);
+    count_solver_use(this->work_, outcome, [this] { iterate(); });
     if (outcome.converged) store();
     return outcome;
   }
@@ -77,7 +73,7 @@ private:
       this->evaluate(updating_law());
       update_contact_multiplier();
       add_contact_forces();
-      const double relative = relative_residual();
+      const double relative = this->relative_residual(this->problem_.fixed);
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
@@ -156,14 +152,6 @@ private:
     };
   }
 
-  double relative_residual() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < this->work_.residual.size(); ++i) {
-      if (this->problem_.fixed[i] == 0) sum += this->work_.residual[i] * this->work_.residual[i];
-    }
-    return std::sqrt(sum) / this->acting_;
-  }
-
   /// Residual of the step's own law and of Signorini's conditions: at a contact unknown with
   /// internal minus external force r, zero of r - max(0, r - c u).
   double own_residual() {
@@ -179,7 +167,7 @@ private:
       contact_violation_ = std::max(
           contact_violation_, std::abs(r) / (scale * this->problem_.contact_area[i]));
     }
-    return relative_residual();
+    return this->relative_residual(this->problem_.fixed);
   }
 
   /// A pair is closed where its pressure p - gamma_c u outweighs its gap. The pressure alone does not

@@ -38,4 +38,13 @@ struct Workspace {
   }
 };
 
+/// Runs the iterations of a step and books in its outcome what they asked of the solver.
+template <class Iterate>
+void count_solver_use(const Workspace& work, StepOutcome& outcome, Iterate&& iterate) {
+  const long factorizations = work.solver.factorizations(), solves = work.solver.solves();
+  iterate();
+  outcome.factorizations = static_cast<int>(work.solver.factorizations() - factorizations);
+  outcome.solves = static_cast<int>(work.solver.solves() - solves);
+}
+
 }  // namespace dccast::mechanics

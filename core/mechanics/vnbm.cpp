@@ -7,10 +7,7 @@ namespace dccast::mechanics {
 
 namespace {
 
-// As in the paper's loop the contact set may move at every iteration, but not while the forces are
-// far from balance (numerics: it then swings).
 constexpr double contact_from_residual = 1e-3;
-constexpr int free_contact_changes = 8;
 
 /// gamma_p of eq. (77) at the stress of the step's start, sqrt(q-1) kappa |s|^(q-2). The formula is
 /// zero where there is no stress yet, and a multiplier with gamma_p = 0 does not contract; its floor
@@ -44,11 +41,7 @@ public:
 
   StepOutcome solve() {
     StepOutcome& outcome = this->outcome_;
-    const long factorizations = this->work_.solver.factorizations();
-    const long solves = this->work_.solver.solves();
-    iterate();
-    outcome.factorizations = static_cast<int>(this->work_.solver.factorizations() - factorizations);
-    outcome.solves = static_cast<int>(this->work_.solver.solves() - solves);
+    count_solver_use(this->work_, outcome, [this] { iterate(); });
     if (outcome.converged) {
       constraints_.store();
       this->store_deviator();
@@ -65,8 +58,9 @@ private:
       if (!solve_displacement(refactor)) return;
       this->settled_ = true;
       this->evaluate(updating_law());
-      refactor = close_contact();
-      const double relative = constraints_.norm_of_free(this->work_.residual) / this->acting_;
+      refactor = this->close_contact(constraints_, this->relative_residual(constraints_.fixed()),
+                                     contact_from_residual);
+      const double relative = this->relative_residual(constraints_.fixed());  // of the new set
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
@@ -99,17 +93,6 @@ private:
     return [this](std::size_t e, std::size_t point, const Tensor& trial) {
       return this->update_multiplier(e, point, trial, 0.5 / this->gamma_p_[point]);
     };
-  }
-
-  /// VNBM2(b)(ii): the contact set, by Newton. @return whether it moved
-  bool close_contact() {
-    const double relative = constraints_.norm_of_free(this->work_.residual) / this->acting_;
-    if (relative > contact_from_residual) return false;
-    const bool careful = this->outcome_.contact_changes > free_contact_changes;
-    const int changes = constraints_.update(this->unknowns_.displacement, this->work_.residual,
-                                            careful);
-    this->outcome_.contact_changes += changes > 0 ? 1 : 0;
-    return changes > 0;
   }
 
   ConstrainedSystem system_;
