@@ -6,6 +6,7 @@
 
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
+#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mechanics/step_constraints.hpp"
 
@@ -43,8 +44,8 @@ public:
   MultiplierMethod(const Problem& problem, const Options& options, Workspace& work,
                    StepUnknowns<Element>& unknowns, std::vector<double> gamma_p)
       : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
-        equilibrium_(problem), gamma_p_(std::move(gamma_p)),
-        multiplier_(gamma_p_.size()) {
+        equilibrium_(problem), gamma_p_(std::move(gamma_p)), multiplier_(gamma_p_.size()),
+        least_acting_(least_acting_force(problem, options.tolerance)) {
     unknowns_.deviator.resize(gamma_p_.size());
     for (std::size_t i = 0; i < multiplier_.size(); ++i) {
       // H(s) - gamma_p s of the step's start, with the parameters of this step: the multiplier of
@@ -128,8 +129,8 @@ protected:
   /// Evaluates the residual by the law; a law may move multipliers while it is at it.
   template <class Law>
   void evaluate(Law&& law) {
-    acting_ = equilibrium_.residual(unknowns_.displacement, work_.residual, law);
-    acting_ = std::max(acting_, std::max(problem_.weight, 1e-300));
+    acting_ = std::max(equilibrium_.residual(unknowns_.displacement, work_.residual, law),
+                       least_acting_);
   }
 
   /// Residual of the step's own law: what a converged step is judged by. Leaves that law's stresses
@@ -203,6 +204,7 @@ protected:
   std::vector<double> gamma_p_;
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;
+  double least_acting_;
   double acting_ = 0.0;
   bool factorized_ = false;
   bool settled_ = false;  ///< every increment since it was set passed the paper's test

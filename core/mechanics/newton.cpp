@@ -4,6 +4,7 @@
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mechanics/step_constraints.hpp"
 
@@ -32,7 +33,8 @@ public:
          StepUnknowns<Element>& unknowns)
       : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
         equilibrium_(problem), system_(*problem.pattern, work),
-        constraints_(problem, unknowns.contact) {}
+        constraints_(problem, unknowns.contact),
+        least_acting_(least_acting_force(problem, options.tolerance)) {}
 
   StepOutcome solve() {
     count_solver_use(work_, outcome_, [this] { iterate(); });
@@ -100,9 +102,9 @@ private:
   }
 
   void evaluate() {
-    acting_ = equilibrium_.residual(unknowns_.displacement, work_.residual,
-                                    return_map_law(problem_));
-    acting_ = std::max(acting_, std::max(problem_.weight, 1e-300));
+    const double acting = equilibrium_.residual(unknowns_.displacement, work_.residual,
+                                                return_map_law(problem_));
+    acting_ = std::max(acting, least_acting_);
   }
 
   void advance(double length) {
@@ -178,6 +180,7 @@ private:
   ConstrainedSystem system_;
   StepConstraints<Element> constraints_;
   StepOutcome outcome_;
+  double least_acting_;
   double acting_ = 0.0;
   bool descending_ = false;  ///< the contact set moves by feasible descent
   bool blocked_ = false;     ///< the last step ended at a pair that closed

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/mechanics/viscoplastic_history.hpp"
 
@@ -298,11 +299,10 @@ void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknown
   Equilibrium<Element> equilibrium(problem_);
   const double acting = std::max(
       equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
-      problem_.weight);
+      least_acting_force(problem_, options_.tolerance));
   StepConstraints<Element> constraints(problem_, unknowns.contact);
   checks_.weight = problem_.weight;
-  checks_.equilibrium_residual =
-      acting > 0.0 ? constraints.norm_of_free(work_.residual) / acting : 0.0;
+  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
   checks_.complementarity_error =
       constraints.complementarity_error(unknowns.displacement, work_.residual);
   checks_.bottom_reaction = checks_.contact_length = 0.0;

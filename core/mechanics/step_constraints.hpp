@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/contact/active_set.hpp"
+#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
@@ -18,7 +19,9 @@ public:
   /// @param active  by contact unknown; the set the step starts from, and its outcome
   StepConstraints(const StepProblem<Element>& problem, std::vector<char>& active)
       : problem_(&problem), active_(&active), set_(active), gap_(problem.contact.size()),
-        reaction_(problem.contact.size()) {
+        reaction_(problem.contact.size()),
+        force_tolerance_(std::max(force_share_of_weight * problem.weight,
+                                  round_off_force(problem))) {
     mark();
   }
 
@@ -46,7 +49,7 @@ public:
   int update(std::span<const double> u, std::span<const double> residual, bool one_by_one) {
     if (problem_->contact.empty()) return 0;
     collect(u, residual);
-    const contact::ActiveSet::Tolerance tolerance{gap_tolerance, force_tolerance()};
+    const contact::ActiveSet::Tolerance tolerance{gap_tolerance, force_tolerance_};
     const int changes = set_.update(gap_, reaction_, tolerance, one_by_one);
     if (changes > 0) mark();
     return changes;
@@ -82,7 +85,7 @@ public:
   int release(std::span<const double> u, std::span<const double> residual, bool only_one) {
     collect(u, residual);
     // Gaps are left to the step length here, so no pair may close by this call.
-    const contact::ActiveSet::Tolerance tolerance{INFINITY, force_tolerance()};
+    const contact::ActiveSet::Tolerance tolerance{INFINITY, force_tolerance_};
     const int changes = set_.update(gap_, reaction_, tolerance, only_one);
     if (changes > 0) mark();
     return changes;
@@ -101,9 +104,6 @@ private:
   static constexpr double gap_tolerance = 1e-10;           // [m]
   static constexpr double force_share_of_weight = 1e-6;
 
-  double force_tolerance() const {
-    return std::max(force_share_of_weight * problem_->weight, 1e-12);
-  }
   double target(std::size_t unknown) const {
     return problem_->fixed[unknown] != 0 ? problem_->target[unknown] : 0.0;
   }
@@ -143,6 +143,7 @@ private:
   std::vector<double> step_;
   std::vector<double> gap_;
   std::vector<double> reaction_;
+  double force_tolerance_;  ///< [N/m in 2D]
 };
 
 }  // namespace dccast::mechanics
