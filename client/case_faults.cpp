@@ -1,7 +1,7 @@
 #include "client/case_faults.hpp"
 
 #include <algorithm>
-#include <ostream>
+#include <iostream>
 
 namespace dccast::client {
 namespace {
@@ -38,6 +38,19 @@ Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
   return json;
 }
 
+/// @return  nothing when the server cannot be asked and the local faults have to do
+std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
+                                            const v1::ValidateCaseRequest& request,
+                                            bool has_local_faults) {
+  v1::ValidateCaseResponse response;
+  const grpc::Status status = connection.try_call(&Stub::ValidateCase, request, response);
+  if (status.ok()) return response;
+  const CommandFailed failure = failure_of(status, connection.server());
+  if (!has_local_faults) throw failure;
+  std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
+  return std::nullopt;
+}
+
 }  // namespace
 
 CaseUnderCheck read_case(const std::string& file) {
@@ -63,11 +76,12 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   *request.mutable_case_() = checked.description;
   for (const v1::Attachment& attachment : checked.read.attachments)
     *request.add_attachments() = attachment;
-  const auto response = connection.call(&Stub::ValidateCase, request);
+  const auto response = ask(connection, request, !checked.faults.empty());
+  if (!response) return;
   checked.faults =
-      merge_faults(checked.faults, {response.faults().begin(), response.faults().end()});
-  checked.warnings.assign(response.warnings().begin(), response.warnings().end());
-  if (response.has_estimate() && checked.faults.empty()) checked.estimate = response.estimate();
+      merge_faults(checked.faults, {response->faults().begin(), response->faults().end()});
+  checked.warnings.assign(response->warnings().begin(), response->warnings().end());
+  if (response->has_estimate() && checked.faults.empty()) checked.estimate = response->estimate();
   sort_by_place(checked);
 }
 

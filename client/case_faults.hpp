@@ -25,8 +25,9 @@ struct CaseUnderCheck {
 /// Reads a case file; faults are the local ones.
 CaseUnderCheck read_case(const std::string& file);
 
-/// Adds what the server's ValidateCase finds in what could be read. Throws CommandFailed if the
-/// server cannot be asked.
+/// Adds what the server's ValidateCase finds in what could be read. If the server cannot be asked,
+/// local faults are an answer already, which it says on standard error; without them it throws
+/// CommandFailed. Throws Interrupted.
 void check_with_server(CaseUnderCheck& checked, Connection& connection);
 
 /// Local faults and the server's together. What the server says of a key that already has a local

@@ -25,8 +25,9 @@ const char* const guide =
     "  dccast fetch JOB -o results.h5            HDF5, and XDMF for ParaView\n"
     "  dccast report JOB -o report.html          one page that opens from disk\n"
     "\nExit codes: 0 done, 2 usage or invalid case, 3 the solve failed, 4 server unreachable or\n"
-    "refused, 5 not found or not allowed, 130 interrupted. Results go to standard output, talk to\n"
-    "standard error. `dccast COMMAND --help` shows the options of a command with an example.";
+    "refused, 5 not found or not allowed, 130 interrupted (Ctrl-C, SIGTERM; a job goes on). Results\n"
+    "go to standard output, talk to standard error. `dccast COMMAND --help` shows the options of a\n"
+    "command with an example.";
 
 void add_subcommands(CLI::App& app, commands::Program& program) {
   for (const auto add :

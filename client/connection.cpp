@@ -5,7 +5,8 @@
 
 namespace dccast::client {
 
-Connection::Connection(const std::string& server) : server_(server) {
+Connection::Connection(const std::string& server, std::shared_ptr<Interruption> interruption)
+    : server_(server), interruption_(std::move(interruption)) {
   grpc::ChannelArguments arguments;
   // Histories and frames of long runs pass gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);

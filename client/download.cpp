@@ -3,7 +3,6 @@
 #include <chrono>
 #include <fstream>
 #include <ostream>
-#include <thread>
 
 #include "client/sha256.hpp"
 
@@ -34,6 +33,7 @@ Attempt append_rest(Connection& connection, const std::string& id, const std::st
   std::ofstream stream(part, std::ios::binary | std::ios::app);
   if (!stream) throw CommandFailed(ExitCode::not_found, "cannot write " + part.string());
   grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
   const auto reader = connection.stub().FetchResult(&context, request);
   Attempt attempt;
   v1::FetchResultResponse chunk;
@@ -58,6 +58,14 @@ bool cut(const Attempt& attempt, const fs::path& part) {
   return attempt.status.ok() && attempt.total >= 0 && size_of(part) < attempt.total;
 }
 
+Interrupted interrupted_at(const fs::path& part) {
+  const std::int64_t bytes = size_of(part);
+  if (bytes == 0) fs::remove(part);
+  return Interrupted(bytes == 0 ? "nothing was fetched yet"
+                                : part.string() + " keeps " + std::to_string(bytes) +
+                                      " bytes; the same command goes on behind them");
+}
+
 }  // namespace
 
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
@@ -71,9 +79,10 @@ Download download(Connection& connection, const std::string& id, const std::stri
          << std::endl;
   for (int count = 1; count <= attempts; ++count) {
     const Attempt attempt = append_rest(connection, id, artifact, part);
+    if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
     if (cut(attempt, part) && count < attempts) {
       talk << "fetch: the stream was cut at byte " << size_of(part) << ", going on" << std::endl;
-      std::this_thread::sleep_for(std::chrono::milliseconds(200 * count));
+      connection.interruption().sleep(std::chrono::milliseconds(200 * count));
       continue;
     }
     const bool beyond = attempt.status.error_code() == grpc::StatusCode::OUT_OF_RANGE;

@@ -18,7 +18,7 @@ struct Download {
 /// Fetches an artifact of a job into `file`. Bytes go to `file`.part first; one that is there
 /// already is continued. The file appears under its name only when its SHA-256 is right. A stream
 /// that is cut is continued a few times. Throws CommandFailed: server away, no such job or
-/// artifact, disk.
+/// artifact, disk; Interrupted, the part file complete up to what has come.
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
                   const std::filesystem::path& file, std::ostream& talk);
 

@@ -9,7 +9,7 @@ enum class ExitCode {
   solve_failed = 3,  ///< the job ended without success
   unreachable = 4,   ///< the server does not answer, or refused
   not_found = 5,     ///< no such thing, or not allowed now
-  interrupted = 130
+  interrupted = 130  ///< by SIGINT (Ctrl-C) or SIGTERM
 };
 
 }  // namespace dccast::client

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 #include <ostream>
-#include <thread>
 
 namespace dccast::client {
 namespace {
@@ -38,6 +37,7 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
   request.set_id(id);
   request.set_from_sequence(next);
   grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
   const auto reader = connection.stub().WatchJob(&context, request);
   Stream stream;
   v1::JobEvent event;
@@ -60,17 +60,19 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
   return stream;
 }
 
-}  // namespace
+std::string way_back(const std::string& id, std::int64_t next) {
+  return "dccast watch --from " + std::to_string(next) + " " + id;
+}
 
-v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
-                                     std::int64_t from_sequence,
-                                     const std::function<void(const v1::JobEvent&)>& on_event,
-                                     std::ostream& talk, const RetryPolicy& policy) {
-  std::int64_t next = std::max<std::int64_t>(from_sequence, 1);
+/// `next` is left at the sequence number that is due.
+v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, std::int64_t& next,
+                                 const std::function<void(const v1::JobEvent&)>& on_event,
+                                 std::ostream& talk, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
   for (int attempt = 0; attempt < policy.attempts;) {
     const Stream stream = read_stream(connection, id, next, on_event);
     if (stream.terminal) return *stream.terminal;
+    if (connection.interruption().came()) throw Interrupted("");
     if (!passing(stream.status.error_code())) throw failure_of(stream.status, connection.server());
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
@@ -79,13 +81,26 @@ v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& 
          << (stream.status.ok() ? "" : " (" + stream.status.error_message() + ")")
          << " but the job has not; taking it up again at event " << next << " (attempt " << attempt
          << " of " << policy.attempts - 1 << ")" << std::endl;
-    std::this_thread::sleep_for(pause);
+    connection.interruption().sleep(pause);
     pause = std::min(2 * pause, policy.longest_pause);
   }
   throw CommandFailed(ExitCode::unreachable,
                       "lost the stream of job " + id + " from " + connection.server() +
-                          "; the job itself goes on. Take it up again: dccast watch --from " +
-                          std::to_string(next) + " " + id);
+                          "; the job itself goes on. Take it up again: " + way_back(id, next));
+}
+
+}  // namespace
+
+v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
+                                     std::int64_t from_sequence,
+                                     const std::function<void(const v1::JobEvent&)>& on_event,
+                                     std::ostream& talk, const RetryPolicy& policy) {
+  std::int64_t next = std::max<std::int64_t>(from_sequence, 1);
+  try {
+    return follow(connection, id, next, on_event, talk, policy);
+  } catch (const Interrupted&) {
+    throw Interrupted("job " + id + " goes on. Come back: " + way_back(id, next));
+  }
 }
 
 ExitCode exit_code_of(v1::JobState state) {

@@ -19,7 +19,8 @@ struct RetryPolicy {
 /// Hands every event of a job from `from_sequence` on to `on_event`, once and in order, until the
 /// terminal one, which it returns. A stream that ends without it was cut: the watch says so on
 /// `talk` and goes on after the last event it has. Throws CommandFailed when the server stays away
-/// (unreachable; the job is not touched by that) or does not know the job.
+/// (unreachable; the job is not touched by that) or does not know the job, Interrupted with the
+/// command to come back by.
 v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
                                      std::int64_t from_sequence,
                                      const std::function<void(const v1::JobEvent&)>& on_event,

@@ -15,8 +15,8 @@ namespace dccast::client::commands {
 struct Program {
   std::string server;                ///< address of the daemon
   std::function<ExitCode()> action;  ///< what the chosen subcommand does
-  /// Makes the connection; tests put a stub here.
-  std::function<Connection()> connect = [this] { return Connection(server); };
+  std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
+  Connection connect() const { return Connection(server, interruption); }
 };
 
 void add_new(CLI::App& app, Program& program);

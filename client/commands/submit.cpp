@@ -28,12 +28,7 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
 ExitCode run(const Options& options, Program& program) {
   CaseUnderCheck checked = read_case(options.file);
   Connection connection = program.connect();
-  try {
-    check_with_server(checked, connection);
-  } catch (const CommandFailed& failure) {
-    if (checked.faults.empty()) throw;
-    std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
-  }
+  check_with_server(checked, connection);
   if (!checked.faults.empty()) return refuse(checked, options.json);
   for (const v1::Fault& warning : checked.warnings)
     std::cerr << "warning: " << describe(warning, checked.read.source) << '\n';

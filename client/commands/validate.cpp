@@ -29,13 +29,7 @@ ExitCode run(const Options& options, Program& program) {
   CaseUnderCheck checked = read_case(options.file);
   if (!options.local) {
     Connection connection = program.connect();
-    try {
-      check_with_server(checked, connection);
-    } catch (const CommandFailed& failure) {
-      // Local faults are an answer already; without them the question stays open.
-      if (checked.faults.empty()) throw;
-      std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
-    }
+    check_with_server(checked, connection);
   }
   if (options.json) {
     std::cout << faults_json(checked).dump() << '\n';

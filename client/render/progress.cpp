@@ -79,9 +79,13 @@ void Progress::show(const v1::JobEvent& event) {
   renew(percent + curve + " " + text, event.step().progress() >= 1.0);
 }
 
-void Progress::finish() {
-  if (line_open_) stream_ << "\n";
+void Progress::end_line() {
+  if (line_open_) stream_ << std::endl;
   line_open_ = false;
+}
+
+void Progress::finish() {
+  end_line();
   const auto* const series = history_.largest();
   if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
   const int columns = std::min(60, terminal_.columns - 12);

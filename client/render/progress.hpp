@@ -14,6 +14,9 @@ namespace dccast::client::render {
 class Progress {
 public:
   Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
+  Progress(const Progress&) = delete;
+  /// Whatever ended the watch, what is said next begins on a line of its own.
+  ~Progress() { end_line(); }
 
   void show(const v1::JobEvent& event);
   /// Ends the renewed line and draws the curve of the run, if there is one.
@@ -23,6 +26,7 @@ public:
 
 private:
   void line(const std::string& text);
+  void end_line();
   void renew(const std::string& text, bool force);
 
   std::ostream& stream_;
