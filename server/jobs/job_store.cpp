@@ -1,5 +1,6 @@
 #include "server/jobs/job_store.hpp"
 
+#include <array>
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -8,11 +9,13 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr int schema_version = 1;
-
+// The schema as the steps that led to it: the one at index i makes version i + 1 out of version i,
+// and is never changed again, as there are stores that took it. Version 0 is an empty file.
+//
 // Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
 // serialised messages of job.proto.
-constexpr const char* schema = R"sql(
+constexpr std::array schema_steps{
+    R"sql(
 CREATE TABLE job (
   id TEXT PRIMARY KEY,
   request_id TEXT UNIQUE,
@@ -42,12 +45,17 @@ CREATE TABLE job_case (
   complete BLOB NOT NULL
 ) STRICT;
 PRAGMA user_version = 1;
-)sql";
+)sql",
+    R"sql(
+ALTER TABLE job ADD COLUMN study TEXT NOT NULL DEFAULT '';
+CREATE INDEX job_by_study ON job (study) WHERE study <> '';
+PRAGMA user_version = 2;
+)sql"};
 
 constexpr std::string_view columns =
     "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
     "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
-    "worker_process, worker_start_ticks";
+    "worker_process, worker_start_ticks, study";
 
 void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
   *time = timestamp(milliseconds);
@@ -84,6 +92,7 @@ JobRecord row(const Statement& statement) {
   record.first_loss = statement.text(16);
   record.worker = {static_cast<pid_t>(statement.integer(17)),
                    static_cast<std::uint64_t>(statement.integer(18))};
+  job.set_study(statement.text(19));
   return record;
 }
 
@@ -113,19 +122,25 @@ void bind_changing(Statement& statement, const JobRecord& record) {
 JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
       "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
+  bring_up_to_date(path);
+}
+
+void JobStore::bring_up_to_date(const std::filesystem::path& path) {
   std::int64_t version = 0;
   {
     Statement statement(database_, "PRAGMA user_version");
     statement.step();
     version = statement.integer(0);
   }
-  if (version > schema_version)
+  constexpr auto newest = static_cast<std::int64_t>(schema_steps.size());
+  if (version > newest)
     throw StoreError("job store " + path.string() + " was written by a later version of dccastd (" +
                          std::to_string(version) + "); use that one, or another data_directory",
                      0);
-  if (version == schema_version) return;
+  if (version == newest) return;
   Transaction transaction(database_);
-  database_.execute(schema);
+  for (std::int64_t step = version; step < newest; ++step)
+    database_.execute(schema_steps[static_cast<std::size_t>(step)]);
   transaction.commit();
 }
 
@@ -146,7 +161,7 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
     Statement statement(database_,
                         "INSERT INTO job (" + std::string(columns) +
                             ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "0, 0)");
+                            "0, 0, ?)");
     statement.bind(job.id());
     if (job.request_id().empty())
       statement.bind_null();
@@ -157,6 +172,7 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
         .bind(job.priority())
         .bind(job.state())
         .bind(milliseconds(job.create_time()))
+        .bind(job.study())
         .step();
   }
   {
@@ -239,10 +255,14 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
     for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
     sql.back() = ')';
   }
+  // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
+  if (!page.study.empty()) sql += " AND study = ? AND study <> ''";
   sql += " ORDER BY created_ms DESC, id DESC LIMIT ?";
   const std::lock_guard lock(mutex_);
   Statement statement(database_, sql);
-  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id).bind(page.size);
+  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id);
+  if (!page.study.empty()) statement.bind(page.study);
+  statement.bind(page.size);
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(row(statement));
   return records;

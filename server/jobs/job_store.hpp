@@ -36,7 +36,8 @@ enum class Durability { normal, full };
 /// StoreError when the file cannot be read or written.
 class JobStore {
 public:
-  /// Opens the store or makes it. @throws StoreError also for a file of a later version
+  /// Opens the store, makes it, or brings one of an earlier version up to date. @throws StoreError
+  /// also for a file of a later version
   explicit JobStore(const std::filesystem::path& path);
 
   /// Adds a job, durably, with its case as it was submitted and as it will run. Nothing is added
@@ -61,12 +62,14 @@ public:
     std::int64_t before_ms = INT64_MAX;  ///< only jobs created before, or then and with a lesser id
     std::string before_id{};
     std::vector<v1::JobState> states{};  ///< empty: all
+    std::string study{};                 ///< empty: all jobs, of a study or not
     int size = 50;
   };
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
 
 private:
+  void bring_up_to_date(const std::filesystem::path& path);
   void set_durability(Durability durability);
   std::vector<JobRecord> select(std::string_view where_and_order, const std::string& argument);
 

@@ -22,15 +22,19 @@ v1::Job new_job_message(const NewJob& new_job) {
   job.set_state(v1::QUEUED);
   job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
   job.set_request_id(new_job.request_id);
+  job.set_study(new_job.study);
   job.set_case_sha256(new_job.case_sha256);
   *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
   return job;
 }
 
-void require_same_case(const v1::Job& there, const NewJob& new_job) {
-  if (there.case_sha256() != new_job.case_sha256)
-    throw RequestIdTaken("request_id \"" + new_job.request_id +
-                         "\" was used for another case (job " + there.id() + "); choose a new one");
+/// A job that was to join a study must not be answered with one outside of it.
+void require_same_submission(const v1::Job& there, const NewJob& new_job) {
+  const bool same_case = there.case_sha256() == new_job.case_sha256;
+  if (same_case && there.study() == new_job.study) return;
+  throw RequestIdTaken("request_id \"" + new_job.request_id + "\" was used for another " +
+                       (same_case ? "study" : "case") + " (job " + there.id() +
+                       "); choose a new one");
 }
 
 /// Counts a submission as a waiting job from the first check of the queue to its place in it.
@@ -83,7 +87,7 @@ void Scheduler::shut_down() {
 v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments) {
   if (!new_job.request_id.empty()) {
     if (const auto there = store_.find_request(new_job.request_id)) {
-      require_same_case(there->job, new_job);
+      require_same_submission(there->job, new_job);
       return find(there->job.id()).value_or(there->job);
     }
   }
@@ -109,7 +113,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
     const auto there = store_.insert(record, new_job.submitted_case, new_job.complete_case);
     if (there) {  // someone was faster with the same request_id
       std::filesystem::remove_all(folder);
-      require_same_case(there->job, new_job);
+      require_same_submission(there->job, new_job);
       return find(there->job.id()).value_or(there->job);
     }
   } catch (const RequestIdTaken&) {

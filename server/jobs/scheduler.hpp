@@ -34,6 +34,7 @@ struct SchedulerOptions {
 /// A case that was found good, ready to become a job.
 struct NewJob {
   std::string request_id;  ///< empty: none
+  std::string study{};     ///< empty: none
   std::string title;
   v1::Priority priority = v1::NORMAL;
   std::string case_sha256;     ///< of the case as it was submitted, with its attachments

@@ -30,12 +30,14 @@ grpc::Status list_jobs(Context& context, const v1::ListJobsRequest& request,
   if (!read_token(request.page_token(), page))
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "the page_token is not one of ListJobs; begin again without it"};
+  if (const auto status = check_study(request.study()); !status.ok()) return status;
   if (request.page_size() < 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
   const int size =
       request.page_size() == 0 ? default_page : std::min(request.page_size(), largest_page);
   page.size = size + 1;  // one more tells whether there is a next page
   for (const int state : request.states()) page.states.push_back(static_cast<v1::JobState>(state));
+  page.study = request.study();
   auto jobs = context.scheduler.list(page);
   const bool more = static_cast<int>(jobs.size()) > size;
   if (more) jobs.pop_back();

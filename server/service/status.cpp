@@ -30,6 +30,15 @@ bool is_disk_error(const std::error_code& code) {
          code.value() == EDQUOT;
 }
 
+grpc::Status no_uuid(const std::string& given, const std::string& of_what,
+                     const std::string& origin) {
+  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
+  std::string message = "\"";
+  message += given.substr(0, 64);
+  message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
+  return {grpc::StatusCode::INVALID_ARGUMENT, message};
+}
+
 grpc::Status internal(const std::string& what) {
   spdlog::error("{}", what);
   return {grpc::StatusCode::INTERNAL, what};
@@ -58,11 +67,12 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
 
 grpc::Status check_id(const std::string& id) {
   if (jobs::is_uuid(id)) return grpc::Status::OK;
-  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
-  std::string message = "\"";
-  message += id.substr(0, 64);
-  message += "\" is not a job id; an id is a UUID in lower case, as SubmitJob and ListJobs give it";
-  return {grpc::StatusCode::INVALID_ARGUMENT, message};
+  return no_uuid(id, "job", "as SubmitJob and ListJobs give it");
+}
+
+grpc::Status check_study(const std::string& study) {
+  if (study.empty() || jobs::is_uuid(study)) return grpc::Status::OK;
+  return no_uuid(study, "study", "chosen by who submits the first job of the study");
 }
 
 grpc::Status job_not_found(const std::string& id) {

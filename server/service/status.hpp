@@ -16,6 +16,9 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler);
 /// OK, or INVALID_ARGUMENT when this is no job id at all.
 grpc::Status check_id(const std::string& id);
 
+/// OK, or INVALID_ARGUMENT when this is neither a study id nor empty.
+grpc::Status check_study(const std::string& study);
+
 grpc::Status job_not_found(const std::string& id);
 
 /// INVALID_ARGUMENT with the verdict, serialised, in the details. Details travel in the trailers of

@@ -164,6 +164,40 @@ class Lifecycle(ServiceTest):
         listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.assertEqual(len(listed.jobs), 1)
 
+    def test_a_study_is_the_jobs_that_name_it(self):
+        study, other = (f"0f2b9a4e-0000-4000-8000-00000000000{i}" for i in range(2))
+        case = fake_case("steps=1")
+        members = [self.client.submit(case, study=study) for _ in range(2)]
+        apart = [self.client.submit(case, study=other), self.client.submit(case)]
+        for job in members + apart:
+            self.client.until_state(job.id, job_pb2.SUCCEEDED)
+
+        def listed(study):
+            return {job.id for job in self.client.stub.ListJobs(
+                service_pb2.ListJobsRequest(study=study), timeout=10).jobs}
+        self.assertEqual(self.client.job(members[0].id).study, study)
+        self.assertEqual(self.client.job(apart[1].id).study, "")
+        self.assertEqual(listed(study), {job.id for job in members})
+        self.assertEqual(listed(""), {job.id for job in members + apart})
+        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=members[0].id), timeout=10)
+        self.assertEqual(listed(study), {members[1].id})
+        self.daemon.terminate()
+        self.restart()
+        self.assertEqual(listed(study), {members[1].id})
+
+    def test_a_request_joins_one_study_only(self):
+        study = "0f2b9a4e-0000-4000-8000-000000000000"
+        case = fake_case("steps=1")
+        first = self.client.submit(case, request_id="r", study=study)
+        self.assertEqual(self.client.submit(case, request_id="r", study=study).id, first.id)
+        for other in ("", study[:-1] + "1"):
+            error = self.refused(grpc.StatusCode.ALREADY_EXISTS, self.client.submit, case,
+                                 request_id="r", study=other)
+            self.assertIn("another study", error.details())
+        self.client.until_state(first.id, job_pb2.SUCCEEDED)
+        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=first.id), timeout=10)
+        self.assertNotEqual(self.client.submit(case, request_id="r", study=study).id, first.id)
+
     def test_server_info_and_alloys(self):
         info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
         self.assertEqual(info.workers, 2)

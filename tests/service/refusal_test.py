@@ -29,6 +29,16 @@ class Refusal(ServiceTest):
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.watch, job_id)
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.cancel, job_id)
 
+    def test_studies_that_are_none(self):
+        for study in ("7", "../../etc", "x" * 1000, "0F2B9A4E-0000-4000-8000-000000000000"):
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
+                                 fake_case("steps=1"), study=study)
+            self.assertIn("not a study id", error.details())
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.ListJobs,
+                         service_pb2.ListJobsRequest(study=study), timeout=10)
+        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        self.assertEqual(len(listed.jobs), 0)
+
     def test_an_id_of_elsewhere(self):
         job_id = "0f2b9a4e-0000-4000-8000-000000000000"
         error = self.refused(grpc.StatusCode.NOT_FOUND, self.client.job, job_id)

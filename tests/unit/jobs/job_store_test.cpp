@@ -33,7 +33,8 @@ protected:
 };
 
 TEST_F(JobStoreTest, GivesBackANewJobAndItsCase) {
-  const JobRecord record = new_record("r");
+  JobRecord record = new_record("r");
+  record.job.set_study(random_uuid());
   const std::string bytes("\0\1\xff case", 8);
   EXPECT_FALSE(store_.insert(record, bytes, bytes + "complete"));
   EXPECT_TRUE(same(store_.find(record.job.id())->job, record.job));
@@ -103,6 +104,102 @@ TEST_F(JobStoreTest, ListsNewestFirstPageByPage) {
   EXPECT_TRUE(std::is_sorted(created.rbegin(), created.rend()));
   EXPECT_EQ(store_.list({.states = {v1::RUNNING, v1::FAILED}}).size(), 0u);
   EXPECT_EQ(store_.list({.states = {v1::RUNNING, v1::QUEUED}}).size(), 5u);
+}
+
+TEST_F(JobStoreTest, ListsTheJobsOfAStudyOnly) {
+  const std::string study = random_uuid();
+  std::set<std::string> members;
+  for (int i = 0; i < 6; ++i) {
+    JobRecord record = new_record("", 1700000000000 + i);
+    if (i % 2 == 0) record.job.set_study(i == 4 ? random_uuid() : study);
+    if (record.job.study() == study) members.insert(record.job.id());
+    store_.insert(record, "", "");
+  }
+  std::set<std::string> listed;
+  for (const JobRecord& record : store_.list({.study = study})) {
+    EXPECT_EQ(record.job.study(), study);
+    listed.insert(record.job.id());
+  }
+  EXPECT_EQ(listed, members);
+  EXPECT_EQ(store_.list({}).size(), 6u);
+  EXPECT_EQ(store_.list({.study = study, .size = 1}).size(), 1u);
+  EXPECT_TRUE(store_.list({.states = {v1::FAILED}, .study = study}).empty());
+  EXPECT_TRUE(store_.list({.study = random_uuid()}).empty());
+}
+
+TEST_F(JobStoreTest, AStudyOutlivesAMemberThatIsDeleted) {
+  JobRecord first = new_record(), second = new_record();
+  for (JobRecord* record : {&first, &second}) {
+    record->job.set_study("s");
+    store_.insert(*record, "", "");
+  }
+  store_.erase(first.job.id());
+  const auto left = store_.list({.study = "s"});
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(left.front().job.id(), second.job.id());
+}
+
+/// A store as version 1 wrote it, before jobs could belong to a study, with one job that has ended.
+constexpr const char* store_of_version_1 = R"sql(
+CREATE TABLE job (
+  id TEXT PRIMARY KEY,
+  request_id TEXT UNIQUE,
+  case_sha256 TEXT NOT NULL,
+  title TEXT NOT NULL,
+  priority INTEGER NOT NULL,
+  state INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL,
+  started_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL,
+  attempts INTEGER NOT NULL,
+  failure BLOB,
+  outcome BLOB,
+  wish INTEGER NOT NULL,
+  wish_reason TEXT NOT NULL,
+  losses INTEGER NOT NULL,
+  lost_step INTEGER NOT NULL,
+  first_loss TEXT NOT NULL,
+  worker_process INTEGER NOT NULL,
+  worker_start_ticks INTEGER NOT NULL
+) STRICT;
+CREATE INDEX job_by_age ON job (created_ms, id);
+CREATE INDEX job_by_state ON job (state);
+CREATE TABLE job_case (
+  id TEXT PRIMARY KEY REFERENCES job (id) ON DELETE CASCADE,
+  submitted BLOB NOT NULL,
+  complete BLOB NOT NULL
+) STRICT;
+PRAGMA user_version = 1;
+INSERT INTO job VALUES ('0f2b9a4e-0000-4000-8000-000000000000', 'r', 'abc', 'old', 2, 6,
+  1700000000000, 1700000000100, 1700000000200, 1, NULL, NULL, 0, '', 0, -1, '', 77, 88);
+INSERT INTO job_case VALUES ('0f2b9a4e-0000-4000-8000-000000000000', x'01', x'02');
+)sql";
+
+TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
+  const auto path = folder_.path() / "earlier.sqlite";
+  Database(path).execute(store_of_version_1);
+  const std::string old = "0f2b9a4e-0000-4000-8000-000000000000";
+  JobRecord member = new_record();
+  member.job.set_study(random_uuid());
+  {
+    JobStore store(path);
+    const auto found = store.find(old);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->job.study(), "");
+    EXPECT_EQ(found->job.title(), "old");
+    EXPECT_EQ(found->job.state(), v1::CANCELLED);
+    EXPECT_EQ(milliseconds(found->job.end_time()), 1700000000200);
+    EXPECT_EQ(found->worker.id, 77);
+    EXPECT_EQ(found->worker.start_ticks, 88u);
+    EXPECT_EQ(store.complete_case(old), "\2");
+    store.update(*found, Durability::full);
+    store.insert(member, "", "");
+  }
+  JobStore again(path);  // the step is taken once
+  EXPECT_EQ(again.ids().size(), 2u);
+  const auto listed = again.list({.study = member.job.study()});
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_TRUE(same(listed.front().job, member.job));
 }
 
 TEST_F(JobStoreTest, ForgetsAJobWithItsCase) {

@@ -169,6 +169,9 @@ TEST_F(SchedulerTest, LimitsTheQueueAndRequestIds) {
   auto other = new_job("a");
   other.case_sha256 = "another";
   EXPECT_THROW(daemon.scheduler.submit(other, {}), RequestIdTaken);
+  auto of_a_study = new_job("a");
+  of_a_study.study = random_uuid();
+  EXPECT_THROW(daemon.scheduler.submit(of_a_study, {}), RequestIdTaken);
   EXPECT_EQ(daemon.scheduler.submit(new_job("b"), {}).queue_position(), 2);
   EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), QueueFull);
   EXPECT_EQ(daemon.scheduler.queued(), 2);
