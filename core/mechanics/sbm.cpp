@@ -111,13 +111,13 @@ private:
     return system_.factorize(problem.fixed, step_);
   }
 
-  /// The terms gamma_c u_n v_n and p v_n of (51); u_n = -u upwards.
+  /// The terms gamma_c u_n v_n and p v_n of (51). u_n is downwards and counts from the block: minus
+  /// the gap.
   void add_contact_forces() {
     const auto& problem = this->problem_;
     for (std::size_t i = 0; i < problem.contact.size(); ++i) {
-      const std::size_t unknown = std::size_t(problem.contact[i]);
-      const double u_n = -this->unknowns_.displacement[unknown];
-      this->work_.residual[unknown] -=
+      const double u_n = -problem.normal_gap(i, this->unknowns_.displacement);
+      this->work_.residual[std::size_t(problem.contact[i])] -=
           problem.contact_area[i] * (this->unknowns_.contact_multiplier[i] +
                                      this->options_.parameters.gamma_c * u_n);
     }
@@ -138,7 +138,7 @@ private:
 
   /// G_lambda of u_n + lambda_c p at one contact unknown [Pa].
   double mapped_contact_multiplier(std::size_t i) const {
-    const double s = -this->unknowns_.displacement[std::size_t(this->problem_.contact[i])] +
+    const double s = -this->problem_.normal_gap(i, this->unknowns_.displacement) +
                      lambda_c_ * this->unknowns_.contact_multiplier[i];
     const double projected =
         std::min(s / (1.0 - lambda_c_ * this->options_.parameters.gamma_c), 0.0);
@@ -153,7 +153,7 @@ private:
   }
 
   /// Residual of the step's own law and of Signorini's conditions: at a contact unknown with
-  /// internal minus external force r, zero of r - max(0, r - c u).
+  /// internal minus external force r, zero of r - max(0, r - c gap).
   double own_residual() {
     this->true_residual(this->problem_.fixed);
     const double scale = 2.0 * this->options_.parameters.gamma_c;
@@ -162,7 +162,7 @@ private:
       const std::size_t unknown = std::size_t(this->problem_.contact[i]);
       double& r = this->work_.residual[unknown];
       const double pushed = r - scale * this->problem_.contact_area[i] *
-                                    this->unknowns_.displacement[unknown];
+                                    this->problem_.normal_gap(i, this->unknowns_.displacement);
       r -= std::max(0.0, pushed);
       contact_violation_ = std::max(
           contact_violation_, std::abs(r) / (scale * this->problem_.contact_area[i]));
@@ -170,15 +170,15 @@ private:
     return this->relative_residual(this->problem_.fixed);
   }
 
-  /// A pair is closed where its pressure p - gamma_c u outweighs its gap. The pressure alone does not
-  /// tell: of an open pair it is zero up to round-off of either sign.
+  /// A pair is closed where its pressure p - gamma_c gap outweighs its gap. The pressure alone does
+  /// not tell: of an open pair it is zero up to round-off of either sign.
   void store() {
     this->store_deviator();
     const double gamma_c = this->options_.parameters.gamma_c;
     for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
-      const double u = this->unknowns_.displacement[std::size_t(this->problem_.contact[i])];
+      const double gap = this->problem_.normal_gap(i, this->unknowns_.displacement);
       this->unknowns_.contact[i] =
-          this->unknowns_.contact_multiplier[i] - gamma_c * u > gamma_c * u;
+          this->unknowns_.contact_multiplier[i] - gamma_c * gap > gamma_c * gap;
     }
   }
 

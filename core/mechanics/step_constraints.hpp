@@ -30,8 +30,12 @@ public:
   /// What the held unknowns have to move to reach their targets [m].
   std::span<const double> step_from(std::span<const double> u) {
     step_.assign(u.size(), 0.0);
+    for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
+      const std::size_t unknown = std::size_t(problem_->contact[i]);
+      if (set_.active(i)) step_[unknown] = problem_->closed_at(i) - u[unknown];
+    }
     for (std::size_t i = 0; i < u.size(); ++i) {
-      if (fixed_[i] != 0) step_[i] = target(i) - u[i];
+      if (problem_->fixed[i] != 0) step_[i] = problem_->target[i] - u[i];
     }
     return step_;
   }
@@ -59,7 +63,7 @@ public:
 
   /// Closes every pair that penetrates. @return number of pairs closed
   int close_penetrating(std::span<const double> u) {
-    return close_where([&](std::size_t unknown) { return u[unknown] < 0.0; });
+    return close_where([&](std::size_t pair) { return problem_->normal_gap(pair, u) < 0.0; });
   }
 
   /// How far one may go along a direction until an open pair closes [share of the direction], and
@@ -69,15 +73,17 @@ public:
     for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
       const std::size_t unknown = std::size_t(problem_->contact[i]);
       if (set_.active(i) || direction[unknown] >= 0.0) continue;
-      length = std::min(length, std::max(0.0, u[unknown]) / -direction[unknown]);
+      const double gap = std::max(0.0, problem_->normal_gap(i, u));
+      length = std::min(length, gap / -direction[unknown]);
     }
     return length;
   }
 
   /// Closes the open pairs that stand on the block and are pushed towards it.
   int close_blocking(std::span<const double> u, std::span<const double> direction) {
-    return close_where([&](std::size_t unknown) {
-      return u[unknown] <= gap_tolerance && direction[unknown] < 0.0;
+    return close_where([&](std::size_t pair) {
+      return problem_->normal_gap(pair, u) <= gap_tolerance &&
+             direction[std::size_t(problem_->contact[pair])] < 0.0;
     });
   }
 
@@ -104,13 +110,10 @@ private:
   static constexpr double gap_tolerance = 1e-10;           // [m]
   static constexpr double force_share_of_weight = 1e-6;
 
-  double target(std::size_t unknown) const {
-    return problem_->fixed[unknown] != 0 ? problem_->target[unknown] : 0.0;
-  }
   void collect(std::span<const double> u, std::span<const double> residual) {
     for (std::size_t i = 0; i < gap_.size(); ++i) {
       const std::size_t unknown = std::size_t(problem_->contact[i]);
-      gap_[i] = u[unknown];
+      gap_[i] = problem_->normal_gap(i, u);
       reaction_[i] = set_.active(i) ? residual[unknown] : 0.0;
     }
   }
@@ -119,7 +122,7 @@ private:
     std::vector<char> active = set_.active();
     int changes = 0;
     for (std::size_t i = 0; i < active.size(); ++i) {
-      if (active[i] != 0 || !condition(std::size_t(problem_->contact[i]))) continue;
+      if (active[i] != 0 || !condition(i)) continue;
       active[i] = 1;
       ++changes;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/base/symmetric_tensor.hpp"
@@ -14,8 +15,8 @@ namespace dccast::mechanics {
 /// inelastic strain of the step's start,
 ///     s + 2 mu dt kappa |s|^(q-2) s = 2 mu e,     p = bulk (tr - 3 thermal) + prestress,
 /// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find u
-/// with the fixed unknowns at their targets, the contact unknowns not negative, reactions on them not
-/// negative, and zero residual elsewhere: paper eq. (45) to (47) discretised in time.
+/// with the fixed unknowns at their targets, gaps and reactions of the contact unknowns not negative,
+/// one of the two zero, and zero residual elsewhere: paper eq. (45) to (47) discretised in time.
 template <class Element>
 struct StepProblem {
   static constexpr int dimension = Element::dimension;
@@ -44,13 +45,26 @@ struct StepProblem {
   std::vector<char> fixed;             ///< not zero: held at `target`
   std::vector<double> target;          ///< [m]
 
-  /// Unknowns of the bottom that may not become negative (outward normal -x_last), frictionless.
+  /// Unknowns of the bottom whose gap may not become negative (outward normal -x_last),
+  /// frictionless.
   std::vector<int> contact;
+  /// By contact unknown, how far the block lies below it before anything has moved [m]; empty where
+  /// the block is flat against the slab.
+  std::vector<double> initial_gap;
   std::vector<double> contact_area;  ///< share of the bottom that each stands for [m] in 2D
   /// Force against which reactions are judged: the weight of the slab [N/m].
   double weight = 0.0;
 
   std::size_t unknowns() const { return external_force.size(); }
+
+  /// Where a contact unknown stands on the block [m].
+  double closed_at(std::size_t pair) const {
+    return initial_gap.empty() ? 0.0 : -initial_gap[pair];
+  }
+  /// Normal gap of a contact unknown at displacement `u` [m], open positive.
+  double normal_gap(std::size_t pair, std::span<const double> u) const {
+    return u[std::size_t(contact[pair])] - closed_at(pair);
+  }
 };
 
 }  // namespace dccast::mechanics

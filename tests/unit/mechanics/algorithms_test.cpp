@@ -37,8 +37,10 @@ template <class Element>
 class AlgorithmsOn : public ::testing::Test {
 protected:
   /// A few steps of a block that creeps, lifts its ends and comes down again.
-  std::vector<double> history(Algorithm algorithm) {
+  /// @param floor  how far the floor lies below the block at a unit distance, squared [1/m]
+  std::vector<double> history(Algorithm algorithm, double floor = 0.0) {
     RestingBlock<Element> block(2e-2, 3e-36, 2.5e6);
+    if (floor != 0.0) block.shape_floor([floor](double x) { return floor * x * x; });
     auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));
     std::vector<double> all_steps;
     for (int step = 0; step < 3; ++step) {
@@ -73,6 +75,21 @@ TYPED_TEST(AlgorithmsOn, AgreeOnACreepingPartialContact) {
   EXPECT_NE(std::count(contact.begin(), contact.end(), 0), 0);
   for (Algorithm algorithm : all) {
     EXPECT_LE(relative_difference(this->history(algorithm), reference), 1e-6) << name_of(algorithm);
+    EXPECT_EQ(this->contact_, contact) << name_of(algorithm);
+  }
+}
+
+/// On a floor that comes up towards the ends, which the block leaves and finds again.
+TYPED_TEST(AlgorithmsOn, AgreeOnACreepingContactWithAShapedFloor) {
+  constexpr double floor = -1e-3;
+  const auto flat = this->history(Algorithm::newton);
+  const auto reference = this->history(Algorithm::newton, floor);
+  const auto contact = this->contact_;
+  EXPECT_GT(relative_difference(flat, reference), 1e-3) << "the floor's shape must matter here";
+  EXPECT_NE(std::count(contact.begin(), contact.end(), 0), 0);
+  for (Algorithm algorithm : all) {
+    EXPECT_LE(relative_difference(this->history(algorithm, floor), reference), 1e-6)
+        << name_of(algorithm);
     EXPECT_EQ(this->contact_, contact) << name_of(algorithm);
   }
 }

@@ -58,6 +58,43 @@ TYPED_TEST(ContactOf, TheSetDoesNotDependOnItsStart) {
   }
 }
 
+/// On a floor that is lower everywhere by the same depth a block is the same block, lower.
+TYPED_TEST(ContactOf, ALowerFloorLowersTheBlock) {
+  constexpr double depth = 3e-3;
+  RestingBlock<TypeParam> block(1e-4), lower(1e-4);
+  lower.shape_floor([](double) { return depth; });
+  auto reference = block.at_rest(std::vector<char>(block.pairs(), 1));
+  auto unknowns = reference;
+  ASSERT_TRUE(solve_newton(block.body.problem, tight(1e-12), block.body.work, reference).converged);
+  ASSERT_TRUE(solve_newton(lower.body.problem, tight(1e-12), lower.body.work, unknowns).converged);
+  EXPECT_EQ(unknowns.contact, reference.contact);
+  for (std::size_t i = 0; i < reference.displacement.size(); ++i) {
+    const double down = i % 2 == 1 ? depth : 0.0;
+    EXPECT_NEAR(unknowns.displacement[i], reference.displacement[i] - down, 1e-12) << i;
+  }
+}
+
+/// A floor that is not flat: the gap is the displacement and the initial gap together, and what
+/// bulges carries.
+TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnACurvedFloor) {
+  for (double slope : {-3e-3, 3e-3}) {
+    RestingBlock<TypeParam> block(0.0);
+    block.shape_floor([slope](double x) { return slope * x * x; });
+    auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));
+    ASSERT_TRUE(solve_newton(block.body.problem, tight(1e-12), block.body.work, unknowns).converged)
+        << slope;
+    const auto floor = block.floor(unknowns);
+    EXPECT_GT(closed_of(unknowns.contact), 0) << slope;
+    EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight) << slope;
+    EXPECT_LE(
+        contact::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
+        1e-8)
+        << slope;
+    EXPECT_EQ(unknowns.contact.front() != 0, slope > 0.0) << slope;
+    EXPECT_EQ(unknowns.contact.back() != 0, slope < 0.0) << slope;
+  }
+}
+
 TYPED_TEST(ContactOf, ABlockThatDoesNotBendStandsOnAllOfItsBottom) {
   RestingBlock<TypeParam> block(0.0);
   auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));

@@ -5,7 +5,8 @@
 
 namespace dccast::mechanics::testing {
 
-/// Half of a block under its weight on a rigid floor, its top shrunk so that the ends lift.
+/// Half of a block under its weight on a rigid floor, flat unless it is shaped, its top shrunk so
+/// that the ends lift.
 template <class Element>
 class RestingBlock {
 public:
@@ -38,6 +39,14 @@ public:
   }
   std::size_t pairs() const { return body.problem.contact.size(); }
 
+  /// Lowers the floor by a depth at each distance from the symmetry plane.
+  template <class Depth>
+  void shape_floor(Depth&& depth) {
+    for (int unknown : body.problem.contact) {
+      body.problem.initial_gap.push_back(depth(body.mesh.point(unknown / 2)[0]));
+    }
+  }
+
   /// Gap and reaction of every pair, the reaction from the balance of forces.
   struct Floor {
     std::vector<double> gap, reaction;
@@ -48,10 +57,10 @@ public:
     std::vector<double> r(body.problem.unknowns());
     equilibrium.residual(unknowns.displacement, r, return_map_law(body.problem));
     Floor result;
-    for (int unknown : body.problem.contact) {
-      result.gap.push_back(unknowns.displacement[std::size_t(unknown)]);
-      result.reaction.push_back(r[std::size_t(unknown)]);
-      result.total += r[std::size_t(unknown)];
+    for (std::size_t i = 0; i < pairs(); ++i) {
+      result.gap.push_back(body.problem.normal_gap(i, unknowns.displacement));
+      result.reaction.push_back(r[std::size_t(body.problem.contact[i])]);
+      result.total += result.reaction.back();
     }
     return result;
   }
