@@ -50,9 +50,7 @@ private:
     const auto job = context_.scheduler.find(request.id());
     if (!job) return job_not_found(request.id());
     if (job->artifacts().empty())
-      return {grpc::StatusCode::FAILED_PRECONDITION,
-              "job " + request.id() + " is " + v1::JobState_Name(job->state()) +
-                  " and has no results; watch it until it has succeeded"};
+      return wrong_state(*job, "it has no results yet: watch it until it has succeeded");
     const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
     const auto artifact = artifact_of(*job, name);
     if (!artifact)

@@ -25,9 +25,7 @@ grpc::Status query_result(Context& context, const v1::QueryResultRequest& reques
     response.mutable_case_()->ParseFromString(*complete);
   if (!request.frame()) return grpc::Status::OK;
   if (!has_result(*job))
-    return {grpc::StatusCode::FAILED_PRECONDITION,
-            "job " + request.id() + " is " + v1::JobState_Name(job->state()) +
-                " and has no stored frame; watch it until it has succeeded"};
+    return wrong_state(*job, "it has no frame yet: watch it until it has succeeded");
   *response.mutable_frame() = context.intake.last_frame(context.jobs_directory / request.id());
   return grpc::Status::OK;
 }

@@ -6,7 +6,7 @@ namespace dccast::service {
 grpc::Status resume_job(Context& context, const v1::ResumeJobRequest& request, v1::Job& response) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   return answer(context.scheduler.resume(request.id()), request.id(),
-                "only a paused job can be resumed", &response);
+                "it is not paused and goes on by itself", &response);
 }
 
 }  // namespace dccast::service

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "server/jobs/ask_worker.hpp"
+#include "server/jobs/events.hpp"
 #include "server/jobs/identifier.hpp"
 
 namespace dccast::service {
@@ -80,6 +81,13 @@ grpc::Status job_not_found(const std::string& id) {
           "there is no job " + id + " here; ListJobs names those there are"};
 }
 
+grpc::Status wrong_state(const v1::Job& job, const std::string& remedy) {
+  const bool ended = jobs::is_terminal(job.state());
+  return {grpc::StatusCode::FAILED_PRECONDITION,
+          "job " + job.id() + " is " + v1::JobState_Name(job.state()) + "; " +
+              (ended ? "it has ended, submit its case again for another run" : remedy)};
+}
+
 grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict) {
   v1::ValidateCaseResponse details;
   for (const v1::Fault& fault : verdict.faults()) {
@@ -101,9 +109,7 @@ grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict) {
 grpc::Status answer(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
                     v1::Job* job) {
   if (reply.kind == jobs::Reply::Kind::not_found) return job_not_found(id);
-  if (reply.kind == jobs::Reply::Kind::wrong_state)
-    return {grpc::StatusCode::FAILED_PRECONDITION,
-            "job " + id + " is " + v1::JobState_Name(reply.job.state()) + "; " + remedy};
+  if (reply.kind == jobs::Reply::Kind::wrong_state) return wrong_state(reply.job, remedy);
   if (job != nullptr) *job = reply.job;
   return grpc::Status::OK;
 }

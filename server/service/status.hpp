@@ -21,12 +21,16 @@ grpc::Status check_study(const std::string& study);
 
 grpc::Status job_not_found(const std::string& id);
 
+/// FAILED_PRECONDITION: the job's state does not permit it. @param remedy  what to do with a job
+/// that has not ended; one that has can only be submitted again
+grpc::Status wrong_state(const v1::Job& job, const std::string& remedy);
+
 /// INVALID_ARGUMENT with the verdict, serialised, in the details. Details travel in the trailers of
 /// the call, which clients limit to 8 KiB: faults that do not fit are left out there, and the
 /// message says so.
 grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict);
 
-/// Puts a Reply into the answer: OK, NOT_FOUND, or FAILED_PRECONDITION with this remedy.
+/// Puts a Reply into the answer: OK, NOT_FOUND, or wrong_state() with this remedy.
 grpc::Status answer(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
                     v1::Job* job);
 
