@@ -23,16 +23,17 @@ std::string xml_escaped(const std::string& text) {
   return escaped;
 }
 
-/// The sidecar names its HDF5 file by a bare name; ParaView's Xdmf3 reader needs the whole path.
+/// The sidecar names its HDF5 file without a folder, so that both can move together; the file may
+/// have been fetched under another name.
 void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   std::ifstream stream(sidecar, std::ios::binary);
   std::ostringstream content;
   content << stream.rdbuf();
   std::string text = content.str();
   const std::string named = "results.h5:";
-  const std::string path = xml_escaped(fs::absolute(results).lexically_normal().string()) + ":";
-  for (auto at = text.find(named); at != std::string::npos; at = text.find(named, at + path.size()))
-    text.replace(at, named.size(), path);
+  const std::string name = xml_escaped(results.filename().string()) + ":";
+  for (auto at = text.find(named); at != std::string::npos; at = text.find(named, at + name.size()))
+    text.replace(at, named.size(), name);
   stream.close();
   if (!(std::ofstream(sidecar, std::ios::binary | std::ios::trunc) << text))
     throw CommandFailed(ExitCode::not_found, "cannot write " + sidecar.string());

@@ -10,6 +10,7 @@ from dccast.v1 import job_pb2, service_pb2
 from support import BIN, ServiceTest, main
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+CHECK = os.path.join(os.path.dirname(__file__), "..", "unit", "results", "check_results_file.py")
 
 
 def physics(steps):
@@ -57,6 +58,19 @@ class RealRun(ServiceTest):
             events, steps = self.finished_steps(job_id)
             self.assertEqual(physics(steps), expected)
             self.assertEqual([event.HasField("resumed") for event in events].count(True), 1)
+
+    def test_fetched_files_can_move_together(self):
+        job_id = self.submit_case()
+        self.finished_steps(job_id)
+        here, there = os.path.join(self.folder, "here"), os.path.join(self.folder, "there")
+        os.mkdir(here)
+        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch",
+                        job_id, "-o", os.path.join(here, "run.h5")], timeout=60, check=True,
+                       capture_output=True)
+        os.rename(here, there)
+        checked = subprocess.run(["/usr/bin/python3", CHECK, os.path.join(there, "run.h5")],
+                                 capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
     def test_results_and_the_last_frame(self):
         job_id = self.submit_case()

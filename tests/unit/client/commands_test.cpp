@@ -1,11 +1,13 @@
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/command_line.hpp"
 #include "client/message_json.hpp"
+#include "client/sha256.hpp"
 #include "fake_service.hpp"
 #include "proto/case_file/shipped.hpp"
 
@@ -100,6 +102,21 @@ TEST_F(Commands, CurlComesAsTableCsvAndJson) {
               HasSubstr("time_s,cast_length_m,corner_curl_m\n1,0.001,0.001\n"));
   EXPECT_EQ(Json::parse(run({"curl", "--json", "job"}).out)["monitors"][0]["curl_m"].size(), 3u);
   EXPECT_EQ(run({"curl", "--json", "--csv", "job"}).code, 2);
+}
+
+TEST_F(Commands, AFetchedSidecarRefersToItsNeighbourByNameAlone) {
+  service.artifact = "<DataItem>results.h5:/a</DataItem><DataItem>results.h5:/b</DataItem>";
+  std::ofstream(file) << service.artifact;  // the service has one artifact for both
+  service.artifact_sha256 = sha256_of_file(file);
+  const auto folder = std::filesystem::path(file).replace_extension();
+  std::filesystem::create_directory(folder);
+  EXPECT_EQ(run({"fetch", "job", "-o", (folder / "hot & cold.h5").string()}).code, 0);
+  std::ostringstream sidecar;
+  sidecar << std::ifstream(folder / "hot & cold.xdmf").rdbuf();
+  EXPECT_EQ(sidecar.str(),
+            "<DataItem>hot &amp; cold.h5:/a</DataItem>"
+            "<DataItem>hot &amp; cold.h5:/b</DataItem>");
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(Commands, ExitCodesTellWhatWentWrong) {

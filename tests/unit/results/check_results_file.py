@@ -141,7 +141,7 @@ def item_of(findings, parent, results, file):
     """The dataset a DataItem refers to, checked against the size and type it announces."""
     item = parent.find("DataItem")
     name, address = item.text.rsplit(":", 1)
-    findings.require(pathlib.PurePath(name).name == results.name, f"sidecar refers to {name}")
+    findings.require(name == results.name, f"sidecar refers to {name}")
     dataset = file[address]
     announced = tuple(int(word) for word in item.get("Dimensions").split())
     findings.require(dataset.shape == announced, f"sidecar: {address} is {dataset.shape}")
