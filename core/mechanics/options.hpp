@@ -29,20 +29,21 @@ struct Options {
   double liquid_beta = 1.0;
   bool confinement = true;
   bool contact = true;
-  double tolerance = 1e-7;
+  double tolerance = 1e-8;
   std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()
   AlgorithmParameters parameters;
 };
 
 /// Iterations after which a step counts as not converged. The fixed-point methods need their
-/// hundreds; a Newton step that needs 60 is lost.
+/// hundreds, sbm with the paper's soft gamma_c 33,000 where a pair opens; a Newton step that needs 60
+/// is lost.
 inline int iteration_limit(const Options& options) {
   if (options.maximum_iterations) return *options.maximum_iterations;
   switch (options.algorithm) {
     case Algorithm::newton: return 60;
     case Algorithm::vnbm: return 2000;
     case Algorithm::nbm: return 2000;
-    case Algorithm::sbm: return 30000;
+    case Algorithm::sbm: return 100000;
   }
   return 0;
 }

@@ -13,7 +13,7 @@ struct SectionSpec {
   SectionKind kind = SectionKind::plane_strain;
   double half_width = 0.0;     ///< [m]
   double initial_depth = 0.0;  ///< [m]
-  ElementKind element = ElementKind::p1;
+  ElementKind element = ElementKind::q1;
   int columns = 30;
   int rows = 22;
   double side_cell = 3e-3;              ///< [m]

@@ -32,7 +32,24 @@ std::vector<results::StepReport> run(const casting::Case& c) {
   return recorder.reports;
 }
 
-casting::Case shipped(mesh::ElementKind element = mesh::ElementKind::p1) {
+/// Over all steps and monitors [m]; infinite where the steps are not the same.
+double largest_difference(const std::vector<results::StepReport>& one,
+                          const std::vector<results::StepReport>& other) {
+  if (one.size() != other.size()) return INFINITY;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    if (one[i].time != other[i].time) return INFINITY;
+    for (std::size_t m = 0; m < one[i].monitor_displacement.size(); ++m) {
+      for (std::size_t d = 0; d < 2; ++d) {
+        largest = std::max(largest, std::abs(one[i].monitor_displacement[m][d] -
+                                             other[i].monitor_displacement[m][d]));
+      }
+    }
+  }
+  return largest;
+}
+
+casting::Case shipped(mesh::ElementKind element = mesh::ElementKind::q1) {
   casting::Case c = support::load_case("start-2d-thickness");
   c.section.element = element;
   return c;
@@ -41,31 +58,26 @@ casting::Case shipped(mesh::ElementKind element = mesh::ElementKind::p1) {
 TEST(Start2dThickness, EveryStepPassesItsOwnChecks) {
   for (const auto& r : run(shipped())) {
     EXPECT_LE(r.energy_balance_error, 1e-10) << "t = " << r.time;
-    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-3 * r.weight) << "t = " << r.time;
+    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-4 * r.weight) << "t = " << r.time;
     EXPECT_LE(r.complementarity_error, 1e-6) << "t = " << r.time;
-    EXPECT_LE(r.equilibrium_residual, 1e-7) << "t = " << r.time;
+    EXPECT_LE(r.equilibrium_residual, 1e-8) << "t = " << r.time;
     EXPECT_LE(r.liquid_pressure_error, 2e-2) << "t = " << r.time;
   }
 }
 
-TEST(Start2dThickness, NewtonAndVnbmAgreeAtEveryMonitorAndStep) {
-  casting::Case c = shipped();
-  c.mechanics.options.tolerance = 1e-10;
+/// The paper's element and size, the four algorithms one after the other: whatever they share or
+/// not, the casting must not depend on who computes it.
+TEST(Start2dThickness, AllAlgorithmsAgreeAtEveryMonitorAndStep) {
+  casting::Case c = shipped(mesh::ElementKind::p1);
+  c.mechanics.options.tolerance = 1e-9;
   const auto newton = run(c);
-  c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
-  const auto vnbm = run(c);
-  ASSERT_EQ(newton.size(), vnbm.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < newton.size(); ++i) {
-    for (std::size_t m = 0; m < newton[i].monitor_displacement.size(); ++m) {
-      for (std::size_t d = 0; d < 2; ++d) {
-        largest = std::max(largest, std::abs(newton[i].monitor_displacement[m][d] -
-                                             vnbm[i].monitor_displacement[m][d]));
-      }
-    }
+  // With this constant sbm closes its gaps in some hundred iterations a step.
+  c.mechanics.options.parameters.gamma_c = 5e9;
+  for (const auto algorithm :
+       {mechanics::Algorithm::vnbm, mechanics::Algorithm::nbm, mechanics::Algorithm::sbm}) {
+    c.mechanics.options.algorithm = algorithm;
+    EXPECT_LE(largest_difference(newton, run(c)), 1e-6) << "[m], algorithm " << int(algorithm);
   }
-  EXPECT_LE(largest, 1e-6) << "[m]";
-  RecordProperty("largest_difference_m", std::to_string(largest));
 }
 
 void expect_curl_mm(const std::vector<results::StepReport>& reports, double corner, double mid,
@@ -77,11 +89,11 @@ void expect_curl_mm(const std::vector<results::StepReport>& reports, double corn
 }
 
 TEST(Start2dThickness, FinalCurlOfLinearTriangles) {
-  expect_curl_mm(run(shipped()), 4.110, 0.868, 0.0);
+  expect_curl_mm(run(shipped(mesh::ElementKind::p1)), 4.110, 0.868, 0.0);
 }
 
 TEST(Start2dThickness, FinalCurlOfMeanDilatationQuadrilaterals) {
-  expect_curl_mm(run(shipped(mesh::ElementKind::q1)), 4.855, 1.110, 0.0);
+  expect_curl_mm(run(shipped()), 4.855, 1.110, 0.0);
 }
 
 }  // namespace
