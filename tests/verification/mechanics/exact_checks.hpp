@@ -20,4 +20,17 @@ Result run_relaxation(const TestRun& run);
 /// plane: u2 = (1 + nu) k x2 x3, u3 = (1 + nu) k (x3^2 - x2^2) / 2 with thermal strain k x3.
 Result run_bowed_strip(const TestRun& run);
 
+/// Hertz's contact: a block on a rigid cylinder, its other sides under the stresses of a point
+/// force in a half-plane. Errors of displacement and stress in the block, of half width (in cells),
+/// peak and distribution of the pressure, of the load; `finite_body_error` is what those sides do
+/// to the pressure.
+Result run_hertz(const TestRun& run);
+/// gamma_c of sbm that suits it [Pa/m]: the block's modulus over three half widths of the contact;
+/// a third or three times of it takes twice the iterations.
+inline constexpr double hertz_gamma_c = 1e10;
+
+/// The same pressed and let go in steps, so that pairs close and open: the largest errors of all
+/// steps, and the difference between the first and the last, which have the same load.
+Result run_hertz_cycle(const TestRun& run);
+
 }  // namespace dccast::verification

@@ -49,6 +49,34 @@ TEST_P(MechanicsOn, RotationAndLinearFieldsPassThePatchTest) {
   EXPECT_LT(figures.stress_error, 1e-11);
 }
 
+TEST_P(MechanicsOn, ContactWithACylinderConvergesToHertz) {
+  const auto run = [](int cells) {
+    TestRun block;
+    block.cells = cells, block.element = GetParam();
+    return figures_of(run_hertz(block));
+  };
+  const Figures coarse = run(16), fine = run(64);
+  for (const Figures& figures : {coarse, fine}) {
+    EXPECT_LE(figures.more.at("half_width_error_in_cells"), 1.0);
+    EXPECT_LE(figures.more.at("complementarity_error"), 1e-10);
+    EXPECT_LE(figures.more.at("load_error"), 1e-8);
+    EXPECT_LE(figures.more.at("finite_body_error"), 1e-4);
+  }
+  EXPECT_GT(std::log2(coarse.stress_error / fine.stress_error) / 2, 0.85);
+  EXPECT_GT(std::log2(coarse.more.at("pressure_error") / fine.more.at("pressure_error")) / 2, 0.6);
+}
+
+TEST_P(MechanicsOn, ContactWithACylinderOpensAsItClosed) {
+  TestRun run;
+  run.cells = 32, run.element = GetParam();
+  const Figures figures = figures_of(run_hertz_cycle(run));
+  EXPECT_EQ(figures.steps, 7);
+  EXPECT_LE(figures.more.at("half_width_error_in_cells"), 1.0);
+  EXPECT_LE(figures.more.at("complementarity_error"), 1e-10);
+  EXPECT_LE(figures.more.at("load_error"), 1e-8);
+  EXPECT_LE(figures.more.at("difference_after_cycle"), 1e-10);
+}
+
 INSTANTIATE_TEST_SUITE_P(Elements, MechanicsOn,
                          ::testing::Values(ElementKind::p1, ElementKind::q1));
 

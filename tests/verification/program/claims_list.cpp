@@ -148,6 +148,44 @@ void add_exact_checks(std::vector<Claim>& all) {
                  Relation::within, 1.0, 0.1});
 }
 
+void add_hertz(std::vector<Claim>& all) {
+  const auto claim = [&all](const RunRequest& request, const std::string& what, const char* key,
+                            Relation relation, double bound, double tolerance = 0.0) {
+    all.push_back({"Hertz contact" + what, request, key, relation, bound, tolerance});
+  };
+  for (const auto element : {mesh::ElementKind::p1, mesh::ElementKind::q1}) {
+    const bool p1 = element == mesh::ElementKind::p1;
+    const std::string family = p1 ? ", P1" : ", Q1";
+    RunRequest orders = named("hertz-orders"), cycle = named("hertz-cycle");
+    orders.element = cycle.element = element;
+    claim(orders, family + ", half width on four meshes, in cells", "half_width_error_in_cells",
+          Relation::at_most, 1.0);
+    claim(orders, family + ", peak pressure", "peak_pressure_error", Relation::at_most,
+          p1 ? 0.04 : 1e-4);
+    claim(orders, family + ", pressure", "pressure_error", Relation::at_most, p1 ? 0.01 : 2.5e-3);
+    // The pressure ends like a root: half an order less than a smooth one at the best.
+    claim(orders, family + ", order of pressure", "order_pressure", Relation::within,
+          p1 ? 1.0 : 1.5, 0.15);
+    claim(orders, family + ", order of stress", "order_stress", Relation::within, 1.0, 0.1);
+    claim(orders, family + ", what a finite body does to the pressure", "finite_body_error",
+          Relation::at_most, 3e-5);
+    for (const auto algorithm :
+         {Algorithm::newton, Algorithm::vnbm, Algorithm::sbm, Algorithm::nbm}) {
+      cycle.algorithm = algorithm;
+      const std::string who = " cycle" + family + ", " + name_of(algorithm);
+      claim(cycle, who + ", half width, in cells", "half_width_error_in_cells", Relation::at_most,
+            1.0);
+      claim(cycle, who + ", gap, reaction and their product", "complementarity_error",
+            Relation::at_most, 1e-6);
+      claim(cycle, who + ", reactions against the load", "load_error", Relation::at_most, 1e-8);
+      claim(cycle, who + ", last step against first", "difference_after_cycle", Relation::at_most,
+            1e-8);
+    }
+  }
+  claim(named("agreement"), ", all algorithms at 1e-10: largest difference",
+        "largest_difference_hertz", Relation::at_most, 1e-6);
+}
+
 }  // namespace
 
 const std::vector<Claim>& claims() {
@@ -166,6 +204,7 @@ const std::vector<Claim>& claims() {
     add_iterations(list);
     add_heat(list);
     add_exact_checks(list);
+    add_hertz(list);
     return list;
   }();
   return all;

@@ -18,6 +18,10 @@ mechanics::Options options_of(const RunRequest& request) {
   p.relaxation = 0.9;
   if (request.algorithm != mechanics::Algorithm::sbm) return options;
   p.gamma_p = 1e-6, p.lambda_p = 0.5e6;
+  if (request.name.starts_with("hertz")) {
+    p.gamma_c = hertz_gamma_c;
+    return options;
+  }
   const bool is_t2 = request.name == "T2";
   p.gamma_c = is_t2 ? 0.5e9 : 0.5e12;
   p.lambda_c = is_t2 ? 1e-9 : 1e-12;
@@ -97,10 +101,16 @@ const std::vector<NamedTest>& named_tests() {
        mechanical(run_relaxation, 0.0125)},
       {"bowed-strip", "a free strip bows under a linear temperature without stress in its plane",
        "0.01 s", mechanical(run_bowed_strip, 1.0)},
+      {"hertz", "a block on a rigid cylinder, against Hertz's half width and pressure", "0.5 s",
+       mechanical(run_hertz, 1.0)},
+      {"hertz-cycle", "the same pressed and let go: the contact opens as it closed", "1 s",
+       mechanical(run_hertz_cycle, 1.0)},
+      {"hertz-orders", "Hertz's contact by cells halved three times", "5 s",
+       [](const RunRequest& request) { return run_hertz_orders(request); }},
       {"orders", "observed orders under refinement: T1 in the cell, T4 in the step", "0.5 s",
        [](const RunRequest& request) { return run_orders(request); }},
-      {"agreement", "largest difference between the four algorithms on T4 at a tight tolerance",
-       "2 s", [](const RunRequest& request) { return run_agreement(request); }},
+      {"agreement", "largest difference of the four algorithms, T4 and Hertz, tight tolerance",
+       "5 s", [](const RunRequest& request) { return run_agreement(request); }},
       {"stefan", "two-phase Stefan problem, isothermal change, against Neumann", "0.5 s",
        run_stefan_by_name},
       {"mushy-stefan", "Stefan problem over a solidification interval", "0.5 s",

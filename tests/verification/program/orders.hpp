@@ -7,8 +7,11 @@ namespace dccast::verification {
 /// Orders observed between the last two of three refinements, as figures `order_...`.
 Result run_orders(const RunRequest& request);
 
-/// Displacement of T4 by every algorithm at a relative residual of 1e-10: figure
-/// `largest_difference`, relative, against newton's.
+/// Errors of Hertz's contact on cells halved three times, and the mean orders observed.
+Result run_hertz_orders(const RunRequest& request);
+
+/// Displacements by every algorithm at a relative residual of 1e-10: figures `largest_difference`
+/// (of T4) and `largest_difference_hertz`, relative, against newton's.
 Result run_agreement(const RunRequest& request);
 
 /// Errors against size, for plots: cell [m] or step [s], displacement, stress.
