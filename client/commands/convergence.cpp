@@ -2,145 +2,138 @@
 
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
+#include "client/divided_case.hpp"
 #include "client/job_watch.hpp"
 #include "client/message_json.hpp"
-#include "client/refinement_study.hpp"
-#include "client/render/curl_history.hpp"
-#include "client/render/table.hpp"
-#include "client/request_id.hpp"
-#include "client/submission.hpp"
+#include "client/render/job_text.hpp"
+#include "client/render/study_table.hpp"
+#include "client/study_reading.hpp"
+#include "client/study_submission.hpp"
+#include "client/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
 
 struct Options {
   std::string file;
+  std::string study;
   int levels = 3;
   bool json = false;
 };
 
-/// One run of the study.
-struct Level {
-  int refinement = 1;
-  std::string job;
-  std::int64_t nodes = 0;
-  double solver_s = 0.0;
-  std::vector<double> curl_m;  ///< by monitor, at the end
-};
-
-/// The case with every cell and every time step divided.
-v1::Case divided(const v1::Case& description, int parts) {
-  v1::Case fine = description;
-  case_file::apply_defaults(*fine.mutable_mesh());
-  case_file::apply_defaults(*fine.mutable_time());
-  fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);
-  for (double& step : *fine.mutable_time()->mutable_step_s()->mutable_value()) step /= parts;
-  return fine;
-}
-
-std::string submit(Connection& connection, const CaseUnderCheck& checked, int parts) {
-  v1::SubmitJobRequest request;
-  request.set_request_id(make_request_id());
-  request.set_priority(v1::LOW);  // a study must not stand in the way of a question
-  *request.mutable_case_() = divided(checked.description, parts);
-  for (const v1::Attachment& attachment : checked.read.attachments)
-    *request.add_attachments() = attachment;
-  v1::Job job;
-  const grpc::Status status = submit_patiently(connection, request, job);
-  for (const v1::Fault& fault : faults_of(status))
-    std::cerr << "refinement " << parts << ": " << describe(fault, checked.read.source) << '\n';
-  check(status, connection.server());
-  return job.id();
-}
-
-/// Waits for a run and takes its last step.
-void collect(Connection& connection, Level& level, std::vector<std::string>& names) {
-  const auto end = follow_job(connection, level.job, 1, [](const v1::JobEvent&) {}, std::cerr);
-  if (end.state() != v1::SUCCEEDED) {
-    throw CommandFailed(exit_code_of(end.state()), "refinement " + std::to_string(level.refinement) +
-                                                       " (job " + level.job +
-                                                       ") did not succeed: " + end.cause());
+/// Submits what of the study is not there yet. @return whether it is all there
+bool submit(const Options& options, const std::string& study, Connection& connection) {
+  CaseUnderCheck checked = read_case(options.file);
+  if (!checked.faults.empty()) {
+    check_with_server(checked, connection);
+    print_faults(checked, std::cerr);
+    return false;
   }
-  v1::QueryResultRequest request;
-  request.set_id(level.job);
-  const auto result = connection.call(&Stub::QueryResult, request);
-  const v1::StepReport& last = result.steps(result.steps_size() - 1);
-  level.nodes = last.nodes();
-  level.solver_s = last.solver_s();
-  names.clear();
-  for (const v1::MonitorValue& monitor : last.monitors()) {
-    names.push_back(monitor.name());
-    level.curl_m.push_back(monitor.displacement_m(1));
+  if (const std::string reason = reason_against_dividing(checked.description); !reason.empty())
+    throw CommandFailed(ExitCode::invalid, reason);
+  return submit_study(connection, checked, study, options.levels);
+}
+
+void wait_for_all(Connection& connection, const std::string& study) {
+  const std::vector<v1::Job> jobs = jobs_of_study(connection, study);
+  if (jobs.empty())
+    throw CommandFailed(ExitCode::not_found, "no job belongs to study " + study + " here");
+  for (const v1::Job& job : jobs) {
+    if (job.has_end_time()) continue;
+    if (job.state() == v1::PAUSED)
+      std::cerr << "waiting for job " << job.id() << ", which is paused: dccast resume " << job.id()
+                << '\n';
+    follow_job(
+        connection, job.id(), 1, [](const v1::JobEvent&) {}, std::cerr);
   }
 }
 
-std::vector<double> figures_of(const std::vector<Level>& levels, std::size_t monitor) {
-  std::vector<double> figures;
-  for (const Level& level : levels) figures.push_back(level.curl_m[monitor]);
-  return figures;
+/// The study with every job ended. Throws Interrupted with the command to come back by.
+Study finished_study(Connection& connection, const std::string& id) {
+  try {
+    wait_for_all(connection, id);
+    return read_study(connection, id);
+  } catch (const Interrupted&) {
+    throw Interrupted("the jobs go on. Come back: dccast convergence --study " + id);
+  }
 }
 
-void print_table(const std::vector<Level>& levels, const std::vector<std::string>& names) {
-  std::vector<std::string> headings{">refinement", ">nodes", ">solver s"};
-  for (const std::string& name : names) headings.push_back(">" + name + " mm");
-  render::Table table(headings);
-  for (const Level& level : levels) {
-    std::vector<std::string> row{std::to_string(level.refinement), std::to_string(level.nodes),
-                                 render::fixed(level.solver_s, 1)};
-    for (const double curl : level.curl_m) row.push_back(render::fixed(1e3 * curl, 3));
-    table.add(std::move(row));
+/// Says what is missing, and why. @return whether every level succeeded
+bool report_losses(const Study& study) {
+  bool whole = true;
+  for (const v1::Job& job : study.others)
+    std::cerr << "job " << job.id()
+              << " is left out: another case, or a refinement that is there\n";
+  for (const StudyLevel& level : study.levels) {
+    if (level.succeeded()) continue;
+    whole = false;
+    std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id() << ") is "
+              << render::state_text(level.job.state());
+    if (level.job.has_failure()) std::cerr << ": " << render::failure_text(level.job.failure());
+    std::cerr << '\n';
   }
-  std::vector<std::string> order{"order", "", ""}, limit{"limit", "", ""}, error{"+-", "", ""};
-  for (std::size_t m = 0; m < names.size(); ++m) {
-    const Extrapolation e = extrapolate(figures_of(levels, m));
-    order.push_back(e.order ? render::fixed(*e.order, 2) : "none");
-    limit.push_back(render::fixed(1e3 * e.value, 3));
-    error.push_back(render::fixed(1e3 * e.uncertainty, 3));
-  }
-  for (auto* row : {&order, &limit, &error}) table.add(std::move(*row));
-  std::cout << table.text();
+  return whole;
 }
 
-void print_json(const std::vector<Level>& levels, const std::vector<std::string>& names) {
-  Json json{{"levels", Json::array()}, {"monitors", Json::array()}};
-  for (const Level& level : levels)
+Json monitor_json(const Study& study, const MonitorStudy& monitor) {
+  const CurveLimit& limit = monitor.limit;
+  const std::size_t worst = monitor.least_certain();
+  return {{"name", monitor.name},
+          {"curl_m", monitor.end_curl_m},
+          {"order", limit.order ? Json(*limit.order) : Json(nullptr)},
+          {"limit_m", limit.value_m.back()},
+          {"uncertainty_m", limit.uncertainty_m.back()},
+          {"largest_uncertainty_m", limit.uncertainty_m[worst]},
+          {"largest_uncertainty_time_s", study.time_s[worst]},
+          {"history", {{"limit_m", limit.value_m}, {"uncertainty_m", limit.uncertainty_m}}}};
+}
+
+void print_json(const Study& study) {
+  Json json{{"study", study.id}, {"levels", Json::array()}};
+  for (const StudyLevel& level : study.levels)
     json["levels"].push_back({{"refinement", level.refinement},
-                              {"job", level.job},
-                              {"nodes", level.nodes},
-                              {"solver_s", level.solver_s}});
-  for (std::size_t m = 0; m < names.size(); ++m) {
-    const std::vector<double> figures = figures_of(levels, m);
-    const Extrapolation e = extrapolate(figures);
-    json["monitors"].push_back({{"name", names[m]},
-                                {"curl_m", figures},
-                                {"order", e.order ? Json(*e.order) : Json(nullptr)},
-                                {"limit_m", e.value},
-                                {"uncertainty_m", e.uncertainty}});
-  }
+                              {"job", level.job.id()},
+                              {"state", v1::JobState_Name(level.job.state())},
+                              {"nodes", level.job.last_step().nodes()},
+                              {"solver_s", level.job.last_step().solver_s()}});
+  json["time_s"] = study.time_s;
+  json["cast_length_m"] = study.cast_length_m;
+  json["monitors"] = Json::array();
+  for (const MonitorStudy& monitor : study.monitors)
+    json["monitors"].push_back(monitor_json(study, monitor));
   std::cout << json.dump() << '\n';
 }
 
 ExitCode run(const Options& options, Program& program) {
-  CaseUnderCheck checked = read_case(options.file);
+  if (options.file.empty() && options.study.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "give a case FILE to begin a study, or --study ID to take one up again");
   Connection connection = program.connect();
-  if (checked.faults.empty()) check_with_server(checked, connection);
-  if (!checked.faults.empty()) {
-    print_faults(checked, std::cerr);
-    return ExitCode::invalid;
+  const std::string id = options.study.empty() ? make_uuid() : options.study;
+  if (!options.file.empty()) {
+    std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
+    if (!submit(options, id, connection)) return ExitCode::invalid;
   }
-  std::vector<Level> levels;
-  for (int k = 0; k < options.levels; ++k) {
-    Level level;
-    level.refinement = 1 << k;
-    level.job = submit(connection, checked, level.refinement);
-    std::cerr << "refinement " << level.refinement << ": job " << level.job << '\n';
-    levels.push_back(std::move(level));
-  }
-  std::vector<std::string> names;
-  for (Level& level : levels) collect(connection, level, names);
-  options.json ? print_json(levels, names) : print_table(levels, names);
-  return ExitCode::done;
+  const Study study = finished_study(connection, id);
+  if (options.json)
+    print_json(study);
+  else
+    std::cout << "study " << study.id << '\n' << render::study_table(study);
+  std::cout << std::flush;
+  return report_losses(study) ? ExitCode::done : ExitCode::solve_failed;
 }
+
+constexpr const char* examples =
+    "dccast convergence my.toml\n"
+    "  dccast convergence --levels 2 --json my.toml\n"
+    "  dccast convergence --study ID                     take it up again, after an interruption "
+    "or later\n"
+    "  dccast convergence --study ID --levels 4 my.toml  add what is missing, here a finer level\n"
+    "\n"
+    "Rows below the levels: observed order of the whole history, the limit at the end and its\n"
+    "uncertainty, and where in the history that is largest. Runs that failed are left out; the "
+    "exit\n"
+    "code is then 3. The jobs have one study id; `dccast report JOB` of each draws the band.";
 
 }  // namespace
 
@@ -149,15 +142,19 @@ void add_convergence(CLI::App& app, Program& program) {
   CLI::App* const command = subcommand(
       app, "convergence",
       "How much of a curl is discretisation: runs the case with cells and steps halved again and "
-      "again, and extrapolates the final curl of every monitor",
-      "dccast convergence my.toml\n  dccast convergence --levels 2 --json my.toml");
-  command->add_option("FILE", options->file, "Case file")->required();
+      "again, and extrapolates the curl of every monitor",
+      examples);
+  command->add_option("FILE", options->file, "Case file; needed to begin a study");
+  command->add_option(
+      "--study", options->study,
+      "Take this study up again: wait for what has not ended, print the table; with "
+      "FILE also submit the levels that are missing");
   command
       ->add_option("--levels", options->levels,
                    "Runs, each with half the cell and step of the one before; an order needs three")
       ->check(CLI::Range(2, 5))
       ->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON, in metres");
+  command->add_flag("--json", options->json, "As JSON, in metres and seconds, with the histories");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };
   });

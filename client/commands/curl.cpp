@@ -4,6 +4,7 @@
 #include "client/message_json.hpp"
 #include "client/render/curl_history.hpp"
 #include "client/render/table.hpp"
+#include "client/study_reading.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client::commands {
@@ -24,25 +25,57 @@ std::string csv_name(const std::string& name) {
   return quoted + "\"";
 }
 
-void print_csv(const CurlHistory& history) {
+/// What the job's study says of a monitor at the job's own steps; empty columns without one.
+struct Error {
+  std::vector<double> limit_m, uncertainty_m;
+};
+
+Error error_of(const CurlHistory& history, const std::string& monitor, const Study& study) {
+  const MonitorStudy* said = study.monitor(monitor);
+  if (said == nullptr) return {};
+  return {at_instants(history.time_s, study.time_s, said->limit.value_m),
+          at_instants(history.time_s, study.time_s, said->limit.uncertainty_m)};
+}
+
+/// Columns of the CSV behind time and cast length, by name.
+std::vector<std::pair<std::string, std::vector<double>>> columns_of(const CurlHistory& history,
+                                                                    const Study& study) {
+  std::vector<std::pair<std::string, std::vector<double>>> columns;
+  for (const auto& series : history.monitors) {
+    columns.emplace_back(series.name + "_curl_m", series.curl_m);
+    Error error = error_of(history, series.name, study);
+    if (error.limit_m.empty()) continue;
+    columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
+    columns.emplace_back(series.name + "_uncertainty_m", std::move(error.uncertainty_m));
+  }
+  return columns;
+}
+
+void print_csv(const CurlHistory& history, const Study& study) {
+  const auto columns = columns_of(history, study);
   std::cout << "time_s,cast_length_m";
-  for (const auto& series : history.monitors) std::cout << ',' << csv_name(series.name + "_curl_m");
+  for (const auto& [name, values] : columns) std::cout << ',' << csv_name(name);
   std::cout << '\n';
   for (std::size_t i = 0; i < history.time_s.size(); ++i) {
     std::cout << case_file::number_text(history.time_s[i]) << ','
               << case_file::number_text(history.cast_length_m[i]);
-    for (const auto& series : history.monitors)
-      std::cout << ',' << case_file::number_text(series.curl_m[i]);
+    for (const auto& [name, values] : columns)
+      std::cout << ',' << case_file::number_text(values[i]);
     std::cout << '\n';
   }
 }
 
-void print_json(const std::string& id, const CurlHistory& history) {
+void print_json(const std::string& id, const CurlHistory& history, const Study& study) {
   Json json{{"job", id}, {"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
   json["monitors"] = Json::array();
-  for (const auto& series : history.monitors)
-    json["monitors"].push_back(
-        {{"name", series.name}, {"curl_m", series.curl_m}, {"horizontal_m", series.horizontal_m}});
+  for (const auto& series : history.monitors) {
+    Json& monitor = json["monitors"].emplace_back(Json{
+        {"name", series.name}, {"curl_m", series.curl_m}, {"horizontal_m", series.horizontal_m}});
+    const Error error = error_of(history, series.name, study);
+    if (error.limit_m.empty()) continue;
+    monitor["limit_m"] = error.limit_m;
+    monitor["uncertainty_m"] = error.uncertainty_m;
+  }
   std::cout << json.dump() << '\n';
 }
 
@@ -60,6 +93,13 @@ void print_table(const CurlHistory& history) {
   std::cout << table.text();
 }
 
+Study study_of_job(const Options& options, Connection& connection,
+                   const v1::QueryResultResponse& result) {
+  v1::GetJobRequest request;
+  request.set_id(options.id);
+  return study_around(connection, connection.call(&Stub::GetJob, request), result.case_());
+}
+
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::QueryResultRequest request;
@@ -68,9 +108,9 @@ ExitCode run(const Options& options, Program& program) {
   CurlHistory history;
   for (const v1::StepReport& step : result.steps()) history.add(step);
   if (options.csv)
-    print_csv(history);
+    print_csv(history, study_of_job(options, connection, result));
   else if (options.json)
-    print_json(options.id, history);
+    print_json(options.id, history, study_of_job(options, connection, result));
   else
     print_table(history);
   return ExitCode::done;
@@ -80,9 +120,11 @@ ExitCode run(const Options& options, Program& program) {
 
 void add_curl(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
-  CLI::App* const command =
-      subcommand(app, "curl", "Butt curl (upward displacement) of every monitor, step by step",
-                 "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
+  CLI::App* const command = subcommand(
+      app, "curl",
+      "Butt curl (upward displacement) of every monitor, step by step. Of a job that belongs to "
+      "a study, CSV and JSON also have the limit of every monitor and its uncertainty",
+      "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
   command->add_option("JOB", options->id, "Job id, in any state")->required();
   CLI::Option* const csv =
       command->add_flag("--csv", options->csv, "Comma-separated, in metres and seconds");

@@ -11,6 +11,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> states;
+  std::string study;
   int limit = 50;
   bool json = false;
 };
@@ -22,6 +23,7 @@ const std::map<std::string, v1::JobState> state_names{
 std::vector<v1::Job> jobs_of(const Options& options, Connection& connection) {
   v1::ListJobsRequest request;
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
+  request.set_study(options.study);
   std::vector<v1::Job> jobs;
   do {
     request.set_page_size(std::min(1000, options.limit - static_cast<int>(jobs.size())));
@@ -67,6 +69,7 @@ void add_list(CLI::App& app, Program& program) {
   command->add_option("-s,--state", options->states, "Only jobs in these states")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
+  command->add_option("--study", options->study, "Only the jobs of this study");
   command->add_option("-n,--limit", options->limit, "At most this many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

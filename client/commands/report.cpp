@@ -4,6 +4,7 @@
 #include "client/commands/commands.hpp"
 #include "client/message_json.hpp"
 #include "client/render/report_page.hpp"
+#include "client/study_reading.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -35,7 +36,9 @@ ExitCode run(const Options& options, Program& program) {
   v1::GetJobRequest request;
   request.set_id(options.id);
   const v1::Job job = connection.call(&Stub::GetJob, request);
-  const std::string page = render::report_page(job, query(connection, options.id));
+  const v1::QueryResultResponse result = query(connection, options.id);
+  const Study study = study_around(connection, job, result.case_());
+  const std::string page = render::report_page(job, result, study);
   if (options.output == "-") {
     std::cout << page;
     return ExitCode::done;

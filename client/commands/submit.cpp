@@ -3,8 +3,8 @@
 
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
-#include "client/request_id.hpp"
 #include "client/submission.hpp"
+#include "client/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -34,7 +34,7 @@ ExitCode run(const Options& options, Program& program) {
     std::cerr << "warning: " << describe(warning, checked.read.source) << '\n';
 
   v1::SubmitJobRequest request;
-  request.set_request_id(options.request_id.empty() ? make_request_id() : options.request_id);
+  request.set_request_id(options.request_id.empty() ? make_uuid() : options.request_id);
   request.set_priority(options.priority);
   *request.mutable_case_() = checked.description;
   for (v1::Attachment& attachment : checked.read.attachments)

@@ -74,8 +74,9 @@ std::string job_sheet(const v1::Job& job) {
   text += row("priority", lower_words(v1::Priority_Name(job.priority())));
   text += row("created", time_text(job.create_time())) +
           row("started", time_text(job.start_time())) + row("ended", time_text(job.end_time()));
-  text += row("attempts", std::to_string(job.attempts())) + row("request id", job.request_id()) +
-          row("case sha256", job.case_sha256());
+  text += row("attempts", std::to_string(job.attempts())) + row("request id", job.request_id());
+  if (!job.study().empty()) text += row("study", job.study());
+  text += row("case sha256", job.case_sha256());
   if (job.has_last_step()) {
     const v1::StepReport& step = job.last_step();
     text += row("progress", fixed(100.0 * step.progress(), 1) + " %") +

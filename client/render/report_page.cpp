@@ -8,6 +8,7 @@
 #include "client/render/progress.hpp"
 #include "client/render/report_style.hpp"
 #include "client/render/section_picture.hpp"
+#include "client/render/study_part.hpp"
 #include "client/render/svg_chart.hpp"
 #include "client/render/table.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -39,27 +40,42 @@ std::vector<double> millimetres(std::vector<double> metres) {
   return metres;
 }
 
-std::string curl_chart(const CurlHistory& history, bool against_length) {
+std::string curl_chart(const CurlHistory& history, const Study& study, bool against_length) {
   Chart chart;
   chart.title = against_length ? "Butt curl against cast length" : "Butt curl against time";
   chart.x_label = against_length ? "cast length, mm" : "time, s";
   chart.y_label = "curl, mm";
   const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
   for (const auto& series : history.monitors)
-    chart.lines.push_back({series.name, x, millimetres(series.curl_m)});
+    chart.lines.push_back({series.name, x, millimetres(series.curl_m),
+                           curl_band(study, series.name, against_length)});
   return svg_chart(chart);
 }
 
-std::string tile(const std::string& name, const std::string& value, const std::string& unit) {
+std::string tile(const std::string& name, const std::string& value, const std::string& unit,
+                 const std::string& note = {}) {
   return "<div class='tile'><span>" + html_escaped(name) + "</span><strong>" + value +
-         "</strong> " + unit + "</div>";
+         "</strong> " + unit + (note.empty() ? "" : "<small>" + note + "</small>") + "</div>";
 }
 
-std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result) {
+/// The curl at the end, with its error where a study tells it.
+std::string curl_tile(const CurlHistory::Series& series, double time_s, const Study& study) {
+  const double curl = series.curl_m.back();
+  const auto error = curl_error(study, series.name, time_s, curl);
+  if (!error) return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm");
+  const std::string limit = std::string(error->extrapolated ? "limit " : "finest ") +
+                            fixed(1e3 * error->limit_m, 2) + " ± " +
+                            fixed(1e3 * error->uncertainty_m, 2) + " mm";
+  return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm",
+              "<em>± " + fixed(1e3 * error->this_run_m, 2) + " mm</em>" + limit);
+}
+
+std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
+                     const Study& study) {
   if (history.time_s.empty()) return "<p>The job has no step yet.</p>";
   std::string tiles;
   for (const auto& series : history.monitors)
-    tiles += tile("curl, " + series.name, fixed(1e3 * series.curl_m.back(), 2), "mm");
+    tiles += curl_tile(series, history.time_s.back(), study);
   const v1::StepReport& last = result.steps(result.steps_size() - 1);
   tiles += tile("cast length", fixed(1e3 * last.cast_length_m(), 1), "mm") +
            tile("time", fixed(last.time_s(), 1), "s") +
@@ -151,6 +167,7 @@ std::string checks_table(const v1::QueryResultResponse& result) {
 
 std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
   std::string rows = row("State", state_text(job.state())) + row("Job", html_escaped(job.id())) +
+                     row("Study", job.study().empty() ? "none" : html_escaped(job.study())) +
                      row("Ended", time_text(job.end_time())) +
                      row("Case SHA-256", "<code>" + html_escaped(job.case_sha256()) + "</code>");
   if (result.steps_size() > 0) {
@@ -202,7 +219,8 @@ std::string inputs_table(const v1::Case& input) {
 
 }  // namespace
 
-std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result) {
+std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
+                        const Study& study) {
   CurlHistory history;
   for (const v1::StepReport& step : result.steps()) history.add(step);
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
@@ -210,15 +228,18 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
                      html_escaped(job.id().substr(0, 8)) + " · <span class='state " +
                      state_text(job.state()) + "'>" + state_text(job.state()) + "</span></p>" +
                      element("h1", title) + "</header>";
-  body += headline(history, result);
+  body += headline(history, result, study);
+  const std::string of_the_band =
+      study.monitors.empty() ? "" : " Dashed: what finer meshes tend to; shaded: how surely.";
   if (!history.monitors.empty())
     body +=
         "<div class='pair'>" +
-        figure("Curl against time", curl_chart(history, false),
-               "Upward displacement of each monitor; time zero is when the bottom block starts.") +
-        figure("Curl against cast length", curl_chart(history, true),
+        figure("Curl against time", curl_chart(history, study, false),
+               "Upward displacement of each monitor; time zero is when the bottom block starts." +
+                   of_the_band) +
+        figure("Curl against cast length", curl_chart(history, study, true),
                "The same against the travel of the bottom block.") +
-        "</div>";
+        "</div>" + study_part(study, job);
   body += section_figure(result);
   if (result.has_frame()) body += contact_figures(result.frame());
   body += "<div class='pair'>" + checks_table(result) + run_table(job, result) + "</div>";

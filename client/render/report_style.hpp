@@ -15,11 +15,16 @@ h1{margin:4px 0 0;font-size:26px;line-height:1.25;font-weight:650}h2{margin:0 0 
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(140px,1fr));gap:12px;margin-bottom:16px}
 .tile{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:12px 14px;color:var(--soft)}
 .tile span{display:block;font-size:12px}.tile strong{color:var(--ink);font-size:24px;font-weight:650;font-variant-numeric:tabular-nums}
+.tile small,.tile em{display:block;font-size:12px}.tile em{font-style:normal;font-size:15px;color:var(--ink);font-variant-numeric:tabular-nums}.note{color:var(--soft);font-size:13.5px;margin:0 2px 16px}
+table.figures th,table.figures td{width:auto;text-align:right;padding:5px 0 5px 14px}table.figures th:first-child,table.figures td:first-child{text-align:left;padding-left:0}
+table.figures td:last-child:not(:nth-child(2)){color:inherit;font-size:inherit}table.figures td{font-variant-numeric:tabular-nums}
+table.figures thead th{color:var(--soft);font-size:13px}table.figures tr.this td{font-weight:650}table.figures tr.first>*{border-top:2px solid var(--zero)}
+.scroll{overflow-x:auto}.card p{margin:10px 0 0;color:var(--soft);font-size:13px}
 .card{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:16px 18px;margin:0 0 16px;min-width:0;break-inside:avoid}
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}
 figure{margin:0}figcaption{color:var(--soft);font-size:13px;margin-top:8px}figcaption strong{color:var(--ink)}svg{display:block;width:100%;height:auto}
 svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
-.line{fill:none;stroke-width:2;stroke-linejoin:round}.deformed{fill:none;stroke:var(--ink);stroke-width:1.2}
+.band{stroke:none;opacity:.18}.middle{fill:none;stroke-width:1.4;stroke-dasharray:5 4}.line{fill:none;stroke-width:2;stroke-linejoin:round}.deformed{fill:none;stroke:var(--ink);stroke-width:1.2}
 .undeformed{fill:none;stroke:var(--soft);stroke-width:1;stroke-dasharray:4 4}.isotherm{fill:none;stroke:#fff;stroke-width:.9;opacity:.85}
 .front{fill:none;stroke:#10151c;stroke-width:2}.front.liquidus{stroke-dasharray:6 4}
 .isotherm-label{fill:#fff;font-size:11px;paint-order:stroke;stroke:#0008;stroke-width:2.5px}

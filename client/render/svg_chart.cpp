@@ -21,15 +21,29 @@ struct Axis {
   double high() const { return to; }
 };
 
-Axis axis_over(const Chart& chart, const std::vector<double> ChartLine::*values, bool with_zero,
-               int count) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+std::vector<double> all_x(const Chart& chart) {
+  std::vector<double> values;
   for (const ChartLine& line : chart.lines)
-    for (const double value : line.*values)
-      if (std::isfinite(value)) {
-        low = std::min(low, value);
-        high = std::max(high, value);
-      }
+    for (const auto* part : {&line.x, &line.band.x})
+      values.insert(values.end(), part->begin(), part->end());
+  return values;
+}
+
+std::vector<double> all_y(const Chart& chart) {
+  std::vector<double> values;
+  for (const ChartLine& line : chart.lines)
+    for (const auto* part : {&line.y, &line.band.low, &line.band.high})
+      values.insert(values.end(), part->begin(), part->end());
+  return values;
+}
+
+Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : values)
+    if (std::isfinite(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
   if (!(low <= high)) low = high = 0.0;
   if (with_zero) {
     low = std::min(low, 0.0);
@@ -88,6 +102,20 @@ std::string path_of(const ChartLine& line, const Axis& x, const Axis& y) {
   return path;
 }
 
+/// Shaded from low to high, with the middle dashed. Below all lines: it must not hide them.
+std::string band_of(const ChartLine& line, std::size_t number, const Axis& x, const Axis& y) {
+  const ChartBand& band = line.band;
+  if (band.x.empty()) return {};
+  ChartLine outline{"", band.x, band.high};
+  outline.x.insert(outline.x.end(), band.x.rbegin(), band.x.rend());
+  outline.y.insert(outline.y.end(), band.low.rbegin(), band.low.rend());
+  const std::string colour = "var(--line-" + std::to_string(number % line_colours) + ")";
+  return "<path class='band' style='fill:" + colour + "' d='" + path_of(outline, x, y) +
+         "Z'/><path class='middle' style='stroke:" + colour + "' d='" +
+         path_of({"", band.x, band.middle}, x, y) + "'><title>" + html_escaped(line.name) +
+         ", limit</title></path>";
+}
+
 std::string legend(const Chart& chart) {
   if (chart.lines.size() < 2) return {};
   std::string svg;
@@ -143,10 +171,11 @@ std::vector<double> round_ticks(double low, double high, int count) {
 }
 
 std::string svg_chart(const Chart& chart) {
-  const Axis x = axis_over(chart, &ChartLine::x, false, 7);
-  const Axis y = axis_over(chart, &ChartLine::y, true, 5);
+  const Axis x = axis_over(all_x(chart), false, 7);
+  const Axis y = axis_over(all_y(chart), true, 5);
   std::string svg = "<svg class='chart' viewBox='0 0 640 320' role='img' aria-label='" +
                     html_escaped(chart.title) + "'>" + grid(x, y) + legend(chart);
+  for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, x, y);
   for (std::size_t i = 0; i < chart.lines.size(); ++i)
     svg += "<path class='line' style='stroke:var(--line-" + std::to_string(i % line_colours) +
            ")' d='" + path_of(chart.lines[i], x, y) + "'><title>" +

@@ -5,11 +5,20 @@
 
 namespace dccast::client::render {
 
+/// A line drawn dashed with a shaded interval around it.
+struct ChartBand {
+  std::vector<double> x;
+  std::vector<double> middle;  ///< as long as x, all finite
+  std::vector<double> low;
+  std::vector<double> high;
+};
+
 /// One line of a chart.
 struct ChartLine {
   std::string name;
   std::vector<double> x;
   std::vector<double> y;  ///< as long as x; points that are not finite break the line
+  ChartBand band{};       ///< in the line's colour; empty: none
 };
 
 struct Chart {

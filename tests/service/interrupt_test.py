@@ -177,12 +177,15 @@ class Interrupt(ServiceTest):
         with open(os.path.join(self.folder, "r.h5"), "rb") as file:
             self.assertEqual(file.read(), b"".join(c.data for c in self.client.fetch(job.id)))
 
-    def test_convergence_names_the_job_it_waits_for(self):
+    def test_convergence_names_the_study_to_come_back_to(self):
         process = self.begin("convergence", self.case_file(LONG))
-        jobs = [re.search(r"job (\S+)", process.stderr.readline())[1] for _ in range(3)]
+        jobs = []
+        while len(jobs) < 3:
+            jobs += re.findall(r"^refinement \d+: job (\S+)", process.stderr.readline())
         self.client.until_step(jobs[0], 3)
         _, err = self.interrupted(process)
-        self.assertIn(f"job {jobs[0]} goes on", err)
+        self.assertIn("the jobs go on. Come back: dccast convergence --study "
+                      + self.client.job(jobs[0]).study, err)
         self.assert_goes_on(jobs[0])
 
     def test_a_daemon_that_does_not_answer_holds_nobody(self):

@@ -1,4 +1,4 @@
-#include "client/request_id.hpp"
+#include "client/uuid.hpp"
 
 #include <array>
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace dccast::client {
 
-std::string make_request_id() {
+std::string make_uuid() {
   std::random_device random;
   std::array<unsigned, 4> word{};
   for (unsigned& one : word) one = random();

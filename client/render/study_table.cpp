@@ -1,0 +1,74 @@
+#include "client/render/study_table.hpp"
+
+#include "client/render/job_text.hpp"
+#include "client/render/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string millimetres(double metres) {
+  return fixed(1e3 * metres, 3);
+}
+
+/// Curl of a level's last step; "-" where it has none.
+std::string end_curl(const StudyLevel& level, const std::string& monitor) {
+  if (!level.succeeded()) return "-";
+  for (const auto& series : level.history.monitors)
+    if (series.name == monitor) return millimetres(series.curl_m.back());
+  return "-";
+}
+
+}  // namespace
+
+std::vector<std::string> monitor_names(const Study& study) {
+  for (const StudyLevel& level : study.levels) {
+    if (!level.succeeded()) continue;
+    std::vector<std::string> names;
+    for (const auto& series : level.history.monitors) names.push_back(series.name);
+    return names;
+  }
+  return {};
+}
+
+Rows level_rows(const Study& study) {
+  Rows rows;
+  for (const StudyLevel& level : study.levels) {
+    const v1::StepReport& last = level.job.last_step();
+    auto& row = rows.emplace_back();
+    row = {std::to_string(level.refinement), std::to_string(last.nodes()),
+           fixed(last.solver_s(), 1), state_text(level.job.state())};
+    for (const std::string& name : monitor_names(study)) row.push_back(end_curl(level, name));
+  }
+  return rows;
+}
+
+Rows limit_rows(const Study& study) {
+  Rows rows{{"order", "", "", ""},
+            {"limit", "", "", ""},
+            {"+-", "", "", ""},
+            {"+- at most", "", "", ""},
+            {"at s", "", "", ""}};
+  for (const MonitorStudy& monitor : study.monitors) {
+    const CurveLimit& limit = monitor.limit;
+    const std::size_t worst = monitor.least_certain();
+    rows[0].push_back(limit.order ? fixed(*limit.order, 2) : "none");
+    rows[1].push_back(millimetres(limit.value_m.back()));
+    rows[2].push_back(millimetres(limit.uncertainty_m.back()));
+    rows[3].push_back(millimetres(limit.uncertainty_m[worst]));
+    rows[4].push_back(fixed(study.time_s[worst], 2));
+  }
+  return study.monitors.empty() ? Rows{} : rows;
+}
+
+std::string study_table(const Study& study) {
+  std::vector<std::string> headings{">refinement", ">nodes", ">solver s", "state"};
+  for (const std::string& name : monitor_names(study)) headings.push_back(">" + name + " mm");
+  Table table(headings);
+  for (auto& row : level_rows(study)) table.add(std::move(row));
+  for (auto& row : limit_rows(study)) table.add(std::move(row));
+  return table.text();
+}
+
+}  // namespace dccast::client::render

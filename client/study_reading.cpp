@@ -1,0 +1,51 @@
+#include "client/study_reading.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "client/divided_case.hpp"
+
+namespace dccast::client {
+
+std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id) {
+  v1::ListJobsRequest request;
+  request.set_study(id);
+  request.set_page_size(1000);
+  std::vector<v1::Job> jobs;
+  do {
+    const auto page = connection.call(&Stub::ListJobs, request);
+    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  std::reverse(jobs.begin(), jobs.end());
+  return jobs;
+}
+
+Study read_study(Connection& connection, const std::string& id, const v1::Case* like) {
+  std::vector<StudyLevel> runs;
+  std::vector<v1::Job> strangers;
+  std::optional<v1::Case> first;
+  for (const v1::Job& job : jobs_of_study(connection, id)) {
+    v1::QueryResultRequest request;
+    request.set_id(job.id());
+    const auto result = connection.call(&Stub::QueryResult, request);
+    if (!first) first = like != nullptr ? *like : result.case_();
+    if (!same_but_divided(*first, result.case_())) {
+      strangers.push_back(job);
+      continue;
+    }
+    StudyLevel& run = runs.emplace_back();
+    run.refinement = result.case_().mesh().refinement();
+    run.job = job;
+    for (const v1::StepReport& step : result.steps()) run.history.add(step);
+  }
+  Study study = study_of(id, std::move(runs));
+  study.others.insert(study.others.end(), strangers.begin(), strangers.end());
+  return study;
+}
+
+Study study_around(Connection& connection, const v1::Job& job, const v1::Case& casting) {
+  return job.study().empty() ? Study{} : read_study(connection, job.study(), &casting);
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,273 @@
+#!/usr/bin/python3
+"""A refinement study from the case file to the report, on the real solver: its figures against the
+curves of its jobs, picked up after the client was killed, and with a level that is lost."""
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+
+import h5py
+
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, ServiceTest, main, until
+
+CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+
+# The shipped thickness section on few cells and for a short time: three levels in 2 s of computing.
+COARSE = ((r"^columns = \d+$", "columns = 8"), (r"^rows = \d+$", "rows = 6"),
+          (r"^(side|bottom)_cell = .*$", r'\1_cell = "12 mm"'),
+          (r"^growth_cell = .*$", 'growth_cell = "12 mm"'), (r'^end = "145 s"$', 'end = "20 s"'))
+
+
+def at(instant, time, values):
+    """Linear between the points; instants of coarse steps are instants of fine ones but for
+    round-off."""
+    for i, t in enumerate(time):
+        if abs(t - instant) < 1e-6:
+            return values[i]
+        if t > instant:
+            part = (instant - time[i - 1]) / (t - time[i - 1])
+            return values[i - 1] + part * (values[i] - values[i - 1])
+    raise AssertionError(f"no curve at {instant} s")
+
+
+def extrapolated(time, curves):
+    """Order, limit and uncertainty of the last three curves, after client/refinement_study.hpp."""
+    coarse, middle, fine = ([at(t, *curve) for t in time] for curve in curves[-3:])
+    d1 = [b - a for a, b in zip(coarse, middle)]
+    d2 = [b - a for a, b in zip(middle, fine)]
+    weight = [time[1] - time[0]] + [b - a for a, b in zip(time, time[1:])]
+    ratio = (sum(w * a * b for w, a, b in zip(weight, d1, d2))
+             / sum(w * a * a for w, a in zip(weight, d1)))
+    if not 0 < ratio < 1:
+        largest = [max(abs(x) for x in d1[:i + 1] + d2[:i + 1]) for i in range(len(time))]
+        return None, fine, [1.25 * x for x in largest]
+    order = -math.log2(ratio)
+    c = 1 / (2 ** min(max(order, 0.5), 1.0) - 1)
+    return (order, [f + c * ratio * a for f, a in zip(fine, d1)],
+            [1.25 * c * max(abs(b), abs(ratio * a)) for a, b in zip(d1, d2)])
+
+
+class RefinementStudy(ServiceTest):
+    worker = "dccast-worker"
+    settings = {"workers": 1, "worker_restarts": 0}
+
+    def command(self, *words):
+        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
+
+    def dccast(self, *words, code=0):
+        ended = subprocess.run(self.command(*words), capture_output=True, text=True, timeout=120,
+                               check=False, cwd=self.folder)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended
+
+    def study(self, *words, code=0):
+        """`dccast convergence --json`: what it found, and what it said."""
+        ended = self.dccast("convergence", "--json", *words, code=code)
+        return json.loads(ended.stdout), ended.stderr
+
+    def case_file(self, more=()):
+        path = os.path.join(self.folder, "case.toml")
+        with open(CASE, encoding="utf-8") as shipped:
+            text = shipped.read()
+        for pattern, other in (*COARSE, *more):
+            text, changes = re.subn(pattern, other, text, flags=re.M)
+            self.assertGreater(changes, 0, pattern)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def begin_study(self, path):
+        """A client that has begun a study. Returns it and the study's id."""
+        client = subprocess.Popen(self.command("convergence", path), stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end, client)
+        return client, re.match(r"study ([0-9a-f-]{36})\b", client.stderr.readline())[1]
+
+    @staticmethod
+    def end(client):
+        if client.poll() is None:
+            client.kill()
+        client.wait()
+        client.stderr.close()
+
+    def jobs_of(self, study):
+        return list(self.client.stub.ListJobs(
+            service_pb2.ListJobsRequest(study=study), timeout=10).jobs)
+
+    def curve(self, job_id, monitor):
+        steps = self.client.steps(job_id)
+        values = [next(m.displacement_m[1] for m in step.monitors if m.name == monitor)
+                  for step in steps]
+        return [step.time_s for step in steps], values
+
+    def assert_close(self, found, expected):
+        self.assertEqual(len(found), len(expected))
+        for a, b in zip(found, expected):
+            self.assertAlmostEqual(a, b, delta=1e-12)
+
+    def test_the_figures_are_those_of_the_jobs(self):
+        found, _ = self.study(self.case_file())
+        levels = found["levels"]
+        self.assertEqual([level["refinement"] for level in levels], [1, 2, 4])
+        self.assertEqual({job.id for job in self.jobs_of(found["study"])},
+                         {level["job"] for level in levels})
+        self.assertEqual([m["name"] for m in found["monitors"]], ["corner", "mid", "centre"])
+        for monitor in found["monitors"]:
+            curves = [self.curve(level["job"], monitor["name"]) for level in levels]
+            self.assertEqual(monitor["curl_m"], [values[-1] for _, values in curves])
+            self.assertEqual(found["time_s"], curves[0][0])
+            order, limit, uncertainty = extrapolated(found["time_s"], curves)
+            self.assertAlmostEqual(monitor["order"] or 0, order or 0, delta=1e-9)
+            self.assert_close(monitor["history"]["limit_m"], limit)
+            self.assert_close(monitor["history"]["uncertainty_m"], uncertainty)
+            self.assertEqual(monitor["limit_m"], monitor["history"]["limit_m"][-1])
+            self.assertEqual(monitor["uncertainty_m"], monitor["history"]["uncertainty_m"][-1])
+            worst = max(range(len(uncertainty)), key=lambda i: uncertainty[i])
+            self.assertAlmostEqual(monitor["largest_uncertainty_m"], uncertainty[worst], delta=1e-12)
+            self.assertAlmostEqual(monitor["largest_uncertainty_time_s"], found["time_s"][worst],
+                                   delta=1e-9)
+        corner = found["monitors"][0]
+        self.assertGreater(corner["uncertainty_m"], 1e-6)  # of a mesh as coarse as this
+        self.assertIsNotNone(corner["order"])
+        self.check_results_file(levels, found)
+        self.check_report(found)
+        self.check_curl(levels[1]["job"], found)
+
+    def check_results_file(self, levels, found):
+        for k, level in enumerate(levels):
+            path = os.path.join(self.folder, "results.h5")
+            self.dccast("fetch", level["job"], "-o", path)
+            with h5py.File(path) as file:
+                self.assertEqual(file["monitors/displacement_m"][-1, 0, 1],
+                                 found["monitors"][0]["curl_m"][k])
+            os.remove(path)
+
+    def check_report(self, found):
+        base, corner = found["levels"][0]["job"], found["monitors"][0]
+        page = self.dccast("report", base, "-o", "-").stdout
+        limit, half = 1e3 * corner["limit_m"], 1e3 * corner["uncertainty_m"]
+        error = abs(1e3 * corner["curl_m"][0] - limit) + half
+        self.assertIn(f"<strong>{1e3 * corner['curl_m'][0]:.2f}</strong> mm<small>"
+                      f"<em>± {error:.2f} mm</em>limit {limit:.2f} ± {half:.2f} mm", page)
+        self.assertIn("How much of it is discretisation", page)
+        for figure in (limit, half, 1e3 * corner["curl_m"][2]):
+            self.assertIn(f"<td>{figure:.3f}</td>", page)
+        self.assertEqual(page.count("class='band'"), 6)  # three monitors in two charts
+        self.assertNotIn("is not known", page)
+
+    def check_curl(self, job_id, found):
+        """`dccast curl` has the limit at the job's own steps."""
+        curl = json.loads(self.dccast("curl", "--json", job_id).stdout)
+        corner, history = curl["monitors"][0], found["monitors"][0]["history"]
+        self.assertEqual(len(corner["limit_m"]), len(curl["time_s"]))
+        for name in ("limit_m", "uncertainty_m"):
+            self.assertAlmostEqual(corner[name][-1], history[name][-1], delta=1e-12)
+            self.assertAlmostEqual(corner[name][-2], at(curl["time_s"][-2], found["time_s"],
+                                                        history[name]), delta=1e-12)
+
+    def test_a_study_whose_client_was_killed_is_taken_up_again(self):
+        client, study = self.begin_study(self.case_file())
+        until(lambda: len(self.jobs_of(study)) == 3, 20)
+        finest = self.jobs_of(study)[0]
+        self.client.until_step(finest.id, 1, seconds=60)
+        client.kill()
+        client.wait()
+        self.assertEqual(self.client.job(finest.id).state, job_pb2.RUNNING)
+        found, _ = self.study("--study", study)
+        self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
+        self.assertIsNotNone(found["monitors"][0]["order"])
+        again, _ = self.study("--study", study)  # a study that has ended says the same
+        self.assertEqual(again, found)
+        table = self.dccast("convergence", "--study", study).stdout
+        self.assertIn(f"study {study}\n", table)
+        self.assertIn(f"{1e3 * found['monitors'][0]['limit_m']:.3f}", table)
+
+    def test_levels_that_are_missing_are_added_and_no_other(self):
+        path = self.case_file()
+        client, study = self.begin_study(path)
+        until(lambda: self.jobs_of(study), 20)
+        client.kill()  # wherever it is in submitting
+        client.wait()
+        there = {job.id for job in self.jobs_of(study)}
+        found, _ = self.study("--study", study, path)
+        self.assertEqual([level["refinement"] for level in found["levels"]], [1, 2, 4])
+        self.assertLessEqual(there, {level["job"] for level in found["levels"]})
+        self.assertEqual(len(self.jobs_of(study)), 3)
+
+        other = self.case_file(((r'^half_width = "0.28 m"', 'half_width = "0.29 m"'),
+                                (r'^x = "0.28 m"', 'x = "0.29 m"')))
+        said = self.dccast("convergence", "--study", study, other, code=2).stderr
+        self.assertIn("another case", said)
+        self.assertEqual(len(self.jobs_of(study)), 3)
+
+    def test_a_level_that_is_lost_leaves_what_the_others_say(self):
+        path = self.case_file()
+        client, study = self.begin_study(path)
+        until(lambda: len(self.jobs_of(study)) == 3, 20)
+        finest = self.jobs_of(study)[0]
+        self.client.until_step(finest.id, 1, seconds=60)
+        os.kill(self.daemon.worker_processes()[0], signal.SIGKILL)
+        self.assertEqual(client.wait(timeout=60), 3)
+        self.assertIn(f"refinement 4 (job {finest.id}) is failed: worker lost",
+                      client.stderr.read())
+
+        found, said = self.study("--study", study, code=3)
+        self.assertIn("signal 9", said)
+        self.assertEqual([level["state"] for level in found["levels"]],
+                         ["SUCCEEDED", "SUCCEEDED", "FAILED"])
+        corner = found["monitors"][0]
+        curves = [self.curve(level["job"], "corner") for level in found["levels"][:2]]
+        self.assertIsNone(corner["order"])
+        self.assertEqual(corner["curl_m"], [values[-1] for _, values in curves])
+        self.assertEqual(corner["limit_m"], curves[1][1][-1])
+        largest = max(abs(at(t, *curves[1]) - value) for t, value in zip(*curves[0]))
+        self.assertAlmostEqual(corner["uncertainty_m"], 1.25 * largest, delta=1e-12)
+        base = found["levels"][0]["job"]
+        self.assertIn("Refinement 4 is left out",
+                      self.dccast("report", base, "-o", "-").stdout)
+
+        # Deleted, it is no longer a level; submitted again, it is a new one.
+        self.dccast("delete", finest.id)
+        shorter, _ = self.study("--study", study)
+        self.assertEqual(len(shorter["levels"]), 2)
+        whole, _ = self.study("--study", study, path)
+        self.assertEqual([level["state"] for level in whole["levels"]], ["SUCCEEDED"] * 3)
+        self.assertEqual(whole["levels"][0]["job"], base)
+        self.assertNotEqual(whole["levels"][2]["job"], finest.id)
+
+    def test_a_level_beyond_the_limits_is_refused_before_anything_is_submitted(self):
+        # 272 nodes at refinement 2, 990 at 4.
+        path = self.case_file(((r"\Z", "\n[limits]\nmaximum_nodes = 500\n"),))
+        ended = self.dccast("convergence", path, code=2)
+        self.assertIn("refinement 4: ", ended.stderr)
+        self.assertIn("limits.maximum_nodes = 500", ended.stderr)
+        self.assertIn("--levels 2", ended.stderr)
+        self.assertEqual(ended.stdout, "")
+        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        self.assertEqual(len(listed.jobs), 0)
+        found, _ = self.study("--levels", "2", path)
+        self.assertEqual(len(found["levels"]), 2)
+
+    def test_what_cannot_be_studied_is_refused(self):
+        unknown = "0f2b9a4e-0000-4000-8000-000000000000"
+        self.assertIn("no job belongs to study",
+                      self.dccast("convergence", "--study", unknown, code=5).stderr)
+        self.assertIn("not a study id",
+                      self.dccast("convergence", "--study", "mine", code=2).stderr)
+        self.dccast("convergence", code=2)
+        path = self.case_file(((r"\n\[\[monitor\]\](?:\n\w.*)*", ""),))
+        self.assertIn("[[monitor]]", self.dccast("convergence", path, code=2).stderr)
+
+    def test_a_run_that_stands_alone_says_which_command_tells_its_error(self):
+        job_id = self.dccast("submit", self.case_file()).stdout.strip()
+        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
+        page = self.dccast("report", job_id, "-o", "-").stdout
+        self.assertIn("<code>dccast convergence CASE</code>", page)
+        self.assertNotIn("limit_m", self.dccast("curl", "--json", job_id).stdout)
+
+
+if __name__ == "__main__":
+    main()
