@@ -125,6 +125,12 @@ int table(int number, const TableOptions& options, bool as_json) {
   return success;
 }
 
+int elements_under_refinement(const TableOptions& options, bool as_json) {
+  const ElementComparison made = compare_elements(options);
+  std::cout << (as_json ? to_json(made.table).dump(2) + "\n" : to_markdown(made.table));
+  return made.same_limit ? success : missed;
+}
+
 int report(const std::string& file, const ReportOptions& options) {
   std::ofstream out(file);
   out << html_report(options);
@@ -209,7 +215,12 @@ int main_of(int argc, char** argv) {
                           "tables 4 to 6 at the paper's time step (many minutes)");
   table_command->add_option("--limit", table_options.limit,
                             "table 11: give an algorithm up after so many seconds");
-  for (auto* command : {list_command, run_command.app, all_command, table_command}) {
+  auto* elements_command = program.add_subcommand(
+      "elements", "error of the curl by element, and what it costs (minutes)");
+  elements_command->add_option("--limit", table_options.limit,
+                               "give a run up after so many seconds");
+  for (auto* command :
+       {list_command, run_command.app, all_command, table_command, elements_command}) {
     command->add_flag("--json", as_json, "as JSON");
   }
   auto* report_command = program.add_subcommand("report", "one HTML file of all of it");
@@ -238,6 +249,7 @@ int main_of(int argc, char** argv) {
   if (*run_command.app) return run(completed(run_command.request), as_json);
   if (*all_command) return all(nightly, as_json);
   if (*table_command) return table(number, table_options, as_json);
+  if (*elements_command) return elements_under_refinement(table_options, as_json);
   if (*shear_command) return shear(liquid_request, picture);
   return report(file, report_options);
 }

@@ -135,6 +135,9 @@ std::string html_report(const ReportOptions& options) {
     if (number == 11 && (options.no_casting || !has_casting_table())) continue;
     out += to_html(*paper_table(number, table_options));
   }
+  if (options.nightly && !options.no_casting && has_casting_table()) {
+    out += to_html(compare_elements(table_options).table);
+  }
   return out + "</main></body></html>\n";
 }
 

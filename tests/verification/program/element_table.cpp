@@ -1,0 +1,101 @@
+#include <cmath>
+
+#include "client/refinement_study.hpp"
+#include "tests/verification/program/casting_run.hpp"
+#include "tests/verification/program/paper_tables.hpp"
+
+namespace dccast::verification {
+
+namespace {
+
+struct Family {
+  const char* name;
+  mesh::ElementKind element;
+  std::vector<double> time_s{};
+  std::vector<client::RefinedCurve> curves{};  ///< coarsest first
+  std::vector<double> seconds{};               ///< by curve
+
+  double last_mm(std::size_t level) const { return 1e3 * curves[level].value_m.back(); }
+  client::CurveLimit limit() const { return client::extrapolate(time_s, curves); }
+};
+
+std::string text_of(const char* format, double a, double b) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+/// Runs the case with every cell divided, and adds a row without its error.
+void add_level(Table& table, Family& family, int refinement, double limit) {
+  casting::Case casting_case = shipped_casting(family.element);
+  casting_case.section.refinement = refinement;
+  const CastingRun run = run_casting(casting_case, limit);
+  const auto curl = run.curl_mm();
+  table.rows.push_back({family.name, refinement, run.last.nodes, run.seconds,
+                        curl ? Cell(*curl) : Cell(), Cell(), run.ending()});
+  if (run.outcome.end != casting::RunEnd::succeeded) return;
+  if (family.time_s.empty()) family.time_s = run.time_s;
+  family.seconds.push_back(run.seconds);
+  family.curves.push_back(
+      {refinement, client::at_instants(family.time_s, run.time_s, run.curl_m)});
+}
+
+/// Seconds a family needs for an error, on the line through its two nearest levels in logarithms.
+double seconds_for(const Family& family, double limit_mm, double error_mm) {
+  const auto log_error = [&](std::size_t i) {
+    return std::log(std::abs(limit_mm - family.last_mm(i)));
+  };
+  std::size_t i = 1;
+  while (i + 1 < family.seconds.size() && log_error(i) > std::log(error_mm)) ++i;
+  const double share = (std::log(error_mm) - log_error(i - 1)) / (log_error(i) - log_error(i - 1));
+  return family.seconds[i - 1] * std::pow(family.seconds[i] / family.seconds[i - 1], share);
+}
+
+/// What a family tends to at the end of the casting [mm].
+struct Limit {
+  double value, uncertainty;
+  std::string text;
+};
+
+Limit limit_of(const Family& family) {
+  const client::CurveLimit curve = family.limit();
+  const Limit limit{1e3 * curve.value_m.back(), 1e3 * curve.uncertainty_m.back(), {}};
+  std::string text = text_of("%.3f +- %.3f mm", limit.value, limit.uncertainty);
+  if (curve.order) text += text_of(" (order %.2f)", *curve.order, 0.0);
+  return {limit.value, limit.uncertainty, text};
+}
+
+}  // namespace
+
+ElementComparison compare_elements(const TableOptions& options) {
+  ElementComparison comparison;
+  Table& table = comparison.table;
+  table.title = "Elements: error of the curl, and what it costs";
+  table.setup = std::string("Case `") + casting_name +
+                "`, newton, every cell divided, the time steps of the case. `error` is against the limit "
+                "to which q1 tends. Seconds are processor time of the whole run.";
+  table.columns = {"element", "refinement", "nodes at the end", "cpu [s]",
+                   "curl [mm]", "error [%]", "how it ended"};
+  Family p1{"p1", mesh::ElementKind::p1}, q1{"q1", mesh::ElementKind::q1};
+  for (Family* family : {&p1, &q1}) {
+    for (const int refinement : {1, 2, 4}) add_level(table, *family, refinement, options.limit);
+  }
+  if (q1.curves.size() < 3 || p1.curves.size() < 3) return comparison;
+  const Limit of_p1 = limit_of(p1), of_q1 = limit_of(q1);
+  const double limit = of_q1.value;
+  for (auto& row : table.rows) {
+    if (row[4].is_number()) row[5] = 100.0 * (row[4].get<double>() - limit) / limit;
+  }
+  comparison.same_limit =
+      std::abs(of_p1.value - of_q1.value) <= of_p1.uncertainty + of_q1.uncertainty;
+  table.remarks.push_back("Limits: p1 " + of_p1.text + ", q1 " + of_q1.text + ": " +
+                          (comparison.same_limit ? "one curl, within the uncertainties."
+                                                 : "NOT one curl."));
+  const double error = std::abs(limit - q1.last_mm(0));
+  table.remarks.push_back(text_of("The error q1 has after %.3g s takes p1 %.3g s", q1.seconds.front(),
+                                  seconds_for(p1, limit, error)) +
+                          " (between its levels, in logarithms): q1 is the default.");
+  return comparison;
+}
+
+}  // namespace dccast::verification
