@@ -77,10 +77,10 @@ class Driver {
 public:
   Driver(const Case& c, const RunDirectory& directory, StepObserver& observer)
       : directory_(directory.path), observer_(observer), run_(c), clock_(c.checkpoint),
-        header_(header_of(c)) {
+        header_(header_of(c)), files_{directory_ / journal_name, directory_ / results_name} {
     if (directory.resume) resume();
     if (!writer_) {
-      writer_.emplace(results::ResultWriter::create(directory_ / journal_name, header_));
+      writer_.emplace(results::ResultWriter::create(files_, header_));
       writer_->append(run_.take_frame());
       writer_->flush();
     }
@@ -93,7 +93,7 @@ public:
         if (const auto end = after(report)) return *end;
       }
     } catch (const SolveFailed& failure) {
-      writer_->publish(directory_ / results_name, {"solve_failed", failure.what()});
+      writer_->publish({"solve_failed", failure.what()});
       return {RunEnd::solve_failed, RunFailure{failure.what(), failure.time(), failure.time_step(),
                                                failure.residual_history()}};
     }
@@ -108,7 +108,7 @@ private:
       observer_.on_message("no checkpoint to go on from (" + read.reason + "): the run begins anew");
       return;
     }
-    auto resumed = results::ResultWriter::resume(directory_ / journal_name, state.step);
+    auto resumed = results::ResultWriter::resume(files_, state.step);
     if (!resumed.writer) {
       observer_.on_message("the journal does not reach the checkpoint (" + resumed.reason +
                            "): the run begins anew");
@@ -135,22 +135,21 @@ private:
     if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, std::nullopt};
     if (order == Order::stop_at_checkpoint || clock_.due(report.step)) write_checkpoint();
     if (order == Order::stop_at_checkpoint && !run_.finished()) {
+      writer_->wait();
       return RunOutcome{RunEnd::stopped, std::nullopt};
     }
     return std::nullopt;
   }
 
   void write_checkpoint() {
-    writer_->sync();
-    results::write_checkpoint(directory_ / checkpoint_name,
-                              to_sections(run_.state(), header_.case_json));
+    writer_->checkpoint(directory_ / checkpoint_name,
+                        to_sections(run_.state(), header_.case_json));
     clock_.written();
   }
 
   RunOutcome finish() {
     const bool good = failure_.empty();
-    writer_->publish(directory_ / results_name,
-                     {good ? "succeeded" : "check_failed", failure_});
+    writer_->publish({good ? "succeeded" : "check_failed", failure_});
     writer_->remove_journal();
     std::error_code ignored;  // a checkpoint that stays does no harm
     std::filesystem::remove(directory_ / checkpoint_name, ignored);
@@ -163,6 +162,7 @@ private:
   SlabRun<Element> run_;
   CheckpointClock clock_;
   results::RunHeader header_;
+  results::RunFiles files_;
   std::optional<results::ResultWriter> writer_;
   std::string failure_;
   double failure_time_ = 0.0;

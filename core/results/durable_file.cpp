@@ -66,10 +66,16 @@ std::string read_file(const fs::path& path) {
   }
 }
 
-void publish(const fs::path& finished, const fs::path& final_path) {
-  FileDescriptor(finished, O_RDONLY).sync();
-  if (std::rename(finished.c_str(), final_path.c_str()) != 0)
-    throw StorageError(errno, final_path.string(), "cannot be given its final name");
+void write_file(const fs::path& path, std::string_view bytes) {
+  FileDescriptor(path, O_WRONLY | O_CREAT | O_TRUNC).write(bytes);
+}
+
+void publish(std::initializer_list<Publication> files) {
+  for (const Publication& file : files) FileDescriptor(file.finished, O_RDONLY).sync();
+  for (const auto& [finished, final_path] : files)
+    if (std::rename(finished.c_str(), final_path.c_str()) != 0)
+      throw StorageError(errno, final_path.string(), "cannot be given its final name");
+  const fs::path final_path = files.begin()->final_path;
   const fs::path folder = final_path.has_parent_path() ? final_path.parent_path() : fs::path(".");
   FileDescriptor(folder, O_RDONLY | O_DIRECTORY).sync();
 }
@@ -77,11 +83,8 @@ void publish(const fs::path& finished, const fs::path& final_path) {
 void write_file_atomically(const fs::path& path, std::string_view bytes) {
   fs::path temporary = path;
   temporary += ".tmp";
-  {
-    FileDescriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    file.write(bytes);
-  }
-  publish(temporary, path);
+  write_file(temporary, bytes);
+  publish({{temporary, path}});
 }
 
 }  // namespace dccast::results

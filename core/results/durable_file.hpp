@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -34,9 +35,19 @@ private:
 /// The whole content of a file. @throws StorageError
 std::string read_file(const std::filesystem::path& path);
 
-/// Gives a finished file its final name, so that after a crash or a loss of power there is either
-/// the old file or the whole new one: fsync, rename, fsync of the folder. @throws StorageError
-void publish(const std::filesystem::path& finished, const std::filesystem::path& final_path);
+/// Writes a file, which may be in the system's cache only afterwards. @throws StorageError
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// A finished file and the name it is to have, in the same folder.
+struct Publication {
+  std::filesystem::path finished;
+  std::filesystem::path final_path;
+};
+
+/// Gives finished files of one folder their final names, in this order, so that after a crash or a
+/// loss of power there is either the old file or the whole new one: fsync of each, renames, fsync
+/// of the folder. @throws StorageError
+void publish(std::initializer_list<Publication> files);
 
 /// Writes `path` by way of a temporary file beside it and publish(). @throws StorageError
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);

@@ -46,6 +46,16 @@ constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }
 
+/// What of a frame a sidecar needs: its size, not its values.
+struct FrameOutline {
+  double time = 0.0;  ///< [s]
+  int dimension = 2;
+  int nodes_per_element = 3;
+  std::int64_t nodes = 0;
+  std::int64_t elements = 0;
+  std::vector<std::string> datasets;  ///< fields that are there, e.g. "stress_pa"
+};
+
 /// What is said once about a run.
 struct RunHeader {
   std::string program_version;

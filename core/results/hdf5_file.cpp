@@ -11,8 +11,9 @@ namespace dccast::results::hdf5 {
 
 namespace {
 
-/// Below this many values a checksum and compression cost more than they give.
-constexpr std::size_t smallest_chunked = 256;
+/// Below this many values a checksum and compression cost more than they give: each chunked array
+/// has an index of 2 KB, and unpacked the frames of a start case are a third longer.
+constexpr std::size_t smallest_chunked = 4096;
 /// One chunk is at most this long, so that a reader of a part need not unpack the whole.
 constexpr hsize_t chunk_values = 1 << 17;
 /// Higher levels take longer and save nothing on shuffled doubles (2.6 MB for 22 frames at 1 and
@@ -126,51 +127,48 @@ void File::create_group(const std::string& object) {
 }
 
 void File::write_array(const std::string& object, const Shape& shape, hid_t file_type,
-                       hid_t memory_type, const void* values) {
+                       hid_t memory_type, const void* values, const char* unit,
+                       const char* meaning) {
   const Handle space = space_of(shape);
   const Handle layout = layout_of(shape);
   const Handle dataset(H5Dcreate2(id_.get(), object.c_str(), file_type, space.get(), H5P_DEFAULT,
                                   layout.get(), H5P_DEFAULT),
                        H5Dclose);
   checked(dataset.get(), object, "cannot be created");
-  if (count_of(shape) == 0) return;
-  checked(H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
-          "cannot be written");
+  if (count_of(shape) > 0)
+    checked(H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
+            "cannot be written");
+  put_attribute(dataset, object, "unit", unit);
+  put_attribute(dataset, object, "meaning", meaning);
 }
 
 void File::write(const std::string& object, const Shape& shape, const double* values,
                  const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values);
-  describe(object, unit, meaning);
+  write_array(object, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, unit, meaning);
 }
 
 void File::write(const std::string& object, const Shape& shape, const std::int32_t* values,
                  const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_STD_I32LE, H5T_NATIVE_INT32, values);
-  describe(object, unit, meaning);
+  write_array(object, shape, H5T_STD_I32LE, H5T_NATIVE_INT32, values, unit, meaning);
 }
 
 void File::write(const std::string& object, const Shape& shape, const std::int64_t* values,
                  const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_STD_I64LE, H5T_NATIVE_INT64, values);
-  describe(object, unit, meaning);
+  write_array(object, shape, H5T_STD_I64LE, H5T_NATIVE_INT64, values, unit, meaning);
 }
 
-void File::describe(const std::string& object, const char* unit, const char* meaning) {
-  write_attribute(object, "unit", std::string(unit));
-  write_attribute(object, "meaning", std::string(meaning));
-}
-
-void File::write_strings(const std::string& object, const Handle& space, const char* const* texts) {
+void File::write_strings(const std::string& object, const Handle& space, const char* const* texts,
+                         const char* meaning) {
   const Handle type = text_type();
   const Handle layout = layout_of({});
   const Handle dataset(H5Dcreate2(id_.get(), object.c_str(), type.get(), space.get(), H5P_DEFAULT,
                                   layout.get(), H5P_DEFAULT),
                        H5Dclose);
   checked(dataset.get(), object, "cannot be created");
-  if (H5Sget_simple_extent_npoints(space.get()) == 0) return;
-  checked(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts), object,
-          "cannot be written");
+  if (H5Sget_simple_extent_npoints(space.get()) > 0)
+    checked(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts), object,
+            "cannot be written");
+  put_attribute(dataset, object, "meaning", meaning);
 }
 
 void File::write_texts(const std::string& object, const std::vector<std::string>& texts,
@@ -178,19 +176,16 @@ void File::write_texts(const std::string& object, const std::vector<std::string>
   std::vector<const char*> pointers;
   pointers.reserve(texts.size());
   for (const std::string& text : texts) pointers.push_back(text.c_str());
-  write_strings(object, space_of({texts.size()}), pointers.data());
-  write_attribute(object, "meaning", std::string(meaning));
+  write_strings(object, space_of({texts.size()}), pointers.data(), meaning);
 }
 
 void File::write_text(const std::string& object, const std::string& text, const char* meaning) {
   const char* pointer = text.c_str();
-  write_strings(object, space_of({}), &pointer);
-  write_attribute(object, "meaning", std::string(meaning));
+  write_strings(object, space_of({}), &pointer, meaning);
 }
 
-void File::put_attribute(const std::string& object, const char* name, hid_t type,
-                         const void* value) {
-  const Handle target = open_object(object);
+void File::put_attribute(const Handle& target, const std::string& object, const char* name,
+                         hid_t type, const void* value) {
   const Handle space = space_of({});
   const Handle attribute(
       H5Acreate2(target.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
@@ -198,18 +193,22 @@ void File::put_attribute(const std::string& object, const char* name, hid_t type
   checked(H5Awrite(attribute.get(), type, value), object + "@" + name, "cannot be written");
 }
 
+void File::put_attribute(const Handle& target, const std::string& object, const char* name,
+                         const char* text) {
+  const Handle type = text_type();
+  put_attribute(target, object, name, type.get(), &text);
+}
+
 void File::write_attribute(const std::string& object, const char* name, double value) {
-  put_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+  put_attribute(open_object(object), object, name, H5T_NATIVE_DOUBLE, &value);
 }
 
 void File::write_attribute(const std::string& object, const char* name, std::int64_t value) {
-  put_attribute(object, name, H5T_NATIVE_INT64, &value);
+  put_attribute(open_object(object), object, name, H5T_NATIVE_INT64, &value);
 }
 
 void File::write_attribute(const std::string& object, const char* name, const std::string& value) {
-  const Handle type = text_type();
-  const char* pointer = value.c_str();
-  put_attribute(object, name, type.get(), &pointer);
+  put_attribute(open_object(object), object, name, value.c_str());
 }
 
 Handle File::open_object(const std::string& object) const {

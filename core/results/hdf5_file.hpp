@@ -84,10 +84,14 @@ public:
 private:
   File(std::filesystem::path path, Handle id) : path_(std::move(path)), id_(std::move(id)) {}
   void write_array(const std::string& object, const Shape& shape, hid_t file_type,
-                   hid_t memory_type, const void* values);
-  void write_strings(const std::string& object, const Handle& space, const char* const* texts);
-  void describe(const std::string& object, const char* unit, const char* meaning);
-  void put_attribute(const std::string& object, const char* name, hid_t type, const void* value);
+                   hid_t memory_type, const void* values, const char* unit, const char* meaning);
+  void write_strings(const std::string& object, const Handle& space, const char* const* texts,
+                     const char* meaning);
+  /// @param target  the object itself, open; its path serves the messages
+  void put_attribute(const Handle& target, const std::string& object, const char* name, hid_t type,
+                     const void* value);
+  void put_attribute(const Handle& target, const std::string& object, const char* name,
+                     const char* text);
   Handle open_object(const std::string& object) const;
   Handle open_attribute(const std::string& object, const char* name) const;
   void read_array(const std::string& object, hid_t memory_type, void* values) const;

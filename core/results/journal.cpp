@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -76,13 +77,8 @@ void Journal::write() {
   pending_.clear();
 }
 
-void Journal::sync() {
-  write();
-  file_.sync();
-}
-
 bool visit_journal(const std::filesystem::path& path,
-                   const std::function<bool(const Record&)>& visit) {
+                   const std::function<bool(const Record&)>& visit, std::uint64_t after) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw StorageError(errno, path.string(), "cannot be opened");
   const std::uint64_t size = std::filesystem::file_size(path);
@@ -90,7 +86,8 @@ bool visit_journal(const std::filesystem::path& path,
   if (!stream.read(start.data(), static_cast<std::streamsize>(start.size())) || start != magic)
     return false;
   Record record;
-  record.end = magic.size();
+  record.end = std::max<std::uint64_t>(after, magic.size());
+  stream.seekg(static_cast<std::streamoff>(record.end));
   while (size - record.end >= preamble_size && read_record(stream, size - record.end, record))
     if (!visit(record)) break;
   return true;

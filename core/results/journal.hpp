@@ -27,8 +27,9 @@ public:
   void append(RecordKind kind, const Sections& content);
   /// Hands the records to the system: they outlive this process. @throws StorageError
   void write();
-  /// write(), and waits until they are on the disk. @throws StorageError
-  void sync();
+  /// Waits until what write() handed over is on the disk; also from another thread.
+  /// @throws StorageError
+  void sync() { file_.sync(); }
 
 private:
   explicit Journal(FileDescriptor file) : file_(std::move(file)) {}
@@ -45,10 +46,11 @@ struct Record {
 };
 
 /// Calls `visit` with each whole record in turn until it answers false; stops before a damaged one.
+/// @param after  begin behind this byte, the end of a record visited before; 0: at the beginning
 /// @return false when the file does not begin like a journal
 /// @throws StorageError  the file cannot be read
 bool visit_journal(const std::filesystem::path& path,
-                   const std::function<bool(const Record&)>& visit);
+                   const std::function<bool(const Record&)>& visit, std::uint64_t after = 0);
 
 Sections to_sections(const RunHeader& header);
 Sections to_sections(const StepReport& report);

@@ -13,9 +13,6 @@ namespace {
 
 using hdf5::File;
 
-constexpr const char* optional_fields[] = {"temperature_c", "liquid_fraction", "displacement_m",
-                                           "stress_pa", "viscoplastic_strain"};
-
 /// Empty where the run did not store the array.
 std::vector<double> reals_if_any(const File& file, const std::string& object) {
   return file.has(object) ? file.read_reals(object) : std::vector<double>{};
@@ -38,6 +35,13 @@ void require_rank(const File& file, const std::string& object, const hdf5::Shape
                   std::size_t rank) {
   if (shape.size() != rank)
     throw StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
+}
+
+/// Of a matrix.
+int columns_of(const File& file, const std::string& object) {
+  const hdf5::Shape shape = file.shape_of(object);
+  require_rank(file, object, shape, 2);
+  return static_cast<int>(shape[1]);
 }
 
 void read_field(const File& file, const HistoryField& field, std::vector<StepReport>& steps) {
@@ -95,33 +99,15 @@ std::vector<StepReport> ResultReader::history() const {
   return steps;
 }
 
-FrameOutline ResultReader::outline(std::size_t index) const {
-  const std::string group = frame_group(index);
-  const auto nodes = file_->shape_of(group + "/node_m");
-  const auto elements = file_->shape_of(group + "/element_node");
-  require_rank(*file_, group + "/node_m", nodes, 2);
-  require_rank(*file_, group + "/element_node", elements, 2);
-  FrameOutline outline;
-  outline.time = file_->real_attribute(group, "time_s");
-  outline.nodes = static_cast<std::int64_t>(nodes[0]);
-  outline.dimension = static_cast<int>(nodes[1]);
-  outline.elements = static_cast<std::int64_t>(elements[0]);
-  outline.nodes_per_element = static_cast<int>(elements[1]);
-  for (const char* field : optional_fields)
-    if (file_->has(group + "/" + field)) outline.datasets.emplace_back(field);
-  return outline;
-}
-
 Frame ResultReader::frame(std::size_t index) const {
   const std::string group = frame_group(index);
-  const FrameOutline shape = outline(index);
   Frame frame;
   frame.step = file_->integer_attribute(group, "step");
-  frame.time = shape.time;
+  frame.time = file_->real_attribute(group, "time_s");
   frame.cast_length = file_->real_attribute(group, "cast_length_m");
   frame.metal_level = file_->real_attribute(group, "metal_level_m");
-  frame.dimension = shape.dimension;
-  frame.nodes_per_element = shape.nodes_per_element;
+  frame.dimension = columns_of(*file_, group + "/node_m");
+  frame.nodes_per_element = columns_of(*file_, group + "/element_node");
   frame.node = file_->read_reals(group + "/node_m");
   frame.element_node = narrow(file_->read_integers(group + "/element_node"));
   frame.temperature = reals_if_any(*file_, group + "/temperature_c");

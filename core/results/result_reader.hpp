@@ -14,16 +14,6 @@ namespace hdf5 {
 class File;
 }
 
-/// What of a frame a sidecar needs: its size, not its values.
-struct FrameOutline {
-  double time = 0.0;  ///< [s]
-  int dimension = 2;
-  int nodes_per_element = 3;
-  std::int64_t nodes = 0;
-  std::int64_t elements = 0;
-  std::vector<std::string> datasets;  ///< fields that are there, e.g. "stress_pa"
-};
-
 /// Reads a result file. All calls may throw StorageError, which names file and dataset.
 class ResultReader {
 public:
@@ -39,7 +29,6 @@ public:
   std::size_t frames() const { return frames_; }
   /// @pre index < frames()
   Frame frame(std::size_t index) const;
-  FrameOutline outline(std::size_t index) const;
   /// Nothing when the run stored none.
   std::optional<Frame> last_frame() const;
 

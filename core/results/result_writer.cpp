@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
+#include "core/results/background.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/durable_file.hpp"
+#include "core/results/journal.hpp"
+#include "core/results/result_file_builder.hpp"
 #include "core/results/xdmf.hpp"
 
 namespace dccast::results {
@@ -59,44 +65,118 @@ void check_sizes(const Frame& frame) {
   require(all_or_none(frame.bottom_pressure, frame.bottom_node.size()), "bottom_pressure");
 }
 
+fs::path unfinished(const fs::path& path) {
+  fs::path name = path;
+  return name += ".part";
+}
+
 }  // namespace
 
-ResultWriter ResultWriter::create(const fs::path& journal, const RunHeader& header) {
-  ResultWriter writer(journal, Journal::create(journal));
-  writer.journal_.append(RecordKind::header, to_sections(header));
-  writer.flush();
+/// At one address for the life of the thread.
+struct ResultWriter::Parts {
+  Parts(RunFiles of_run, Journal of_files)
+      : files(std::move(of_run)), journal(std::move(of_files)) {}
+  Parts(const Parts&) = delete;
+  ~Parts();
+
+  // These are for the thread.
+  void follow();
+  void finish(const RunSummary& summary);
+  ResultFileBuilder take_builder();
+
+  RunFiles files;
+  Journal journal;
+  std::optional<ResultFileBuilder> builder;  ///< the thread's
+  Background background;                     ///< last: its thread ends before what it works with
+};
+
+ResultWriter::Parts::~Parts() {
+  try {
+    background.wait();
+  } catch (const std::exception&) {
+    // The run has ended without publishing; whoever ended it knows why.
+  }
+  builder.reset();
+  std::error_code ignored;
+  fs::remove(unfinished(files.results), ignored);
+}
+
+ResultFileBuilder ResultWriter::Parts::take_builder() {
+  // Where it throws it is lost, and the next one begins anew.
+  if (auto begun = std::exchange(builder, std::nullopt)) return std::move(*begun);
+  return {files.journal, unfinished(files.results)};
+}
+
+void ResultWriter::Parts::follow() {
+  ResultFileBuilder result_file = take_builder();
+  result_file.follow();
+  builder = std::move(result_file);
+}
+
+void ResultWriter::Parts::finish(const RunSummary& summary) {
+  ResultFileBuilder result_file = take_builder();
+  result_file.finish(summary);
+  const fs::path sidecar = fs::path(files.results).replace_extension(".xdmf");
+  write_file(unfinished(sidecar), xdmf_of(result_file.frames(), files.results.filename().string()));
+  // The sidecar comes first: whoever sees results.h5 finds it there.
+  results::publish({{unfinished(sidecar), sidecar}, {unfinished(files.results), files.results}});
+}
+
+ResultWriter::ResultWriter(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+ResultWriter::ResultWriter(ResultWriter&&) noexcept = default;
+ResultWriter& ResultWriter::operator=(ResultWriter&&) noexcept = default;
+ResultWriter::~ResultWriter() = default;
+
+ResultWriter ResultWriter::create(const RunFiles& files, const RunHeader& header) {
+  ResultWriter writer(std::make_unique<Parts>(files, Journal::create(files.journal)));
+  writer.parts_->journal.append(RecordKind::header, to_sections(header));
+  writer.parts_->journal.write();
   return writer;
 }
 
-ResumedWriter ResultWriter::resume(const fs::path& journal, std::int64_t step) {
-  if (!fs::exists(journal)) return {std::nullopt, "the journal is missing"};
-  const auto cut = find_cut(journal, step);
+ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step) {
+  if (!fs::exists(files.journal)) return {std::nullopt, "the journal is missing"};
+  const auto cut = find_cut(files.journal, step);
   if (!cut || !cut->begins_with_header) return {std::nullopt, "the journal is damaged"};
   if (cut->last_step < step) return {std::nullopt, "the journal ends before the checkpoint"};
-  return {ResultWriter(journal, Journal::reopen(journal, cut->size)), ""};
+  return {ResultWriter(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size))),
+          ""};
 }
 
 void ResultWriter::append(const StepReport& report) {
-  journal_.append(RecordKind::step, to_sections(report));
+  parts_->journal.append(RecordKind::step, to_sections(report));
 }
 
 void ResultWriter::append(const Frame& frame) {
   check_sizes(frame);
-  journal_.append(RecordKind::frame, to_sections(frame));
+  parts_->journal.append(RecordKind::frame, to_sections(frame));
 }
 
-void ResultWriter::publish(const fs::path& results, const RunSummary& summary) {
-  journal_.sync();
-  fs::path unfinished = results;
-  unfinished += ".part";
-  write_result_file(journal_path_, unfinished, summary);
-  // The sidecar comes first: whoever sees results.h5 finds it there.
-  write_xdmf(fs::path(results).replace_extension(".xdmf"), unfinished, results.filename().string());
-  results::publish(unfinished, results);
+void ResultWriter::flush() {
+  parts_->journal.write();
+  parts_->background.post([parts = parts_.get()] { parts->follow(); });
+}
+
+void ResultWriter::checkpoint(const fs::path& path, Sections content) {
+  parts_->journal.write();
+  parts_->background.post([parts = parts_.get(), path, content = std::move(content)] {
+    parts->journal.sync();
+    write_checkpoint(path, content);
+  });
+}
+
+void ResultWriter::wait() {
+  parts_->background.wait();
+}
+
+void ResultWriter::publish(const RunSummary& summary) {
+  parts_->journal.write();
+  parts_->background.post([parts = parts_.get(), summary] { parts->finish(summary); });
+  parts_->background.wait();
 }
 
 void ResultWriter::remove_journal() {
-  fs::remove(journal_path_);
+  fs::remove(parts_->files.journal);
 }
 
 }  // namespace dccast::results

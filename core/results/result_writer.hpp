@@ -1,64 +1,78 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "core/results/frame.hpp"
-#include "core/results/journal.hpp"
+#include "core/results/sections.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::results {
+
+/// Where the records of a run go while it goes on, and what they become.
+struct RunFiles {
+  std::filesystem::path journal;
+  /// results.h5; while it is written it has the extension .part behind its name.
+  std::filesystem::path results;
+};
 
 struct ResumedWriter;
 
 /// Collects the steps and frames of a run and makes its result file.
 ///
-/// While the run goes on they are appended to a journal (CHECKPOINT.md); publish() turns it into
-/// HDF5 as SCHEMA.md says. A run that is killed at any moment and resumed from its checkpoint
-/// therefore gives the same file, byte for byte, as one that was not.
+/// They are appended to a journal (CHECKPOINT.md), out of which a thread makes HDF5 as SCHEMA.md
+/// says while the run goes on. The journal alone is what a run is resumed from: one that is killed
+/// at any moment and resumed from its checkpoint therefore gives the same file, byte for byte, as
+/// one that was not.
 ///
-/// All calls may throw StorageError.
+/// All calls may throw StorageError, also for what the thread could not write since the last call.
 class ResultWriter {
 public:
-  /// Begins the results of a run. @param journal  path of the journal, over an older one
-  static ResultWriter create(const std::filesystem::path& journal, const RunHeader& header);
+  /// Begins the results of a run, over older ones.
+  static ResultWriter create(const RunFiles& files, const RunHeader& header);
 
   /// Goes on after step `step`, of which there is a checkpoint; later steps and frames are dropped.
   /// No writer, but the reason, when the journal is missing, damaged or ends before that step: the
   /// run then begins anew.
-  static ResumedWriter resume(const std::filesystem::path& journal, std::int64_t step);
+  static ResumedWriter resume(const RunFiles& files, std::int64_t step);
+
+  ResultWriter(ResultWriter&&) noexcept;
+  ResultWriter& operator=(ResultWriter&&) noexcept;
+  /// What is under way comes to its end first. Nothing but the journal stays of unpublished
+  /// results.
+  ~ResultWriter();
 
   void append(const StepReport& report);
   /// @param frame  of the last step appended, or of the initial state
   void append(const Frame& frame);
 
-  /// Makes what was appended outlive this process. Call it at each frame.
-  void flush() { journal_.write(); }
-  /// Makes what was appended outlive a loss of power. Call it before each checkpoint is written.
-  void sync() { journal_.sync(); }
+  /// Makes what was appended outlive this process, and part of the result file. Call it at each
+  /// frame.
+  void flush();
+  /// Writes a checkpoint, once what was appended would outlive a loss of power. The thread does
+  /// both; see wait().
+  void checkpoint(const std::filesystem::path& path, Sections content);
+  /// Waits for the thread: what was posted is on the disk.
+  void wait();
 
-  /// Writes the HDF5 file beside `results` as `results`.part, gives it its name once it is whole,
-  /// and does the same with the XDMF sidecar `results` with extension .xdmf. The journal stays
-  /// until remove_journal().
-  void publish(const std::filesystem::path& results, const RunSummary& summary);
+  /// Writes what is missing of `results`.part, gives it its name once it is whole, and does the
+  /// same with the XDMF sidecar, `results` with extension .xdmf. The journal stays until
+  /// remove_journal().
+  void publish(const RunSummary& summary);
   void remove_journal();
 
 private:
-  ResultWriter(std::filesystem::path path, Journal journal)
-      : journal_path_(std::move(path)), journal_(std::move(journal)) {}
+  struct Parts;
+  explicit ResultWriter(std::unique_ptr<Parts> parts);
 
-  std::filesystem::path journal_path_;
-  Journal journal_;
+  std::unique_ptr<Parts> parts_;
 };
 
 struct ResumedWriter {
   std::optional<ResultWriter> writer;
   std::string reason;  ///< why there is none
 };
-
-/// Writes results.h5 from the journal of a run. @throws StorageError
-void write_result_file(const std::filesystem::path& journal, const std::filesystem::path& results,
-                       const RunSummary& summary);
 
 }  // namespace dccast::results

@@ -3,10 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "core/results/durable_file.hpp"
-#include "core/results/frame.hpp"
 #include "core/results/result_file.hpp"
-#include "core/results/result_reader.hpp"
 
 namespace dccast::results {
 
@@ -93,16 +90,27 @@ std::string grid(const FrameOutline& frame, const std::string& group) {
 
 }  // namespace
 
-void write_xdmf(const std::filesystem::path& sidecar, const std::filesystem::path& results,
-                const std::string& hdf5_name) {
-  const ResultReader reader(results);
+FrameOutline outline_of(const Frame& frame) {
+  FrameOutline outline{frame.time,    frame.dimension,  frame.nodes_per_element,
+                       frame.nodes(), frame.elements(), {}};
+  const auto add = [&](const char* dataset, const std::vector<double>& values) {
+    if (!values.empty()) outline.datasets.emplace_back(dataset);
+  };
+  add("temperature_c", frame.temperature);
+  add("liquid_fraction", frame.liquid_fraction);
+  add("displacement_m", frame.displacement);
+  add("stress_pa", frame.stress);
+  add("viscoplastic_strain", frame.viscoplastic_strain);
+  return outline;
+}
+
+std::string xdmf_of(const std::vector<FrameOutline>& frames, const std::string& hdf5_name) {
   std::string text =
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"casting\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::size_t i = 0; i < reader.frames(); ++i)
-    text += grid(reader.outline(i), escaped(hdf5_name) + ":" + frame_group(i));
-  text += "    </Grid>\n  </Domain>\n</Xdmf>\n";
-  write_file_atomically(sidecar, text);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    text += grid(frames[i], escaped(hdf5_name) + ":" + frame_group(i));
+  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
 }  // namespace dccast::results

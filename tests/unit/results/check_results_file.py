@@ -15,7 +15,7 @@ import numpy as np
 SCHEMA = pathlib.Path(__file__).resolve().parents[3] / "core/results/SCHEMA.md"
 NUMPY_TYPE = {"f8": "<f8", "i8": "<i8", "i4": "<i4"}
 NODES_OF_TOPOLOGY = {"Triangle": 3, "Quadrilateral": 4, "Tetrahedron": 4, "Hexahedron": 8}
-COMPRESSED_FROM = 256
+COMPRESSED_FROM = 4096
 TENSOR_COMPONENTS = {2: 4, 3: 6}
 
 

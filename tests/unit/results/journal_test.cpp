@@ -9,6 +9,7 @@
 
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/result_reader.hpp"
+#include "core/results/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
@@ -20,16 +21,17 @@ constexpr std::int64_t steps_per_checkpoint = 20;
 
 /// A run as casting makes it, from its checkpoint on if there is one. @return false: begun anew
 bool run_sample(const TemporaryFolder& folder) {
+  const RunFiles files{folder / "results.journal", folder / "results.h5"};
   std::int64_t step = 0;
   std::optional<ResultWriter> writer;
   if (const auto checkpoint = read_checkpoint(folder / "checkpoint.bin"); checkpoint.content) {
     step = checkpoint.content->integer("step");
-    writer = ResultWriter::resume(folder / "results.journal", step).writer;
+    writer = ResultWriter::resume(files, step).writer;
   }
   const bool resumed = writer.has_value();
   if (!resumed) {
     step = 0;
-    writer = ResultWriter::create(folder / "results.journal", sample_header());
+    writer = ResultWriter::create(files, sample_header());
     writer->append(sample_frame(0, 3, 100));
   }
   while (step < last_step) {
@@ -39,13 +41,12 @@ bool run_sample(const TemporaryFolder& folder) {
       writer->flush();
     }
     if (step % steps_per_checkpoint == 0) {
-      writer->sync();
       Sections content;
       content.set_integer("step", step);
-      write_checkpoint(folder / "checkpoint.bin", content);
+      writer->checkpoint(folder / "checkpoint.bin", std::move(content));
     }
   }
-  writer->publish(folder / "results.h5", {});
+  writer->publish({});
   return resumed;
 }
 
@@ -70,7 +71,7 @@ TEST(Journal, ReturnsWhatWasAppended) {
   journal.append(RecordKind::header, to_sections(sample_header()));
   journal.append(RecordKind::step, to_sections(sample_step(3)));
   journal.append(RecordKind::frame, to_sections(sample_frame(3, 4, 5)));
-  journal.sync();
+  journal.write();
   std::vector<RecordKind> kinds;
   ASSERT_TRUE(visit_journal(folder / "j", [&](const Record& record) {
     kinds.push_back(record.kind);
@@ -109,35 +110,71 @@ TEST(Journal, RefusesAForeignFile) {
   const TemporaryFolder folder;
   FileDescriptor(folder / "j", O_WRONLY | O_CREAT).write("something else altogether");
   EXPECT_FALSE(visit_journal(folder / "j", [](const Record&) { return true; }));
-  EXPECT_EQ(ResultWriter::resume(folder / "j", 1).reason, "the journal is damaged");
+  EXPECT_EQ(ResultWriter::resume({folder / "j", folder / "r.h5"}, 1).reason,
+            "the journal is damaged");
 }
 
 TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
   const TemporaryFolder folder;
+  const RunFiles files{folder / "j", folder / "r.h5"};
   {
-    auto writer = ResultWriter::create(folder / "j", sample_header());
+    auto writer = ResultWriter::create(files, sample_header());
     for (std::int64_t step = 1; step <= 5; ++step) {
       writer.append(sample_step(step));
       writer.append(sample_frame(step, 3, 2));
     }
     writer.flush();
   }
-  auto resumed = ResultWriter::resume(folder / "j", 3);
+  auto resumed = ResultWriter::resume(files, 3);
   ASSERT_TRUE(resumed.writer) << resumed.reason;
-  resumed.writer->publish(folder / "r.h5", {});
+  resumed.writer->publish({});
   const ResultReader reader(folder / "r.h5");
   EXPECT_EQ(reader.history().size(), 3u);
   EXPECT_EQ(reader.frames(), 3u);
   EXPECT_EQ(reader.last_frame()->step, 3);
 }
 
+TEST(ResultWriter, MakesTheResultFileWhileTheRunGoesOn) {
+  const TemporaryFolder folder;
+  {
+    auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+    std::uintmax_t size = 0;
+    for (std::int64_t step = 1; step <= 3; ++step) {
+      writer.append(sample_step(step));
+      writer.append(sample_frame(step, 3, 2000));
+      writer.flush();
+      writer.wait();
+      EXPECT_GT(std::filesystem::file_size(folder / "r.h5.part"), size);
+      size = std::filesystem::file_size(folder / "r.h5.part");
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "r.h5.part")) << "left without publishing";
+  EXPECT_TRUE(std::filesystem::exists(folder / "j"));
+}
+
+TEST(ResultWriter, DoesNotPublishHalfAJournal) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+  writer.append(sample_step(1));
+  writer.append(sample_frame(1, 3, 2));
+  writer.checkpoint(folder / "c", {});
+  writer.wait();
+  std::filesystem::resize_file(folder / "j", std::filesystem::file_size(folder / "j") - 1);
+  writer.append(sample_step(2));
+  EXPECT_THROW(writer.publish({}), StorageError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
+}
+
 TEST(ResultWriter, DoesNotResumeBehindTheEndOfTheJournal) {
   const TemporaryFolder folder;
-  ResultWriter::create(folder / "j", sample_header()).append(sample_step(1));
-  const auto resumed = ResultWriter::resume(folder / "j", 1);  // step 1 was never flushed
+  const RunFiles files{folder / "j", folder / "r.h5"};
+  ResultWriter::create(files, sample_header()).append(sample_step(1));
+  const auto resumed = ResultWriter::resume(files, 1);  // step 1 was never flushed
   EXPECT_FALSE(resumed.writer);
   EXPECT_EQ(resumed.reason, "the journal ends before the checkpoint");
-  EXPECT_EQ(ResultWriter::resume(folder / "none", 1).reason, "the journal is missing");
+  EXPECT_EQ(ResultWriter::resume({folder / "none", folder / "r.h5"}, 1).reason,
+            "the journal is missing");
 }
 
 TEST(ResultWriter, KilledAndResumedGivesTheSameBytes) {

@@ -4,7 +4,9 @@
 
 #include <stdexcept>
 
+#include "core/results/durable_file.hpp"
 #include "core/results/history_fields.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
@@ -13,11 +15,11 @@ namespace dccast::results {
 namespace {
 
 void publish_sample(const std::filesystem::path& results, int nodes_per_element, int cells) {
-  auto writer = ResultWriter::create(results.string() + ".journal", sample_header());
+  auto writer = ResultWriter::create({results.string() + ".journal", results}, sample_header());
   writer.append(sample_frame(0, nodes_per_element, cells));
   for (std::int64_t step = 1; step <= 300; ++step) writer.append(sample_step(step));
   writer.append(sample_frame(300, nodes_per_element, cells + 1));
-  writer.publish(results, {"check_failed", "the energy balance"});
+  writer.publish({"check_failed", "the energy balance"});
   writer.remove_journal();
 }
 
@@ -42,7 +44,7 @@ TEST(ResultFile, ReturnsEveryFieldOfEveryStep) {
 
 TEST(ResultFile, ReturnsFramesOfEachElementFamily) {
   for (const int nodes_per_element : {3, 4}) {
-    for (const int cells : {2, 400}) {  // below and above the size that is compressed
+    for (const int cells : {2, 1200}) {  // below and above the size that is compressed
       const TemporaryFolder folder;
       publish_sample(folder / "r.h5", nodes_per_element, cells);
       const ResultReader reader(folder / "r.h5");
@@ -62,9 +64,9 @@ TEST(ResultFile, LeavesOutWhatWasNotComputed) {
   RunHeader header = sample_header();
   header.monitor_name.clear();
   header.monitor_position.clear();
-  auto writer = ResultWriter::create(folder / "j", header);
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, header);
   writer.append(heat_only);
-  writer.publish(folder / "r.h5", {});
+  writer.publish({});
   const ResultReader reader(folder / "r.h5");
   EXPECT_EQ(reader.frame(0), heat_only);
   EXPECT_EQ(reader.header(), header);
@@ -73,9 +75,9 @@ TEST(ResultFile, LeavesOutWhatWasNotComputed) {
 
 TEST(ResultFile, IsTheSameByteForByteAndHoldsNoTimes) {
   const TemporaryFolder folder;
-  publish_sample(folder / "a.h5", 3, 400);
+  publish_sample(folder / "a.h5", 3, 1200);
   ::sleep(1);  // a stored time would differ by now
-  publish_sample(folder / "b.h5", 3, 400);
+  publish_sample(folder / "b.h5", 3, 1200);
   EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
 }
 
@@ -88,7 +90,7 @@ TEST(ResultFile, GivesEveryNumberAUnitAndAMeaning) {
 
 TEST(ResultFile, OfAFrameThatDoesNotFitItsMeshIsABug) {
   const TemporaryFolder folder;
-  auto writer = ResultWriter::create(folder / "j", sample_header());
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
   Frame frame = sample_frame(0, 3, 3);
   frame.temperature.pop_back();
   EXPECT_THROW(writer.append(frame), std::logic_error);
@@ -96,7 +98,7 @@ TEST(ResultFile, OfAFrameThatDoesNotFitItsMeshIsABug) {
 
 TEST(ResultReader, NamesFileAndDatasetOfADamagedArray) {
   const TemporaryFolder folder;
-  publish_sample(folder / "r.h5", 3, 400);
+  publish_sample(folder / "r.h5", 3, 1200);
   std::string bytes = read_file(folder / "r.h5");
   const hid_t file = H5Fopen((folder / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   const hid_t dataset = H5Dopen2(file, "/frames/000001/node_m", H5P_DEFAULT);

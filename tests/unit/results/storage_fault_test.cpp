@@ -43,21 +43,26 @@ int outcome_with_limit(rlim_t bytes, const std::function<void()>& work) {
 
 TEST(FullDisk, IsReportedByTheJournal) {
   const TemporaryFolder folder;
-  EXPECT_EQ(outcome_with_limit(4000,
-                               [&] {
-                                 auto writer = ResultWriter::create(folder / "j", sample_header());
-                                 writer.append(sample_frame(0, 3, 400));
-                                 writer.flush();
-                               }),
-            told);
+  EXPECT_EQ(
+      outcome_with_limit(
+          4000,
+          [&] {
+            auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+            writer.append(sample_frame(0, 3, 400));
+            writer.flush();
+          }),
+      told);
 }
 
 TEST(FullDisk, IsReportedByTheResultFileWhichDoesNotAppear) {
   const TemporaryFolder folder;
-  auto writer = ResultWriter::create(folder / "j", sample_header());
-  for (int i = 0; i < 20; ++i) writer.append(sample_frame(i, 3, 400));
-  writer.sync();
-  const auto publish = [&] { writer.publish(folder / "r.h5", {}); };
+  const RunFiles files{folder / "j", folder / "r.h5"};
+  {
+    auto writer = ResultWriter::create(files, sample_header());
+    for (int i = 0; i < 20; ++i) writer.append(sample_frame(i, 3, 400));
+    writer.flush();
+  }
+  const auto publish = [&] { ResultWriter::resume(files, 19).writer->publish({}); };
   EXPECT_EQ(outcome_with_limit(20000, publish), told);
   EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
   publish();  // the disk has room again: nothing is lost
@@ -77,7 +82,7 @@ TEST(FullDisk, LeavesThePreviousCheckpoint) {
 TEST(MissingFolder, IsNamed) {
   const TemporaryFolder folder;
   try {
-    ResultWriter::create(folder / "none/j", sample_header());
+    ResultWriter::create({folder / "none/j", folder / "none/r.h5"}, sample_header());
     FAIL() << "written to a folder that is not there";
   } catch (const StorageError& error) {
     EXPECT_EQ(error.code().value(), ENOENT);

@@ -13,16 +13,17 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   for (const int nodes_per_element : {3, 4}) {
     const std::string name = nodes_per_element == 3 ? "triangles" : "quadrilaterals";
-    auto writer = ResultWriter::create(folder / (name + ".journal"), sample_header());
+    auto writer = ResultWriter::create({folder / (name + ".journal"), folder / (name + ".h5")},
+                                       sample_header());
     writer.append(sample_frame(0, nodes_per_element, 4));
     for (std::int64_t step = 1; step <= 300; ++step) {
       writer.append(sample_step(step));
       if (step % 100 == 0) {
-        const int cells = 4 + static_cast<int>(step);
+        const int cells = 4 * static_cast<int>(step);  // the last ones long enough to be compressed
         writer.append(sample_frame(step, nodes_per_element, cells));
       }
     }
-    writer.publish(folder / (name + ".h5"), {});
+    writer.publish({});
     writer.remove_journal();
   }
 }

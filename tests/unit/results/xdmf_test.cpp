@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/results/durable_file.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
@@ -13,9 +14,9 @@ using testing::Not;
 
 std::string sidecar_of(const Frame& frame) {
   const TemporaryFolder folder;
-  auto writer = ResultWriter::create(folder / "j", sample_header());
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
   writer.append(frame);
-  writer.publish(folder / "r.h5", {});
+  writer.publish({});
   return read_file(folder / "r.xdmf");
 }
 
@@ -60,12 +61,8 @@ TEST(Xdmf, GivesTheTimeExactly) {
 }
 
 TEST(Xdmf, RefersToTheFileUnderTheNameGiven) {
-  const TemporaryFolder folder;
-  auto writer = ResultWriter::create(folder / "j", sample_header());
-  writer.append(sample_frame(0, 3, 2));
-  writer.publish(folder / "r.h5", {});
-  write_xdmf(folder / "other.xdmf", folder / "r.h5", "a & b.h5");
-  EXPECT_THAT(read_file(folder / "other.xdmf"), HasSubstr(">a &amp; b.h5:/frames/000000/node_m<"));
+  EXPECT_THAT(xdmf_of({outline_of(sample_frame(0, 3, 2))}, "a & b.h5"),
+              HasSubstr(">a &amp; b.h5:/frames/000000/node_m<"));
 }
 
 }  // namespace

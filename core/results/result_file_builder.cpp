@@ -1,12 +1,14 @@
-// From the journal of a run to results.h5, one frame in memory at a time; the layout is SCHEMA.md.
+// The layout is SCHEMA.md.
+#include "core/results/result_file_builder.hpp"
+
 #include <cerrno>
 #include <stdexcept>
+#include <utility>
 
-#include "core/results/hdf5_file.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
-#include "core/results/result_writer.hpp"
 #include "core/results/storage_error.hpp"
+#include "core/results/xdmf.hpp"
 
 namespace dccast::results {
 
@@ -100,28 +102,45 @@ void write_history(File& file, const std::vector<StepReport>& steps, std::size_t
 
 }  // namespace
 
-void write_result_file(const std::filesystem::path& journal, const std::filesystem::path& results,
-                       const RunSummary& summary) {
-  File file = File::create(results);
-  std::vector<StepReport> steps;
-  std::size_t frames = 0;
-  std::size_t monitors = 0;
-  const bool is_journal = visit_journal(journal, [&](const Record& record) {
-    if (record.kind == RecordKind::header) {
-      const RunHeader header = header_of(record.content);
-      monitors = header.monitor_name.size();
-      write_header(file, header);
-    }
-    if (record.kind == RecordKind::step) steps.push_back(step_of(record.content));
-    if (record.kind == RecordKind::frame) write_frame(file, frames++, frame_of(record.content));
-    return true;
-  });
-  if (!is_journal) throw StorageError(EIO, journal.string(), "is not the journal of a run");
-  write_history(file, steps, monitors);
-  file.write_attribute("/", "outcome", summary.outcome);
-  file.write_attribute("/", "message", summary.message);
-  file.write_attribute("/frames", "count", static_cast<std::int64_t>(frames));
-  file.close();
+ResultFileBuilder::ResultFileBuilder(std::filesystem::path journal,
+                                     const std::filesystem::path& results)
+    : journal_(std::move(journal)), file_(File::create(results)) {}
+
+void ResultFileBuilder::follow() {
+  const bool is_journal = visit_journal(
+      journal_,
+      [this](const Record& record) {
+        take(record);
+        return true;
+      },
+      journal_end_);
+  if (!is_journal) throw StorageError(EIO, journal_.string(), "is not the journal of a run");
+}
+
+void ResultFileBuilder::take(const Record& record) {
+  if (record.kind == RecordKind::header) {
+    const RunHeader header = header_of(record.content);
+    monitors_ = header.monitor_name.size();
+    write_header(file_, header);
+  } else if (record.kind == RecordKind::step) {
+    steps_.push_back(step_of(record.content));
+  } else {
+    const Frame frame = frame_of(record.content);
+    write_frame(file_, frames_.size(), frame);
+    frames_.push_back(outline_of(frame));
+  }
+  journal_end_ = record.end;
+}
+
+void ResultFileBuilder::finish(const RunSummary& summary) {
+  follow();
+  if (journal_end_ != std::filesystem::file_size(journal_))
+    throw StorageError(EIO, journal_.string(), "is damaged");
+  write_history(file_, steps_, monitors_);
+  file_.write_attribute("/", "outcome", summary.outcome);
+  file_.write_attribute("/", "message", summary.message);
+  file_.write_attribute("/frames", "count", static_cast<std::int64_t>(frames_.size()));
+  file_.close();
 }
 
 }  // namespace dccast::results

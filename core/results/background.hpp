@@ -1,0 +1,39 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace dccast::results {
+
+/// Does tasks one after the other in a thread of its own, so that a run need not wait for the disk.
+///
+/// After a task that threw, those behind it are dropped; the exception comes out of the next call.
+class Background {
+public:
+  Background() = default;
+  Background(const Background&) = delete;
+  /// Lets the tasks that were posted come to their end.
+  ~Background();
+
+  /// Waits only when the thread is two tasks behind: what they hold must not pile up.
+  void post(std::function<void()> task);
+  /// Waits for every task.
+  void wait();
+
+private:
+  void run();
+  void throw_what_was_thrown();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> tasks_;  ///< the first one is being done
+  std::exception_ptr failure_;
+  bool ending_ = false;
+  std::thread thread_;  ///< begins with the first task
+};
+
+}  // namespace dccast::results
