@@ -51,7 +51,10 @@ int run_job_of_daemon() {
   LinkClient link(address);
   const auto start = link.begin(hello);
   if (!start) return exit_daemon_gone;
-  return link.finish(run_job(*start, link)) ? 0 : exit_daemon_gone;
+  if (!link.finish(run_job(*start, link))) return exit_daemon_gone;
+  // The daemon has everything. Taking gRPC down in good order only keeps the next job waiting: half
+  // of the 9 ms between two jobs.
+  ::_exit(0);
 }
 
 }  // namespace
