@@ -76,6 +76,7 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   *request.mutable_case_() = checked.description;
   for (const v1::Attachment& attachment : checked.read.attachments)
     *request.add_attachments() = attachment;
+  for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
   const auto response = ask(connection, request, !checked.faults.empty());
   if (!response) return;
   checked.faults =

@@ -105,6 +105,8 @@ struct CheckedCase {
   Faults warnings;
   Estimate estimate;  ///< only without faults
 };
-CheckedCase check(const Case& casting_case);
+/// @param faulty_keys  paths of values known to be at fault, or absent: what follows from them is not
+///                     judged; a warning says that it waits. The same goes for faults found here.
+CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys = {});
 
 }  // namespace dccast::casting

@@ -60,7 +60,9 @@ std::string data_item(const std::string& dimensions, const char* number, int pre
 }
 
 std::string rows(std::int64_t count, int columns) {
-  return std::to_string(count) + (columns == 1 ? "" : " " + std::to_string(columns));
+  std::string text = std::to_string(count);
+  if (columns != 1) text.append(1, ' ').append(std::to_string(columns));
+  return text;
 }
 
 std::string attribute(const FrameOutline& frame, const std::string& dataset,

@@ -27,10 +27,10 @@ void check_names(const jobs::Attachments& attachments, std::set<std::string>& na
   for (const v1::Attachment& attachment : attachments) {
     if (!jobs::is_plain_file_name(attachment.name()))
       *verdict.add_faults() = fault(
-          "attachments", attachment.name(), "is not the plain name of a file",
+          attachments_field, attachment.name(), "is not the plain name of a file",
           "1 to 255 bytes without a slash, not \".\" or \"..\"", "attach it under its last name");
     else if (!names.insert(attachment.name()).second)
-      *verdict.add_faults() = fault("attachments", attachment.name(), "is attached twice",
+      *verdict.add_faults() = fault(attachments_field, attachment.name(), "is attached twice",
                                     "one file of a name", "rename one of them");
   }
 }
@@ -66,7 +66,7 @@ void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& 
   check_references(submitted, "", names, used, verdict);
   for (const std::string& name : names)
     if (!used.contains(name))
-      *verdict.add_warnings() = fault("attachments", name, "is not named in the case", "",
+      *verdict.add_warnings() = fault(attachments_field, name, "is not named in the case", "",
                                       "name it there, or leave it out");
 }
 

@@ -5,6 +5,9 @@
 
 namespace dccast::service {
 
+/// Where faults of the attachments themselves stand.
+inline constexpr const char* attachments_field = "attachments";
+
 /// Checks that attachments have plain, distinct names, that every file the case names is among them
 /// (a fault otherwise), and that the case names each of them (a warning otherwise). Which keys name
 /// files stands in the schema.

@@ -3,7 +3,6 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <set>
 #include <stdexcept>
@@ -32,14 +31,11 @@ Message parsed(const std::string& bytes) {
   return message;
 }
 
-/// Whether what the core says of a case with these faults would be news: it reasons from the slab,
-/// its metal and its cooling, and would only repeat a fault of those in other words.
-bool core_can_judge(const v1::ValidateCaseResponse& verdict) {
-  constexpr std::array apart{"mechanics.", "coupling.", "output.", "checkpoint.", "monitor["};
-  return std::ranges::all_of(verdict.faults(), [&](const v1::Fault& fault) {
-    return std::ranges::any_of(apart,
-                               [&](const char* table) { return fault.field().starts_with(table); });
-  });
+/// What the core would say is not known until the first fault is mended.
+void say_that_checks_wait(v1::ValidateCaseResponse& verdict) {
+  v1::Fault& waiting = *verdict.add_warnings();
+  waiting.set_field(verdict.faults(0).field());
+  waiting.set_message("further checks wait until this is mended");
 }
 
 /// Adds the core's faults, save those of keys that have one already.
@@ -69,17 +65,24 @@ CaseIntake::CaseIntake(std::filesystem::path worker_program, std::filesystem::pa
   }
 }
 
-ExaminedCase CaseIntake::examine(const v1::Case& submitted,
-                                 const jobs::Attachments& attachments) const {
+ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
+                                 std::vector<std::string> faulty_keys) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
+  const bool can_be_stored = std::ranges::none_of(
+      verdict.faults(), [](const v1::Fault& fault) { return fault.field() == attachments_field; });
   for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
-  if (!core_can_judge(verdict)) return examined;
+  for (const v1::Fault& fault : verdict.faults()) faulty_keys.push_back(fault.field());
+  if (!can_be_stored) {
+    say_that_checks_wait(verdict);
+    return examined;
+  }
   try {
-    merge(ask_core(examined.complete, attachments), verdict);
+    merge(ask_core(examined.complete, attachments, faulty_keys), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
+    say_that_checks_wait(verdict);
   }
   return examined;
 }
@@ -95,11 +98,13 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
 }
 
 v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
-                                              const jobs::Attachments& attachments) const {
+                                              const jobs::Attachments& attachments,
+                                              const std::vector<std::string>& faulty_keys) const {
   const jobs::CheckFolder folder(check_directory_, attachments);
   v1::WorkerOrder::Start question;
   *question.mutable_case_() = complete;
   question.set_directory(folder.path());
+  *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
   return parsed<v1::ValidateCaseResponse>(
       jobs::ask_worker(worker_program_, "--check", question.SerializeAsString(), check_time_limit));
 }

@@ -27,8 +27,10 @@ public:
   CaseIntake(std::filesystem::path worker_program, std::filesystem::path alloy_directory,
              std::filesystem::path check_directory);
 
+  /// @param faulty_keys  paths of keys that whoever submits could not read
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
-  ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments) const;
+  ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
+                       std::vector<std::string> faulty_keys = {}) const;
 
   /// The last stored frame of a job that has ended. @throws jobs::WorkerDidNotAnswer
   v1::Frame last_frame(const std::filesystem::path& job_folder) const;
@@ -38,8 +40,8 @@ public:
 private:
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
-  v1::ValidateCaseResponse ask_core(const v1::Case& complete,
-                                    const jobs::Attachments& attachments) const;
+  v1::ValidateCaseResponse ask_core(const v1::Case& complete, const jobs::Attachments& attachments,
+                                    const std::vector<std::string>& faulty_keys) const;
 
   std::filesystem::path worker_program_;
   std::filesystem::path alloy_directory_;

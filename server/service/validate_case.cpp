@@ -4,7 +4,10 @@ namespace dccast::service {
 
 grpc::Status validate_case(Context& context, const v1::ValidateCaseRequest& request,
                            v1::ValidateCaseResponse& response) {
-  response = context.intake.examine(request.case_(), request.attachments()).verdict;
+  response = context.intake
+                 .examine(request.case_(), request.attachments(),
+                          {request.faulty_keys().begin(), request.faulty_keys().end()})
+                 .verdict;
   return grpc::Status::OK;
 }
 

@@ -34,7 +34,8 @@ int answer_check(std::istream& question, std::ostream& answer) {
   const auto start = read(question);
   const std::filesystem::path folder = start.directory();
   const auto checked =
-      casting::check(translate::to_core(start.case_(), folder / jobs::attachments_folder));
+      casting::check(translate::to_core(start.case_(), folder / jobs::attachments_folder),
+                     {start.faulty_keys().begin(), start.faulty_keys().end()});
   return write(translate::to_proto(checked), answer);
 }
 

@@ -72,6 +72,30 @@ class RealRun(ServiceTest):
                                  capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
+    def test_one_answer_names_every_fault_that_can_be_judged(self):
+        with open(CASE, encoding="utf-8") as shipped:
+            text = shipped.read()
+        for right, wrong in (('half_width = "0.28 m"', "half_width = 0.28"),  # unit missing
+                             ('coherency = "620 degC"', 'coherency = "700 degC"'),
+                             ('name = "mid"', 'name = "corner"'),
+                             ('\nend = "145 s"', '\nend = "9e5 s"')):
+            self.assertEqual(text.count(right), 1, right)
+            text = text.replace(right, wrong)
+        path = os.path.join(self.folder, "faulty.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                                "validate", "--json", path], capture_output=True, text=True,
+                               timeout=60, check=False)
+        self.assertEqual(ended.returncode, 2, ended.stderr)
+        answer = json.loads(ended.stdout)
+        self.assertEqual([fault["field"] for fault in answer["faults"]],
+                         ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
+        waits = {warning["field"]: warning["line"] for warning in answer["warnings"]
+                 if "wait until this is mended" in warning["message"]}
+        self.assertEqual(set(waits), {"section.half_width", "time.step"})
+        self.assertTrue(all(line > 0 for line in waits.values()))
+
     def test_results_and_the_last_frame(self):
         job_id = self.submit_case()
         self.finished_steps(job_id)

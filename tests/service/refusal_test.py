@@ -107,6 +107,11 @@ class Refusal(ServiceTest):
             attachment = job_pb2.Attachment(name=name, content=b"x")
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case,
                          attachments=[attachment])
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
+            case=fake_case("check=fault"), attachments=[job_pb2.Attachment(name="a/b")]), timeout=10)
+        self.assertEqual([fault.field for fault in checked.faults], ["attachments"])
+        self.assertEqual([fault.field for fault in checked.warnings if "wait" in fault.message],
+                         ["attachments"])
         twice = [job_pb2.Attachment(name="a", content=b"x")] * 2
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case, attachments=twice)
         case.mesh.file = "slab.msh"

@@ -95,7 +95,7 @@ results::StepReport report_of(const State& state, std::int64_t steps, double sec
 
 }  // namespace
 
-CheckedCase check(const Case& casting_case) {
+CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   const Script script(casting_case.title);
   CheckedCase checked;
   if (script.word("check") == "crash") std::abort();

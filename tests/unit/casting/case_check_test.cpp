@@ -113,6 +113,87 @@ TEST(CaseCheck, NamesAllFaultsInOneAnswer) {
   EXPECT_GE(check(c).faults.list().size(), 4u);
 }
 
+std::vector<std::string> fields(const Faults& faults) {
+  std::vector<std::string> names;
+  for (const Fault& fault : faults.list()) names.push_back(fault.field);
+  return names;
+}
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+/// The mistakes of metal, geometry and time each have their say, whatever is wrong with the others.
+TEST(CaseCheck, AFaultHidesNothingThatDoesNotFollowFromIt) {
+  Case c = small_casting();
+  c.alloy.solidus = 650.0;
+  c.section.side_cell = 0.3;
+  c.time.minimum_step = 0.5;
+  c.limits.maximum_nodes = 60;
+  c.monitors[1].x = 0.3;
+  c.monitors[2].y = 0.13;
+  EXPECT_THAT(fields(check(c).faults),
+              ElementsAre("alloy.solidus", "mesh.side_cell", "time.minimum_step", "mesh.columns",
+                          "monitor[1].x", "monitor[2].y"));
+}
+
+TEST(CaseCheck, WhatFollowsFromAValueAtFaultWaitsForItAndSaysSo) {
+  Case c = small_casting();
+  c.section.half_width = -1.0;  // out of its range, which was found before
+  c.monitors[1].x = 0.3;
+  c.monitors[2].y = 0.13;
+  const CheckedCase checked = check(c, {"section.half_width"});
+  EXPECT_THAT(fields(checked.faults), ElementsAre("monitor[2].y"));
+  EXPECT_THAT(fields(checked.warnings), ElementsAre("section.half_width"));
+  EXPECT_THAT(checked.warnings.list()[0].message,
+              ::testing::HasSubstr("wait until this is mended"));
+}
+
+TEST(CaseCheck, ASoundCaseWaitsForNothing) {
+  EXPECT_THAT(fields(check(small_casting(), {"title"}).warnings), IsEmpty());
+}
+
+TEST(CaseCheck, AFaultInOnePointOfATableIsOneOfTheTable) {
+  Case c = small_casting();
+  c.monitors[2].y = 0.13;
+  const CheckedCase checked = check(c, {"schedule.casting_speed[1]", "alloy.card"});
+  EXPECT_THAT(fields(checked.faults), IsEmpty());  // nobody knows where the metal ends
+  EXPECT_THAT(fields(checked.warnings), ElementsAre("alloy.card", "schedule.casting_speed[1]"));
+}
+
+TEST(CaseCheck, WhatItFindsItselfIsWaitedForToo) {
+  Case c = small_casting();
+  c.limits.maximum_steps = 20;
+  c.monitors[1].x = 0.3;
+  c.monitors[2].y = 7.0;
+  const CheckedCase checked = check(c);
+  EXPECT_THAT(fields(checked.faults), ElementsAre("time.step", "monitor[1].x"));
+  EXPECT_THAT(fields(checked.warnings), ElementsAre("time.step"));
+}
+
+/// Of a case that could hardly be read nothing is made up.
+TEST(CaseCheck, ACaseWithoutItsRequiredKeysIsSurvived) {
+  Case c;
+  c.monitors = {{"a", 0.1, 0.1}, {"a", 0.2, 0.1}};
+  const CheckedCase checked =
+      check(c, {"section.half_width", "section.initial_depth", "alloy.card", "time.end",
+                "time.step", "schedule.casting_speed", "schedule.casting_temperature"});
+  EXPECT_THAT(fields(checked.faults), ElementsAre("monitor[1].name"));
+  EXPECT_THAT(fields(checked.warnings), Contains("time.step"));
+}
+
+TEST(CaseCheck, AMeshThatCannotBeReadIsWaitedForByItsMonitorsAndTemperatures) {
+  Case c = small_casting();
+  c.section.file = "nowhere.msh";
+  c.section.growth = false;
+  c.thermal.file = "nowhere.h5";
+  c.monitors[1].name = "corner";
+  const CheckedCase checked = check(c);
+  EXPECT_THAT(fields(checked.faults), ElementsAre("mesh.file", "monitor[1].name"));
+  EXPECT_THAT(fields(checked.warnings), ElementsAre("mesh.file"));
+}
+
 TEST(CaseCheck, AMonitorMayWaitForItsMetal) {
   Case c = small_casting();
   c.monitors[2].y = 0.1199;  // the level reaches 0.12 m
