@@ -75,7 +75,7 @@ private:
 
   /// @return whether the full step was taken
   bool take_step(bool lifting) {
-    blocked_ = false;
+    blocked_ = pushed_back_ = false;
     if (lifting) {
       advance(1.0);
       if (descending_) constraints_.close_penetrating(unknowns_.displacement);
@@ -87,7 +87,8 @@ private:
     const bool whole = search(most);
     if (most < 1.0 && whole) {
       blocked_ = constraints_.close_blocking(unknowns_.displacement, work_.direction) > 0;
-      one_by_one_ = one_by_one_ || most == 0.0;
+      pushed_back_ = most == 0.0;
+      one_by_one_ = one_by_one_ || pushed_back_;
     }
     return whole && most == 1.0;
   }
@@ -150,7 +151,9 @@ private:
     const bool balanced = relative <= options_.tolerance;
     int changes = 0;
     if (descending_) {
-      if (relative <= release_from_residual) {
+      // A pair let go of that the next step pushed back at once had its pull from forces out of
+      // balance: they go first, or the two would take turns for ever.
+      if (relative <= release_from_residual && !pushed_back_) {
         changes = constraints_.release(unknowns_.displacement, work_.residual, one_by_one_);
       }
     } else if (balanced || (full_step && relative <= contact_from_residual)) {
@@ -182,9 +185,10 @@ private:
   StepOutcome outcome_;
   double least_acting_;
   double acting_ = 0.0;
-  bool descending_ = false;  ///< the contact set moves by feasible descent
-  bool blocked_ = false;     ///< the last step ended at a pair that closed
-  bool one_by_one_ = false;  ///< releasing several pairs at once led nowhere
+  bool descending_ = false;   ///< the contact set moves by feasible descent
+  bool blocked_ = false;      ///< the last step ended at a pair that closed
+  bool pushed_back_ = false;  ///< and had no length
+  bool one_by_one_ = false;   ///< releasing several pairs at once led nowhere
 };
 
 }  // namespace
