@@ -6,9 +6,9 @@
 
 namespace dccast {
 
-/// A symmetric 3x3 tensor of a plane-strain (Dim 2: xx, yy, zz, xy) or solid (Dim 3: xx, yy, zz,
-/// xy, yz, xz) problem. The out-of-plane normal component is always kept: it belongs to the
-/// deviator and to the norm, as in the paper.
+/// A symmetric 3x3 tensor of a plane-strain or axisymmetric (Dim 2: xx, yy, zz, xy; zz around the
+/// axis) or solid (Dim 3: xx, yy, zz, xy, yz, xz) problem. The out-of-plane normal component is
+/// always kept: it belongs to the deviator and to the norm, as in the paper.
 template <int Dim>
 struct SymmetricTensor {
   static constexpr std::size_t components = Dim == 2 ? 4 : 6;

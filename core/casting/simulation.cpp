@@ -172,10 +172,15 @@ private:
 }  // namespace
 
 RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer) {
-  if (c.section.element == mesh::ElementKind::q1) {
-    return Driver<fem::Q1Quadrilateral>(c, directory, observer).drive();
+  const auto with = [&]<class Element>() {
+    return Driver<Element>(c, directory, observer).drive();
+  };
+  const bool q1 = c.section.element == mesh::ElementKind::q1;
+  if (c.section.kind == mesh::SectionKind::axisymmetric) {
+    return q1 ? with.template operator()<fem::Q1Ring>() : with.template operator()<fem::P1Ring>();
   }
-  return Driver<fem::P1Triangle>(c, directory, observer).drive();
+  return q1 ? with.template operator()<fem::Q1Quadrilateral>()
+            : with.template operator()<fem::P1Triangle>();
 }
 
 }  // namespace dccast::casting

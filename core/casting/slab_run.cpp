@@ -20,10 +20,10 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double highest(const mesh::Mesh2D& mesh) {
-  double level = 0.0;
-  for (int n = 0; n < mesh.nodes(); ++n) level = std::max(level, mesh.point(n)[1]);
-  return level;
+double largest(const mesh::Mesh2D& mesh, std::size_t coordinate) {
+  double value = 0.0;
+  for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
+  return value;
 }
 
 mesh::Mesh2D imported_mesh(const Case& c) {
@@ -44,7 +44,8 @@ template <class Element>
 SlabRun<Element>::SlabRun(const Case& c)
     : case_(c), schedule_(c), control_(c.time.minimum_step), mesh_(c), heat_(c, mesh_.mesh()),
       mechanics_(material::MechanicalProperties(c.alloy), c.mechanics.options),
-      initial_level_(highest(mesh_.mesh())) {
+      initial_level_(largest(mesh_.mesh(), 1)),
+      face_length_(fem::is_ring<Element> ? largest(mesh_.mesh(), 0) : 1.0) {
   mechanics_.set_mesh(mesh_.mesh());
   state_.time = schedule_.begin();
   state_.next_frame = state_.time;
@@ -212,13 +213,14 @@ results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed
   r.failed_attempts = failed_attempts;
   r.constitutive_residual = accepted.mechanics.constitutive_residual;
   r.energy_balance_error = accepted.heat.balance.error;
-  r.wall_heat_flux = (accepted.heat.balance.side + accepted.heat.balance.bottom) / accepted.time_step;
+  r.wall_heat_flux = (accepted.heat.balance.side + accepted.heat.balance.bottom) /
+                     (accepted.time_step * face_length_);
   if (state_.slab.started) {
     const mechanics::SlabChecks& checks = mechanics_.checks();
     r.equilibrium_residual = checks.equilibrium_residual;
     r.complementarity_error = checks.complementarity_error;
-    r.bottom_reaction = checks.bottom_reaction;
-    r.weight = checks.weight;
+    r.bottom_reaction = checks.bottom_reaction / face_length_;
+    r.weight = checks.weight / face_length_;
     r.contact_length = checks.contact_length;
     r.liquid_pressure_error = checks.liquid_pressure_error;
   }
@@ -242,5 +244,7 @@ results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed
 
 template class SlabRun<fem::P1Triangle>;
 template class SlabRun<fem::Q1Quadrilateral>;
+template class SlabRun<fem::P1Ring>;
+template class SlabRun<fem::Q1Ring>;
 
 }  // namespace dccast::casting

@@ -81,6 +81,7 @@ private:
   HeatSource heat_;
   mechanics::SlabMechanics<Element> mechanics_;
   double initial_level_;
+  double face_length_;  ///< that heat and forces of a step stand for: 1 m, of a billet [m/rad]
   RunState state_;
 };
 

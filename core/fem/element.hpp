@@ -82,4 +82,18 @@ struct Q1 {
 using Q1Quadrilateral = Q1<2>;
 using Q1Hexahedron = Q1<3>;
 
+/// A plane element turned about the axis where coordinate 0, then the radius, is zero. Its
+/// integrals carry the radius and leave 2 pi out: forces are per radian. A displacement away from
+/// the axis makes a hoop strain, the zz component.
+template <class Plane>
+struct Ring : Plane {};
+
+using P1Ring = Ring<P1Triangle>;
+using Q1Ring = Ring<Q1Quadrilateral>;
+
+template <class Element>
+inline constexpr bool is_ring = false;
+template <class Plane>
+inline constexpr bool is_ring<Ring<Plane>> = true;
+
 }  // namespace dccast::fem

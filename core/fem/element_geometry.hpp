@@ -10,6 +10,15 @@
 
 namespace dccast::fem {
 
+/// What a point of a ring needs besides: the hoop strain of a unit displacement of each node away from
+/// the axis, its shape function over the radius [1/m]. Nothing in other elements.
+template <class Element, bool = is_ring<Element>>
+struct HoopGradient {};
+template <class Element>
+struct HoopGradient<Element, true> {
+  std::array<double, Element::nodes> hoop;
+};
+
 /// Gradients of the shape functions and weights at every quadrature point of a mesh, contiguous by
 /// element, so that assembly streams through memory and never touches coordinates.
 template <class Element>
@@ -19,14 +28,16 @@ public:
                        points = Element::points;
   using Gradients = std::array<std::array<double, dimension>, nodes>;  ///< [1/m] by node
 
-  struct Point {
+  struct Point : HoopGradient<Element> {
     Gradients gradient;
-    double weight;  ///< [m^Dim] quadrature weight times Jacobian, positive
+    double weight;  ///< quadrature weight times Jacobian, positive [m^Dim], in a ring times r [m3/rad]
   };
   struct Cell {
     std::array<Point, points> point;
-    Gradients mean_gradient;  ///< volume mean over the element, for the B-bar dilatation
-    double volume;            ///< [m^Dim]
+    /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
+    /// gradient, in a ring and across with the hoop gradient.
+    Gradients mean_gradient;
+    double volume;  ///< [m^Dim], of a ring [m3/rad]
   };
 
   /// Computes the elements from `first` on; call with the first element that moved or is new.
@@ -56,6 +67,7 @@ private:
       const Eigen::Matrix<double, dimension, dimension> inverse = jacobian.inverse();
       Point& point = cell.point[q];
       point.weight = Element::weight[q] * jacobian.determinant();
+      if constexpr (is_ring<Element>) turn(mesh, node, q, point);
       cell.volume += point.weight;
       for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
         for (std::size_t a = 0; a < std::size_t(dimension); ++a) {
@@ -66,6 +78,7 @@ private:
           point.gradient[i][a] = g;
           cell.mean_gradient[i][a] += point.weight * g;
         }
+        if constexpr (is_ring<Element>) cell.mean_gradient[i][0] += point.weight * point.hoop[i];
       }
     }
     for (auto& node_gradient : cell.mean_gradient) {
@@ -73,7 +86,29 @@ private:
     }
   }
 
+  static void turn(const mesh::Mesh<dimension>& mesh, const int* node, std::size_t q,
+                   Point& point) {
+    point.hoop = Element::shape(Element::point[q]);
+    double radius = 0.0;
+    for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
+      radius += point.hoop[i] * mesh.point(node[i])[0];
+    }
+    for (double& share : point.hoop) share /= radius;
+    point.weight *= radius;
+  }
+
   std::vector<Cell> cells_;
 };
+
+/// Integrals of the two shape functions of an edge from `a` to `b` [m]; in a ring times r [m2/rad].
+template <class Element>
+std::array<double, 2> edge_shares(const double* a, const double* b) {
+  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+  if constexpr (is_ring<Element>) {
+    return {length * (2.0 * a[0] + b[0]) / 6.0, length * (a[0] + 2.0 * b[0]) / 6.0};
+  } else {
+    return {0.5 * length, 0.5 * length};
+  }
+}
 
 }  // namespace dccast::fem

@@ -75,6 +75,8 @@ public:
 private:
   static constexpr std::size_t nodes = Element::nodes, points = Element::points,
                                dim = Element::dimension;
+  static constexpr bool ring = fem::is_ring<Element>;
+  static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
   using Geometry = fem::ElementGeometry<Element>;
   using Vectors = std::array<std::array<double, dim>, nodes>;
 
@@ -107,8 +109,20 @@ private:
               0.5 * (point.gradient[i][a] * v[i][b] + point.gradient[i][b] * v[i][a]);
         }
       }
+      if constexpr (ring) strain[hoop] += point.hoop[i] * v[i][0];
     }
     return strain;
+  }
+
+  /// What a displacement dilates at a point: the gradient, in a ring and across with the hoop.
+  static decltype(auto) dilatation_gradient(const typename Geometry::Point& point) {
+    if constexpr (ring) {
+      typename Geometry::Gradients g = point.gradient;
+      for (std::size_t i = 0; i < nodes; ++i) g[i][0] += point.hoop[i];
+      return g;
+    } else {
+      return (point.gradient);
+    }
   }
 
   static Tensor point_strain(const typename Geometry::Cell& c,
@@ -147,6 +161,9 @@ private:
           for (std::size_t b = 0; b < dim; ++b) {
             f += response.deviator.at(a, b) * point.gradient[i][b];
           }
+          if constexpr (ring) {
+            if (a == 0) f += response.deviator[hoop] * point.hoop[i];
+          }
           force[i][a] += point.weight * f;
         }
       }
@@ -178,6 +195,11 @@ void Equilibrium<Element>::tangent(std::span<double> values) const {
           for (std::size_t b = 0; b < dim; ++b) along[i][a] += r.deviator.at(a, b) * g[i][b];
         }
       }
+      if constexpr (ring) {
+        for (std::size_t i = 0; i < nodes; ++i)
+          along[i][0] += r.deviator[hoop] * c.point[q].hoop[i];
+      }
+      const auto& dilates = dilatation_gradient(c.point[q]);
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
           double dot = 0.0;
@@ -185,11 +207,14 @@ void Equilibrium<Element>::tangent(std::span<double> values) const {
           for (std::size_t a = 0; a < dim; ++a) {
             double* row = &k[(i * dim + a) * size + j * dim];
             for (std::size_t b = 0; b < dim; ++b) {
-              row[b] += mu * (g[i][b] * g[j][a] - 2.0 / 3.0 * g[i][a] * g[j][b]) +
+              row[b] += mu * (g[i][b] * g[j][a] - 2.0 / 3.0 * dilates[i][a] * dilates[j][b]) +
                         bulk * c.mean_gradient[i][a] * c.mean_gradient[j][b] +
                         normal * along[i][a] * along[j][b];
             }
             row[a] += mu * dot;
+          }
+          if constexpr (ring) {
+            k[i * dim * size + j * dim] += 2.0 * mu * c.point[q].hoop[i] * c.point[q].hoop[j];
           }
         }
       }

@@ -175,7 +175,11 @@ StepOutcome solve_nbm(const StepProblem<Element>& problem, const Options& option
 
 template StepOutcome solve_nbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
                                StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_nbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
-                               Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
+template StepOutcome solve_nbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&, Workspace&,
+                               StepUnknowns<fem::Q1Quadrilateral>&);
+template StepOutcome solve_nbm(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
+                               StepUnknowns<fem::P1Ring>&);
+template StepOutcome solve_nbm(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
+                               StepUnknowns<fem::Q1Ring>&);
 
 }  // namespace dccast::mechanics

@@ -69,12 +69,15 @@ void SlabMechanics<Element>::find_boundaries() {
   problem_.contact.clear();
   for (int n : bottom_nodes_) problem_.contact.push_back(n * dimension + up<Element>);
   problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
+  bottom_length_.assign(bottom_nodes_.size(), 0.0);
   for (const auto& facet : mesh_->facets(mesh::Patch::bottom)) {
     const double* a = mesh_->point(facet.node[0]);
     const double* b = mesh_->point(facet.node[1]);
-    const double half = 0.5 * std::hypot(b[0] - a[0], b[1] - a[1]);
-    for (int n : facet.node) {
-      problem_.contact_area[std::size_t(place[std::size_t(n)])] += half;
+    const auto area = fem::edge_shares<Element>(a, b);
+    for (std::size_t k = 0; k < area.size(); ++k) {
+      const std::size_t i = std::size_t(place[std::size_t(facet.node[k])]);
+      problem_.contact_area[i] += area[k];
+      bottom_length_[i] += 0.5 * std::hypot(b[0] - a[0], b[1] - a[1]);
     }
   }
   if (!options_.contact) {
@@ -311,7 +314,7 @@ void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknown
     state.reaction[i] =
         closed ? work_.residual[std::size_t(bottom_nodes_[i] * dimension + up<Element>)] : 0.0;
     checks_.bottom_reaction += state.reaction[i];
-    if (closed) checks_.contact_length += problem_.contact_area[i];
+    if (closed) checks_.contact_length += bottom_length_[i];
   }
   for (std::size_t i = 0; i < state.pressure.size(); ++i) {
     state.deviator[i] = equilibrium.response()[i].deviator;
@@ -350,5 +353,7 @@ double SlabMechanics<Element>::liquid_pressure_error(const State& state, double 
 
 template class SlabMechanics<fem::P1Triangle>;
 template class SlabMechanics<fem::Q1Quadrilateral>;
+template class SlabMechanics<fem::P1Ring>;
+template class SlabMechanics<fem::Q1Ring>;
 
 }  // namespace dccast::mechanics

@@ -21,8 +21,8 @@ struct SlabStepInput {
 struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< relative to the forces that act
   double complementarity_error = 0.0;  ///< of gap and reaction, against 1 mm and the weight
-  double bottom_reaction = 0.0;        ///< [N/m] upwards
-  double weight = 0.0;                 ///< [N/m]
+  double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad]
+  double weight = 0.0;                 ///< [N/m], of a billet [N/rad]
   double contact_length = 0.0;         ///< [m] of the bottom that stands on the block
   /// Root mean square error of the pressure in the liquid along its front against rho_l g depth,
   /// relative; zero without liquid.
@@ -92,6 +92,7 @@ private:
   StepProblem<Element> problem_;
   SlabChecks checks_;
   std::vector<int> bottom_nodes_;
+  std::vector<double> bottom_length_;  ///< half of the edges at each bottom node [m]
   std::vector<int> side_nodes_;
   std::vector<int> symmetry_nodes_;
 };

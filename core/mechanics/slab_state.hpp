@@ -23,7 +23,7 @@ struct SlabState {
   std::vector<double> pressure;      ///< (element, point) mean normal stress [Pa]
   std::vector<char> contact;         ///< (bottom node) closed
   std::vector<double> contact_multiplier;  ///< (bottom node) [Pa], of sbm only
-  std::vector<double> reaction;      ///< (bottom node) of the last step [N/m]
+  std::vector<double> reaction;  ///< (bottom node) of the last step [N/m], of a billet [N/rad]
 };
 
 }  // namespace dccast::mechanics

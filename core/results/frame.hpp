@@ -41,7 +41,7 @@ struct Frame {
 };
 
 /// Components of a symmetric tensor in a frame: xx, yy, zz, xy in 2D (zz is the direction across
-/// the section), xx, yy, zz, xy, yz, xz in 3D.
+/// the section, around the axis in an axisymmetric one), xx, yy, zz, xy, yz, xz in 3D.
 constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }

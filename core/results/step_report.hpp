@@ -7,7 +7,8 @@
 namespace dccast::results {
 
 /// What happened in one accepted time step; the plain counterpart of StepReport in job.proto.
-/// Fields are documented there. All in SI and °C; "per metre" is per metre of face in plane strain.
+/// Fields are documented there. All in SI and °C; "per metre" is per metre of face in plane strain,
+/// of circumference in an axisymmetric section.
 struct StepReport {
   std::int64_t step = 0;
   double time = 0.0;

@@ -10,7 +10,7 @@ namespace dccast::regression {
 
 namespace {
 
-using Run = casting::SlabRun<fem::Q1Quadrilateral>;
+using Run = casting::SlabRun<fem::Q1Ring>;
 
 constexpr double still_over = 100.0;    // [s]
 constexpr double averaged_over = 50.0;  // [s], many times what a row of cells takes to grow
@@ -146,7 +146,8 @@ BilletRun run_billet(const casting::Case& billet) {
     ++result.steps;
     result.worst_balance = std::max(result.worst_balance, std::abs(report.energy_balance_error));
     if (report.time > billet.time.end - averaged_over) {
-      result.wall_heat += report.wall_heat_flux * report.time_step / averaged_over;
+      const double by_radian = report.wall_heat_flux * billet.section.half_width;
+      result.wall_heat += by_radian * report.time_step / averaged_over;
       result.top_heat += heat_of_top(run, billet) * report.time_step / averaged_over;
     }
     if (before.empty() && report.time >= billet.time.end - still_over) before = depths(run);

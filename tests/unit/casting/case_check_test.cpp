@@ -91,7 +91,7 @@ const Mistake mistakes[] = {
     {"GrowthCellTooHigh", "mesh.growth_cell", [](Case& c) { c.section.growth_cell = 0.2; }},
     {"SideCellTooWide", "mesh.side_cell", [](Case& c) { c.section.side_cell = 0.3; }},
     {"BottomCellTooHigh", "mesh.bottom_cell", [](Case& c) { c.section.bottom_cell = 0.3; }},
-    {"AxisymmetricMechanics", "mechanics.enabled",
+    {"TrianglesOfABillet", "mesh.element",
      [](Case& c) { c.section.kind = mesh::SectionKind::axisymmetric; }},
     {"EndBeforeTheBeginning", "time.end", [](Case& c) { c.time.end = -11.0; }},
     {"MinimumAboveTheSteps", "time.minimum_step", [](Case& c) { c.time.minimum_step = 0.5; }},

@@ -158,5 +158,22 @@ TEST_P(Prescribed, AnImportedMeshIsNoOtherThanTheBuiltIn) {
 INSTANTIATE_TEST_SUITE_P(Elements, Prescribed,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
 
+TEST(ImportedBillet, LiesOnOneSideOfItsAxis) {
+  const TemporaryFolder folder;
+  Case c = small_casting(mesh::ElementKind::q1);
+  mesh::Mesh2D mesh = mesh::SlabMesh(c.section).mesh();
+  c.section.kind = mesh::SectionKind::axisymmetric;
+  c.section.file = folder / "billet.msh";
+  c.section.growth = false;
+  c.monitors = {{"rim", 0.26, 0.0}};
+  write_gmsh(mesh, c.section.file);
+  EXPECT_TRUE(check(c).faults.empty());
+  for (std::size_t i = 0; i < mesh.node.size(); i += 2) mesh.node[i] -= 0.01;
+  write_gmsh(mesh, c.section.file);
+  const CheckedCase beyond = check(c);
+  ASSERT_EQ(beyond.faults.list().size(), 1u);
+  EXPECT_EQ(beyond.faults.list().front().field, "mesh.file");
+}
+
 }  // namespace
 }  // namespace dccast::casting

@@ -86,6 +86,33 @@ TEST_P(Run, TheFileHoldsWhatTheObserverSaw) {
 INSTANTIATE_TEST_SUITE_P(Elements, Run,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
 
+/// A round billet passes the same checks. By metre of its circumference it weighs half of what a
+/// slab of the same half width does by metre of its face.
+TEST(RoundBillet, EveryStepPassesItsChecks) {
+  const TemporaryFolder folder;
+  Recorder recorder, plane;
+  Case c = small_casting(mesh::ElementKind::q1);
+  ASSERT_EQ(run(c, {folder / "", false}, plane).end, RunEnd::succeeded);
+  c.section.kind = mesh::SectionKind::axisymmetric;
+  EXPECT_TRUE(check(c).faults.empty());
+  const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+  ASSERT_EQ(outcome.end, RunEnd::succeeded) << (outcome.failure ? outcome.failure->message : "");
+  for (const auto& r : recorder.reports) {
+    EXPECT_LE(std::abs(r.energy_balance_error), 1e-10) << "t = " << r.time;
+    if (r.time <= 1e-9) continue;
+    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-4 * r.weight) << "t = " << r.time;
+    EXPECT_LE(r.equilibrium_residual, c.mechanics.options.tolerance);
+    EXPECT_LE(r.complementarity_error, 1e-5);
+    EXPECT_LE(r.liquid_pressure_error, 0.1);
+    EXPECT_LE(r.contact_length, 0.28 + 1e-12);
+  }
+  const auto &last = recorder.reports.back(), &slab = plane.reports.back();
+  EXPECT_NEAR(2.0 * last.weight, slab.weight, 0.01 * slab.weight);
+  EXPECT_LT(last.monitor_displacement[0][0], -1e-5) << "the rim has left the mould";
+  EXPECT_EQ(last.monitor_displacement[1][0], 0.0) << "the axis stays";
+  EXPECT_EQ(results::ResultReader(folder / "results.h5").header().section, "axisymmetric");
+}
+
 TEST(RunEnds, CancelLeavesAtOnce) {
   const TemporaryFolder folder;
   Recorder recorder;

@@ -20,6 +20,19 @@ Result run_relaxation(const TestRun& run);
 /// plane: u2 = (1 + nu) k x2 x3, u3 = (1 + nu) k (x3^2 - x2^2) / 2 with thermal strain k x3.
 Result run_bowed_strip(const TestRun& run);
 
+/// Patch test of an axisymmetric body: uniform strain across, around and along the axis on a
+/// distorted mesh that reaches the axis.
+Result run_ring_patch(const TestRun& run);
+
+/// Thick-walled tube under inner pressure in plane strain along its axis (Timoshenko): displacement
+/// and stress, their orders against cells twice as large, and errors at Poisson's ratio 0.4999.
+Result run_tube(const TestRun& run);
+
+/// The same tube creeping steadily (Odqvist): with Norton's order n the stress across is
+/// -p ((b/r)^(2/n) - 1) / ((b/a)^(2/n) - 1), whatever its elasticity. Errors of the stress and of
+/// the rate of the inner wall.
+Result run_tube_creep(const TestRun& run);
+
 /// Hertz's contact: a block on a rigid cylinder, its other sides under the stresses of a point
 /// force in a half-plane. Errors of displacement and stress in the block, of half width (in cells),
 /// peak and distribution of the pressure, of the load; `finite_body_error` is what those sides do

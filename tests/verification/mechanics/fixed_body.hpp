@@ -17,8 +17,9 @@ using Vector2 = std::array<double, 2>;
 /// Stress of a plane problem: 22, 33, 11 (out of plane), 23 in the paper's numbers.
 using PlaneStress = SymmetricTensor<2>;
 
-/// A body of fixed shape and constant elastic and creep data, stepped through time: what the paper's
-/// tests T1 to T4 need of the mechanics, without a casting around it.
+/// A body of fixed shape and constant elastic and creep data, stepped through time: what the
+/// paper's tests T1 to T4 need of the mechanics, without a casting around it. Forces of a ring are
+/// per radian.
 template <class Element>
 class FixedBody {
 public:
@@ -63,10 +64,11 @@ public:
       problem.contact_area.push_back(0.0);
     }
     for (const auto& facet : mesh.facets(mesh::Patch::bottom)) {
-      const double half = 0.5 * std::abs(mesh.point(facet.node[1])[0] - mesh.point(facet.node[0])[0]);
-      for (int n : facet.node) {
+      const auto area =
+          fem::edge_shares<Element>(mesh.point(facet.node[0]), mesh.point(facet.node[1]));
+      for (std::size_t k = 0; k < area.size(); ++k) {
         for (std::size_t i = 0; i < problem.contact.size(); ++i) {
-          if (problem.contact[i] == 2 * n + 1) problem.contact_area[i] += half;
+          if (problem.contact[i] == 2 * facet.node[k] + 1) problem.contact_area[i] += area[k];
         }
       }
     }
@@ -89,9 +91,10 @@ public:
       const double* b = mesh.point(facet.node[1]);
       const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
       for (int k = 0; k < 3; ++k) {
-        const Vector2 t = traction(a[0] + at[k] * (b[0] - a[0]), a[1] + at[k] * (b[1] - a[1]));
+        const double x = a[0] + at[k] * (b[0] - a[0]);
+        const Vector2 t = traction(x, a[1] + at[k] * (b[1] - a[1]));
         for (std::size_t d = 0; d < 2; ++d) {
-          const double f = weight[k] * length * t[d];
+          const double f = weight[k] * length * turned(x) * t[d];
           problem.external_force[2 * std::size_t(facet.node[0]) + d] += (1.0 - at[k]) * f;
           problem.external_force[2 * std::size_t(facet.node[1]) + d] += at[k] * f;
         }
@@ -119,6 +122,9 @@ public:
 
   const std::vector<double>& displacement() const { return unknowns_.displacement; }
   const mechanics::StepUnknowns<Element>& unknowns() const { return unknowns_; }
+
+  /// What an integral over the section carries at a distance from the axis: that, in a ring [m].
+  static double turned(double x) { return fem::is_ring<Element> ? x : 1.0; }
 
   /// Stress at a quadrature point [Pa], of the last step's end.
   PlaneStress stress(int element, std::size_t point) const {

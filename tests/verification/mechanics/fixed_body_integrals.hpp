@@ -13,7 +13,7 @@ void FixedBody<Element>::add_body_force(const std::function<Vector2(double, doub
       for (std::size_t i = 0; i < Element::nodes; ++i) {
         for (std::size_t d = 0; d < 2; ++d) {
           problem.external_force[2 * std::size_t(node[i]) + d] +=
-              point.weight * point.shape[i] * f[d];
+              turned(point.x) * point.weight * point.shape[i] * f[d];
         }
       }
     }
@@ -44,6 +44,8 @@ Errors relative_errors(const FixedBody<Element>& body,
   for (int e = 0; e < body.mesh.elements(); ++e) {
     const int* node = body.mesh.nodes_of(e);
     PlaneStress mean;
+    double area = 0.0;
+    for (const IntegrationPoint& point : integration_points(body.mesh, e)) area += point.weight;
     for (std::size_t q = 0; q < Element::points; ++q) {
       mean.add(body.geometry.cell(e).point[q].weight / body.geometry.cell(e).volume,
                computed[std::size_t(e) * Element::points + q]);
@@ -57,11 +59,11 @@ Errors relative_errors(const FixedBody<Element>& body,
           u += point.shape[i] * body.displacement()[2 * std::size_t(node[i]) + d];
         }
         u_norm.add(point.weight, u, exact[d]);
-        centroid[d] += point.weight * (d == 0 ? point.x : point.y) / body.geometry.cell(e).volume;
+        centroid[d] += point.weight * (d == 0 ? point.x : point.y) / area;
       }
       s_norm.add(point.weight, mean, stress(point.x, point.y));
     }
-    centroid_norm.add(body.geometry.cell(e).volume, mean, stress(centroid[0], centroid[1]));
+    centroid_norm.add(area, mean, stress(centroid[0], centroid[1]));
   }
   return {u_norm.value(), s_norm.value(), centroid_norm.value()};
 }

@@ -77,6 +77,35 @@ TEST_P(MechanicsOn, ContactWithACylinderOpensAsItClosed) {
   EXPECT_LE(figures.more.at("difference_after_cycle"), 1e-10);
 }
 
+TEST_P(MechanicsOn, UniformStrainOfARingPassesThePatchTest) {
+  TestRun run;
+  run.element = GetParam();
+  const Figures figures = figures_of(run_ring_patch(run));
+  EXPECT_LT(figures.displacement_error, 1e-12);
+  EXPECT_LT(figures.stress_error, 1e-11);
+}
+
+TEST_P(MechanicsOn, PressedTubeConvergesAtSecondAndFirstOrder) {
+  TestRun run;
+  run.element = GetParam();
+  const Figures figures = figures_of(run_tube(run));
+  EXPECT_NEAR(figures.more.at("order_displacement"), 2.0, 0.1);
+  EXPECT_NEAR(figures.more.at("order_stress"), 1.0, 0.05);
+}
+
+TEST(Tube, QuadrilateralsDoNotLockWhereTrianglesDo) {
+  TestRun run;
+  run.dt = 2.0;
+  const Figures triangles = figures_of(run_tube(run)), creeping = figures_of(run_tube_creep(run));
+  run.element = ElementKind::q1;
+  const Figures squares = figures_of(run_tube(run)), flowing = figures_of(run_tube_creep(run));
+  const char* key = "displacement_error_nearly_incompressible";
+  EXPECT_LT(squares.more.at(key), 1.2 * squares.displacement_error);
+  EXPECT_GT(triangles.more.at(key), 20.0 * squares.more.at(key));
+  EXPECT_LT(flowing.more.at("rate_error"), 2e-3);
+  EXPECT_LT(flowing.stress_error, 0.1 * creeping.stress_error);
+}
+
 INSTANTIATE_TEST_SUITE_P(Elements, MechanicsOn,
                          ::testing::Values(ElementKind::p1, ElementKind::q1));
 
