@@ -30,10 +30,8 @@ struct CurveLimit {
 ///
 /// 1.25 is Roache's factor for three meshes. More than first order is not believed: the steps are
 /// those of backward Euler and halve with the cells, so that the second order that coarse meshes
-/// show does not last (on 12 x 9 cells of the start case the corner has 2.1 from refinements 1, 2,
-/// 4 and 1.2 from 2, 4, 8; the first three hold the limit of the last three for 98 % of the time
-/// with this bound, for 12 % with second order). The larger of two measures keeps the interval from
-/// closing where two curves cross.
+/// show does not last (docs/error-bars.md has the figures). The larger of two measures keeps the
+/// interval from closing where two curves cross.
 ///
 /// Without three such curves, or when they swing or drift apart, there is no limit to offer: then
 /// the uncertainty is 1.25 times the largest difference between these curves up to that instant.

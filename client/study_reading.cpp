@@ -28,7 +28,11 @@ Study read_study(Connection& connection, const std::string& id, const v1::Case* 
   for (const v1::Job& job : jobs_of_study(connection, id)) {
     v1::QueryResultRequest request;
     request.set_id(job.id());
-    const auto result = connection.call(&Stub::QueryResult, request);
+    v1::QueryResultResponse result;
+    const grpc::Status status = connection.try_call(&Stub::QueryResult, request, result);
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND)
+      continue;  // deleted since it was listed
+    check(status, connection.server());
     if (!first) first = like != nullptr ? *like : result.case_();
     if (!same_but_divided(*first, result.case_())) {
       strangers.push_back(job);

@@ -65,7 +65,7 @@ std::string curl_tile(const CurlHistory::Series& series, double time_s, const St
   if (!error) return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm");
   const std::string limit = std::string(error->extrapolated ? "limit " : "finest ") +
                             fixed(1e3 * error->limit_m, 2) + " ± " +
-                            fixed(1e3 * error->uncertainty_m, 2) + " mm";
+                            fixed(1e3 * error->uncertainty_m, 2);
   return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm",
               "<em>± " + fixed(1e3 * error->this_run_m, 2) + " mm</em>" + limit);
 }

@@ -50,6 +50,12 @@ Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
     high = std::max(high, 0.0);
   }
   std::vector<double> ticks = round_ticks(low, high, count);
+  if (with_zero && low < high && ticks.size() > 2) {
+    // A little below zero, the edge of a band say, must not cost a whole step of the axis.
+    const double from = std::max(ticks.front(), low - 0.03 * (high - low));
+    std::erase_if(ticks, [&](double tick) { return tick < from; });
+    return {ticks, from, ticks.back()};
+  }
   if (with_zero || !(low < high)) return {ticks, ticks.front(), ticks.back()};
   // Time and place end where the figures end; only values are rounded out.
   const double margin = 1e-9 * (high - low);

@@ -151,7 +151,7 @@ class RefinementStudy(ServiceTest):
         limit, half = 1e3 * corner["limit_m"], 1e3 * corner["uncertainty_m"]
         error = abs(1e3 * corner["curl_m"][0] - limit) + half
         self.assertIn(f"<strong>{1e3 * corner['curl_m'][0]:.2f}</strong> mm<small>"
-                      f"<em>± {error:.2f} mm</em>limit {limit:.2f} ± {half:.2f} mm", page)
+                      f"<em>± {error:.2f} mm</em>limit {limit:.2f} ± {half:.2f}</small>", page)
         self.assertIn("How much of it is discretisation", page)
         for figure in (limit, half, 1e3 * corner["curl_m"][2]):
             self.assertIn(f"<td>{figure:.3f}</td>", page)

@@ -54,8 +54,8 @@ struct Commands : testing::Test {
 
 TEST_F(Commands, EveryCommandHasAnExample) {
   for (const char* const name :
-       {"new", "validate", "submit", "watch", "list", "show", "curl", "fetch", "report", "cancel",
-        "pause", "resume", "delete", "schema", "alloys", "info"}) {
+       {"new", "validate", "submit", "watch", "list", "show", "curl", "fetch", "report",
+        "convergence", "cancel", "pause", "resume", "delete", "schema", "alloys", "info"}) {
     const Result result = run({name, "--help"});
     EXPECT_EQ(result.code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example:\n  dccast " + std::string(name)));
@@ -127,6 +127,14 @@ TEST_F(Commands, ExitCodesTellWhatWentWrong) {
   const Result away = dccast({"info"}, "127.0.0.1:1");
   EXPECT_EQ(away.code, 4);
   EXPECT_THAT(away.err, HasSubstr("is dccastd running"));
+}
+
+TEST_F(Commands, JobsOfAStudyAreListedAndShownAsSuch) {
+  EXPECT_THAT(run({"show", "job"}).out, testing::Not(HasSubstr("study")));
+  service.job.set_study("0f2b9a4e-0000-4000-8000-000000000000");
+  EXPECT_THAT(run({"show", "job"}).out, HasSubstr("study         0f2b9a4e-"));
+  EXPECT_EQ(run({"list", "--study", service.job.study()}).code, 0);
+  EXPECT_EQ(service.listed.study(), service.job.study());
 }
 
 TEST_F(Commands, AReportWithoutAFrameIsStillAReport) {

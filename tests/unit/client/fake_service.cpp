@@ -65,6 +65,13 @@ grpc::Status FakeService::GetJob(grpc::ServerContext*, const v1::GetJobRequest* 
   return grpc::Status::OK;
 }
 
+grpc::Status FakeService::ListJobs(grpc::ServerContext*, const v1::ListJobsRequest* request,
+                                   v1::ListJobsResponse* response) {
+  listed = *request;
+  *response->add_jobs() = job;
+  return grpc::Status::OK;
+}
+
 grpc::Status FakeService::QueryResult(grpc::ServerContext*, const v1::QueryResultRequest* request,
                                       v1::QueryResultResponse* response) {
   if (request->frame() && !result.has_frame())

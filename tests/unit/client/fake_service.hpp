@@ -39,6 +39,7 @@ public:
   // What it was asked.
   std::atomic<int> streams{0};
   v1::SubmitJobRequest submitted;
+  v1::ListJobsRequest listed;
 
   grpc::Status WatchJob(grpc::ServerContext*, const v1::WatchJobRequest*,
                         grpc::ServerWriter<v1::JobEvent>*) override;
@@ -48,6 +49,8 @@ public:
                             v1::ValidateCaseResponse*) override;
   grpc::Status SubmitJob(grpc::ServerContext*, const v1::SubmitJobRequest*, v1::Job*) override;
   grpc::Status GetJob(grpc::ServerContext*, const v1::GetJobRequest*, v1::Job*) override;
+  grpc::Status ListJobs(grpc::ServerContext*, const v1::ListJobsRequest*,
+                        v1::ListJobsResponse*) override;
   grpc::Status QueryResult(grpc::ServerContext*, const v1::QueryResultRequest*,
                            v1::QueryResultResponse*) override;
 

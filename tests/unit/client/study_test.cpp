@@ -206,7 +206,7 @@ TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTable) {
   const std::string page =
       render::report_page(study.levels[0].job, result_of(study.levels[0]), study);
   for (const char* const part :
-       {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25 mm", "class='band'",
+       {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25</small>", "class='band'",
         "How much of it is discretisation", "1, this run", "<td>4.600</td>", "<td>1.00</td>",
         "<td>4.800</td>", "<td>0.250</td>"})
     EXPECT_THAT(page, HasSubstr(part));
@@ -221,7 +221,7 @@ TEST(StudyPart, TheReportNamesALevelThatFailed) {
       render::report_page(study.levels[0].job, result_of(study.levels[0]), study);
   EXPECT_THAT(page, HasSubstr("Refinement 4 is left out: job job-4 is failed"));
   EXPECT_THAT(page, HasSubstr("did not converge"));
-  EXPECT_THAT(page, HasSubstr("finest 4.40 ± 0.50 mm"));
+  EXPECT_THAT(page, HasSubstr("finest 4.40 ± 0.50</small>"));
 }
 
 TEST(StudyPart, TheReportOfAnyOtherRunSaysWhichCommandTellsIt) {
