@@ -4,7 +4,7 @@
 #include <fstream>
 #include <ostream>
 
-#include "client/sha256.hpp"
+#include "proto/values/sha256.hpp"
 
 namespace dccast::client {
 namespace {
@@ -89,7 +89,7 @@ Download download(Connection& connection, const std::string& id, const std::stri
     if (!beyond) {
       if (!attempt.status.ok() && size_of(part) == 0) fs::remove(part);
       check(attempt.status, connection.server());
-      if (attempt.total == size_of(part) && sha256_of_file(part) == attempt.sha256) {
+      if (attempt.total == size_of(part) && values::sha256_of_file(part) == attempt.sha256) {
         fs::rename(part, file);
         result.bytes = attempt.total;
         result.sha256 = attempt.sha256;

@@ -9,7 +9,7 @@
 #include "client/render/study_table.hpp"
 #include "client/study_reading.hpp"
 #include "client/study_submission.hpp"
-#include "client/uuid.hpp"
+#include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -109,7 +109,7 @@ ExitCode run(const Options& options, Program& program) {
     throw CommandFailed(ExitCode::invalid,
                         "give a case FILE to begin a study, or --study ID to take one up again");
   Connection connection = program.connect();
-  const std::string id = options.study.empty() ? make_uuid() : options.study;
+  const std::string id = options.study.empty() ? values::random_uuid() : options.study;
   if (!options.file.empty()) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
     if (!submit(options, id, connection)) return ExitCode::invalid;

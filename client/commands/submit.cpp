@@ -4,7 +4,7 @@
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
 #include "client/submission.hpp"
-#include "client/uuid.hpp"
+#include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -34,7 +34,7 @@ ExitCode run(const Options& options, Program& program) {
     std::cerr << "warning: " << describe(warning, checked.read.source) << '\n';
 
   v1::SubmitJobRequest request;
-  request.set_request_id(options.request_id.empty() ? make_uuid() : options.request_id);
+  request.set_request_id(options.request_id.empty() ? values::random_uuid() : options.request_id);
   request.set_priority(options.priority);
   *request.mutable_case_() = checked.description;
   for (v1::Attachment& attachment : checked.read.attachments)

@@ -263,16 +263,4 @@ double ThermalProperties::conductivity(double temperature) const {
   return cubic_derivative(segment.k1, segment.k2, segment.k3, temperature - segment.anchor);
 }
 
-double thermal_strain(const Curve& density, double liquidus, double temperature,
-                      double reference_temperature) {
-  const double liquid = density(liquidus);
-  return std::cbrt(liquid / density(temperature)) -
-         std::cbrt(liquid / density(reference_temperature));
-}
-
-double thermal_strain_derivative(const Curve& density, double liquidus, double temperature) {
-  const double rho = density(temperature);
-  return -std::cbrt(density(liquidus) / rho) * density.derivative(temperature) / (3.0 * rho);
-}
-
 }  // namespace dccast::material

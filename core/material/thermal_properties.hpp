@@ -99,17 +99,4 @@ private:
   std::vector<double> start_enthalpy_;     ///< [J/m3] of each segment but the first
 };
 
-/// Thermal strain between two temperatures, closed form of paper eq. (11): the cube root of a ratio
-/// of densities, counted from the liquidus.
-/// @param density               [kg/m3] against temperature [°C]
-/// @param liquidus              [°C]
-/// @param temperature           [°C]
-/// @param reference_temperature [°C] where the strain is zero
-/// @return (rho_l/rho(T))^(1/3) - (rho_l/rho(T_ref))^(1/3) [1]; negative when the metal has cooled
-double thermal_strain(const Curve& density, double liquidus, double temperature,
-                      double reference_temperature);
-
-/// Derivative of thermal_strain with respect to the temperature [1/K].
-double thermal_strain_derivative(const Curve& density, double liquidus, double temperature);
-
 }  // namespace dccast::material

@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "server/jobs/digest.hpp"
+#include "core/base/crc32c.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::jobs {
@@ -98,7 +98,8 @@ std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_
     return std::nullopt;
   std::string payload(length, '\0');
   if (read_at(file_.get(), offset + record_head_size, payload) != length) return std::nullopt;
-  if (crc32c(payload) != from_little_endian(head.data() + 4)) return std::nullopt;
+  if (crc32c(payload.data(), payload.size()) != from_little_endian(head.data() + 4))
+    return std::nullopt;
   return payload;
 }
 
@@ -123,7 +124,7 @@ void EventLog::append(v1::JobEvent& event) {
     if (!event.has_time()) *event.mutable_time() = now();
     const std::string payload = event.SerializeAsString();
     const std::string record = little_endian(static_cast<std::uint32_t>(payload.size())) +
-                               little_endian(crc32c(payload)) + payload;
+                               little_endian(crc32c(payload.data(), payload.size())) + payload;
     try {
       write_at(file_.get(), end_, record);
     } catch (const std::system_error&) {

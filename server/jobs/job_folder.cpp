@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/durable_file.hpp"
-#include "server/jobs/identifier.hpp"
 
 namespace dccast::jobs {
 
@@ -52,7 +52,7 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
 }
 
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)
-    : path_(parent / random_uuid()) {
+    : path_(parent / values::random_uuid()) {
   try {
     write_attachments(path_, attachments);
   } catch (...) {

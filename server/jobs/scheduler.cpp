@@ -6,8 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 
 namespace dccast::jobs {
 
@@ -17,7 +17,7 @@ constexpr std::chrono::seconds settlement_retry_interval{1};
 
 v1::Job new_job_message(const NewJob& new_job) {
   v1::Job job;
-  job.set_id(random_uuid());
+  job.set_id(values::random_uuid());
   job.set_title(new_job.title);
   job.set_state(v1::QUEUED);
   job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);

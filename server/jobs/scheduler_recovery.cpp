@@ -3,8 +3,8 @@
 
 #include <set>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {
@@ -71,7 +71,7 @@ void Scheduler::remove_orphan_folders() {
   const std::set<std::string> known = store_.ids();
   for (const auto& entry : std::filesystem::directory_iterator(options_.jobs_directory)) {
     const std::string name = entry.path().filename();
-    if (!is_uuid(name) || known.contains(name)) continue;
+    if (!values::is_uuid(name) || known.contains(name)) continue;
     spdlog::warn("removing {}: the folder of a job that was never acknowledged, or was deleted",
                  entry.path().string());
     std::filesystem::remove_all(entry.path());

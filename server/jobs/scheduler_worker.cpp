@@ -6,13 +6,15 @@
 #include <utility>
 #include <vector>
 
+#include "proto/values/hexadecimal.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {
 
 namespace {
+
+constexpr std::size_t token_bytes = 32;  // what a worker proves its identity with
 
 /// From the acknowledgement of a worker's last word to its kill: it only has to leave.
 constexpr std::chrono::seconds leaving_time{5};
@@ -69,7 +71,7 @@ void Scheduler::start_run(JobRecord record) {
     auto run = std::make_shared<Run>();
     run->job_id = job.id();
     run->attempt = job.attempts();
-    run->token = random_token();
+    run->token = values::random_hexadecimal(token_bytes);
     run->log = logs_.open(job.id());
     transition(record, v1::RUNNING,
                job.attempts() == 1

@@ -11,8 +11,8 @@
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/values/sha256.hpp"
 #include "server/jobs/ask_worker.hpp"
-#include "server/jobs/digest.hpp"
 #include "server/service/attachment_names.hpp"
 
 namespace dccast::service {
@@ -122,9 +122,9 @@ std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& atta
   if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
   std::set<std::string> files;  // in any order they are the same files
   for (const v1::Attachment& attachment : attachments)
-    files.insert(attachment.name() + " " + jobs::sha256(attachment.content()));
+    files.insert(attachment.name() + " " + values::sha256(attachment.content()));
   for (const std::string& file : files) text += "\n" + file;
-  return jobs::sha256(text);
+  return values::sha256(text);
 }
 
 }  // namespace dccast::service

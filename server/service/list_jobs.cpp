@@ -1,7 +1,7 @@
 #include <charconv>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 #include "server/service/handlers.hpp"
 #include "server/service/status.hpp"
 
@@ -16,7 +16,7 @@ constexpr int largest_page = 1000;
 bool read_token(const std::string& token, jobs::JobStore::Page& page) {
   if (token.empty()) return true;
   const auto dot = token.find('.');
-  if (dot == std::string::npos || !jobs::is_uuid(token.substr(dot + 1))) return false;
+  if (dot == std::string::npos || !values::is_uuid(token.substr(dot + 1))) return false;
   page.before_id = token.substr(dot + 1);
   const auto [end, error] = std::from_chars(token.data(), token.data() + dot, page.before_ms);
   return error == std::errc() && end == token.data() + dot;

@@ -4,9 +4,9 @@
 
 #include <system_error>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/ask_worker.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 
 namespace dccast::service {
 
@@ -67,12 +67,12 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
 }
 
 grpc::Status check_id(const std::string& id) {
-  if (jobs::is_uuid(id)) return grpc::Status::OK;
+  if (values::is_uuid(id)) return grpc::Status::OK;
   return no_uuid(id, "job", "as SubmitJob and ListJobs give it");
 }
 
 grpc::Status check_study(const std::string& study) {
-  if (study.empty() || jobs::is_uuid(study)) return grpc::Status::OK;
+  if (study.empty() || values::is_uuid(study)) return grpc::Status::OK;
   return no_uuid(study, "study", "chosen by who submits the first job of the study");
 }
 

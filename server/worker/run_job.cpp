@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "core/casting/simulation.hpp"
-#include "server/jobs/digest.hpp"
+#include "proto/values/sha256.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/translate/case_to_core.hpp"
 #include "server/translate/faults_to_proto.hpp"
@@ -34,7 +34,7 @@ void add_artifacts(const fs::path& directory, Finished& finished) {
     auto* artifact = finished.add_artifacts();
     artifact->set_name(name);
     artifact->set_size_bytes(static_cast<std::int64_t>(fs::file_size(directory / name)));
-    artifact->set_sha256(jobs::sha256_of_file(directory / name));
+    artifact->set_sha256(values::sha256_of_file(directory / name));
   }
 }
 

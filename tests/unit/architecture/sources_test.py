@@ -24,7 +24,8 @@ CORE_ROOMS_SEEN["results"] = {"results", "base", "mesh"}
 for room in ("contact", "mechanics"):  # thermal and mechanics meet only in casting
     CORE_ROOMS_SEEN[room] -= {"thermal"}
 
-# The daemon never runs a solver: of the server only these rooms see core.
+# The daemon never runs a solver: of the server only these rooms see core, the others its base alone,
+# which knows no physics.
 SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
 
 # Headers that only one place may include; tests of that place may too.
@@ -143,7 +144,14 @@ class Sources(unittest.TestCase):
             f"{path} includes {include}"
             for path in SOURCES
             if path.parts[0] == "server" and path.parts[1] not in SERVER_ROOMS_THAT_SEE_CORE
-            for include in includes_of(path) if include.startswith("core/")])
+            for include in includes_of(path)
+            if include.startswith("core/") and not include.startswith("core/base/")])
+        self.assert_none([
+            f"{path} links dccast_{linked}"
+            for path in CMAKE_FILES
+            if path.parts[0] == "server" and path.parts[1] not in SERVER_ROOMS_THAT_SEE_CORE
+            for linked in re.findall(r"\bdccast_(\w+)", text_of(path))
+            if linked in CORE_ROOMS and linked != "base"])
 
     def test_libraries_are_wrapped_once(self):
         broken = []

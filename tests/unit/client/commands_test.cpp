@@ -7,9 +7,9 @@
 
 #include "client/command_line.hpp"
 #include "client/message_json.hpp"
-#include "client/sha256.hpp"
 #include "fake_service.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "proto/values/sha256.hpp"
 
 namespace dccast::client {
 namespace {
@@ -107,7 +107,7 @@ TEST_F(Commands, CurlComesAsTableCsvAndJson) {
 TEST_F(Commands, AFetchedSidecarRefersToItsNeighbourByNameAlone) {
   service.artifact = "<DataItem>results.h5:/a</DataItem><DataItem>results.h5:/b</DataItem>";
   std::ofstream(file) << service.artifact;  // the service has one artifact for both
-  service.artifact_sha256 = sha256_of_file(file);
+  service.artifact_sha256 = values::sha256_of_file(file);
   const auto folder = std::filesystem::path(file).replace_extension();
   std::filesystem::create_directory(folder);
   EXPECT_EQ(run({"fetch", "job", "-o", (folder / "hot & cold.h5").string()}).code, 0);

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "client/download.hpp"
-#include "client/sha256.hpp"
 #include "fake_service.hpp"
+#include "proto/values/sha256.hpp"
 
 namespace dccast::client {
 namespace {
@@ -23,7 +23,7 @@ struct Fetch : testing::Test {
     fs::create_directories(folder);
     for (int i = 0; i < 5000; ++i) service.artifact += std::to_string(i);
     write(folder / "whole", service.artifact);
-    service.artifact_sha256 = sha256_of_file(folder / "whole");
+    service.artifact_sha256 = values::sha256_of_file(folder / "whole");
   }
   void TearDown() override { fs::remove_all(folder); }
 
@@ -36,40 +36,32 @@ struct Fetch : testing::Test {
   }
 };
 
-TEST(Sha256, OfAKnownText) {
-  const fs::path file = fs::path(testing::TempDir()) / "dccast_abc";
-  std::ofstream(file) << "abc";
-  EXPECT_EQ(sha256_of_file(file),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-4
-  fs::remove(file);
-}
-
 TEST_F(Fetch, AppearsUnderItsNameWithTheRightSum) {
   EXPECT_EQ(fetch().bytes, static_cast<std::int64_t>(service.artifact.size()));
-  EXPECT_EQ(sha256_of_file(file), service.artifact_sha256);
+  EXPECT_EQ(values::sha256_of_file(file), service.artifact_sha256);
   EXPECT_FALSE(fs::exists(file.string() + ".part"));
 }
 
 TEST_F(Fetch, GoesOnAfterAPart) {
   write(file.string() + ".part", service.artifact.substr(0, 1000));
   EXPECT_EQ(fetch().resumed_at, 1000);
-  EXPECT_EQ(sha256_of_file(file), service.artifact_sha256);
+  EXPECT_EQ(values::sha256_of_file(file), service.artifact_sha256);
 }
 
 TEST_F(Fetch, ACutStreamIsContinued) {
   service.bytes_per_stream = service.artifact.size() / 2;
   fetch();
-  EXPECT_EQ(sha256_of_file(file), service.artifact_sha256);
+  EXPECT_EQ(values::sha256_of_file(file), service.artifact_sha256);
   EXPECT_GE(service.streams, 2);
 }
 
 TEST_F(Fetch, APartOfAnotherFileIsThrownAway) {
   write(file.string() + ".part", "something else");
   EXPECT_EQ(fetch().resumed_at, 0);
-  EXPECT_EQ(sha256_of_file(file), service.artifact_sha256);
+  EXPECT_EQ(values::sha256_of_file(file), service.artifact_sha256);
   write(file.string() + ".part", service.artifact + "longer");
   fetch();
-  EXPECT_EQ(sha256_of_file(file), service.artifact_sha256);
+  EXPECT_EQ(values::sha256_of_file(file), service.artifact_sha256);
 }
 
 TEST_F(Fetch, AWrongSumNeverBecomesAResult) {

@@ -3,8 +3,8 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 #include "tests/unit/jobs/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -12,7 +12,7 @@ namespace {
 
 JobRecord new_record(const std::string& request_id = "", std::int64_t created_ms = 1700000000123) {
   JobRecord record;
-  record.job.set_id(random_uuid());
+  record.job.set_id(values::random_uuid());
   record.job.set_title("a \"title\"; with 'quotes'");
   record.job.set_request_id(request_id);
   record.job.set_case_sha256("abc");
@@ -34,14 +34,14 @@ protected:
 
 TEST_F(JobStoreTest, GivesBackANewJobAndItsCase) {
   JobRecord record = new_record("r");
-  record.job.set_study(random_uuid());
+  record.job.set_study(values::random_uuid());
   const std::string bytes("\0\1\xff case", 8);
   EXPECT_FALSE(store_.insert(record, bytes, bytes + "complete"));
   EXPECT_TRUE(same(store_.find(record.job.id())->job, record.job));
   EXPECT_TRUE(same(store_.find_request("r")->job, record.job));
   EXPECT_EQ(store_.complete_case(record.job.id()), bytes + "complete");
-  EXPECT_FALSE(store_.find(random_uuid()));
-  EXPECT_FALSE(store_.complete_case(random_uuid()));
+  EXPECT_FALSE(store_.find(values::random_uuid()));
+  EXPECT_FALSE(store_.complete_case(values::random_uuid()));
 }
 
 TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
@@ -107,11 +107,11 @@ TEST_F(JobStoreTest, ListsNewestFirstPageByPage) {
 }
 
 TEST_F(JobStoreTest, ListsTheJobsOfAStudyOnly) {
-  const std::string study = random_uuid();
+  const std::string study = values::random_uuid();
   std::set<std::string> members;
   for (int i = 0; i < 6; ++i) {
     JobRecord record = new_record("", 1700000000000 + i);
-    if (i % 2 == 0) record.job.set_study(i == 4 ? random_uuid() : study);
+    if (i % 2 == 0) record.job.set_study(i == 4 ? values::random_uuid() : study);
     if (record.job.study() == study) members.insert(record.job.id());
     store_.insert(record, "", "");
   }
@@ -124,7 +124,7 @@ TEST_F(JobStoreTest, ListsTheJobsOfAStudyOnly) {
   EXPECT_EQ(store_.list({}).size(), 6u);
   EXPECT_EQ(store_.list({.study = study, .size = 1}).size(), 1u);
   EXPECT_TRUE(store_.list({.states = {v1::FAILED}, .study = study}).empty());
-  EXPECT_TRUE(store_.list({.study = random_uuid()}).empty());
+  EXPECT_TRUE(store_.list({.study = values::random_uuid()}).empty());
 }
 
 TEST_F(JobStoreTest, AStudyOutlivesAMemberThatIsDeleted) {
@@ -180,7 +180,7 @@ TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
   Database(path).execute(store_of_version_1);
   const std::string old = "0f2b9a4e-0000-4000-8000-000000000000";
   JobRecord member = new_record();
-  member.job.set_study(random_uuid());
+  member.job.set_study(values::random_uuid());
   {
     JobStore store(path);
     const auto found = store.find(old);

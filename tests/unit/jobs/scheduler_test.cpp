@@ -4,8 +4,8 @@
 
 #include <fstream>
 
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/identifier.hpp"
 #include "tests/unit/jobs/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -170,7 +170,7 @@ TEST_F(SchedulerTest, LimitsTheQueueAndRequestIds) {
   other.case_sha256 = "another";
   EXPECT_THROW(daemon.scheduler.submit(other, {}), RequestIdTaken);
   auto of_a_study = new_job("a");
-  of_a_study.study = random_uuid();
+  of_a_study.study = values::random_uuid();
   EXPECT_THROW(daemon.scheduler.submit(of_a_study, {}), RequestIdTaken);
   EXPECT_EQ(daemon.scheduler.submit(new_job("b"), {}).queue_position(), 2);
   EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), QueueFull);
@@ -228,7 +228,7 @@ TEST_F(SchedulerTest, AnEndInTheStoreAloneIsWrittenIntoTheLog) {
 }
 
 TEST_F(SchedulerTest, FoldersNobodyWasToldOfAreRemovedAndOthersKept) {
-  fs::create_directories(folder_.path() / random_uuid());
+  fs::create_directories(folder_.path() / values::random_uuid());
   fs::create_directories(folder_.path() / "mine");
   Daemon daemon(folder_.path());
   EXPECT_TRUE(fs::exists(folder_.path() / "mine"));
@@ -241,9 +241,9 @@ TEST_F(SchedulerTest, PauseCancelAndDeleteKnowTheirStates) {
   Daemon daemon(folder_.path());
   auto& scheduler = daemon.scheduler;
   using Kind = Reply::Kind;
-  EXPECT_EQ(scheduler.pause(random_uuid()).kind, Kind::not_found);
-  EXPECT_EQ(scheduler.cancel(random_uuid(), "").kind, Kind::not_found);
-  EXPECT_EQ(scheduler.remove(random_uuid()).kind, Kind::not_found);
+  EXPECT_EQ(scheduler.pause(values::random_uuid()).kind, Kind::not_found);
+  EXPECT_EQ(scheduler.cancel(values::random_uuid(), "").kind, Kind::not_found);
+  EXPECT_EQ(scheduler.remove(values::random_uuid()).kind, Kind::not_found);
   const auto id = scheduler.submit(new_job(), {}).id();
   EXPECT_EQ(scheduler.resume(id).kind, Kind::wrong_state);
   EXPECT_EQ(scheduler.pause(id).job.state(), v1::PAUSED);

@@ -205,18 +205,5 @@ TEST(ThermalProperties, ALinearTableIsNoTable) {
   }
 }
 
-TEST(ThermalStrain, IsTheCubeRootOfTheDensityRatio) {
-  const Curve density = mushy_card().density;
-  EXPECT_EQ(thermal_strain(density, 649.0, 300.0, 300.0), 0.0);
-  // Whole contraction of the paper's alloy and its mushy part, as computed by hand.
-  EXPECT_NEAR(thermal_strain(density, 649.0, 20.0, 649.0), -0.0433, 1e-4);
-  EXPECT_NEAR(thermal_strain(density, 649.0, 620.0, 649.0), -0.0264, 1e-4);
-  const double step = 1e-3;
-  const double difference = (thermal_strain(density, 649.0, 500.0 + step, 649.0) -
-                             thermal_strain(density, 649.0, 500.0 - step, 649.0)) /
-                            (2 * step);
-  EXPECT_NEAR(thermal_strain_derivative(density, 649.0, 500.0), difference, 1e-11);
-}
-
 }  // namespace
 }  // namespace dccast::material

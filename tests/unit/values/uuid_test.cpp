@@ -1,13 +1,15 @@
-#include "server/jobs/identifier.hpp"
+#include "proto/values/uuid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-namespace dccast::jobs {
+#include "proto/values/hexadecimal.hpp"
+
+namespace dccast::values {
 namespace {
 
-TEST(Identifier, IsAUuidOfVersion4AndNeverTheSame) {
+TEST(Uuid, IsAUuidOfVersion4AndNeverTheSame) {
   std::set<std::string> seen;
   for (int i = 0; i < 1000; ++i) {
     const std::string id = random_uuid();
@@ -18,17 +20,19 @@ TEST(Identifier, IsAUuidOfVersion4AndNeverTheSame) {
   }
 }
 
-TEST(Identifier, RefusesWhatIsNone) {
+TEST(Uuid, RefusesWhatIsNone) {
   for (const char* text :
        {"", "x", "0f2b9a4e-0000-4000-8000-00000000000", "../../../../etc/passwd",
         "0F2B9A4E-0000-4000-8000-000000000000", "0f2b9a4e_0000_4000_8000_000000000000"})
     EXPECT_FALSE(is_uuid(text)) << text;
 }
 
-TEST(Token, Has256BitsInHexadecimal) {
-  EXPECT_EQ(random_token().size(), 64u);
-  EXPECT_NE(random_token(), random_token());
+TEST(Hexadecimal, HasTwoDigitsAByte) {
+  const unsigned char bytes[] = {0x00, 0x0f, 0xa0, 0xff};
+  EXPECT_EQ(hexadecimal(bytes), "000fa0ff");
+  EXPECT_EQ(random_hexadecimal(32).size(), 64u);
+  EXPECT_NE(random_hexadecimal(32), random_hexadecimal(32));
 }
 
 }  // namespace
-}  // namespace dccast::jobs
+}  // namespace dccast::values

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "client/commands/commands.hpp"
+#include "client/message_json.hpp"
+
+namespace dccast::client::commands {
+
+/// How a command about one job reads in the help.
+struct JobCommand {
+  const char* name;
+  const char* description;
+  const char* example;
+};
+
+/// "0f2b9a4e-... paused", one line: what the commands that change a job answer with.
+std::string new_state(const v1::Job& job);
+
+/// A subcommand that asks the server one thing about one job and prints the job. The request holds
+/// the options: JOB, and what the caller adds to the subcommand that is returned.
+/// @param text  the job for people; --json gives all of it
+template <typename Request>
+CLI::App* add_job_command(CLI::App& app, Program& program, const JobCommand& about,
+                          grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                       v1::Job*),
+                          std::shared_ptr<Request> request,
+                          std::string (*text)(const v1::Job&) = new_state) {
+  CLI::App* const command = subcommand(app, about.name, about.description, about.example);
+  const auto json = std::make_shared<bool>(false);
+  command->add_option("JOB", *request->mutable_id(), "Job id")->required();
+  command->add_flag("--json", *json, "As JSON");
+  command->callback([=, &program] {
+    program.action = [=, &program] {
+      Connection connection = program.connect();
+      const v1::Job job = connection.call(method, *request);
+      std::cout << (*json ? to_json(job).dump() + "\n" : text(job));
+      return ExitCode::done;
+    };
+  });
+  return command;
+}
+
+}  // namespace dccast::client::commands
