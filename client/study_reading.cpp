@@ -1,22 +1,20 @@
 #include "client/study_reading.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include "client/divided_case.hpp"
+#include "client/job_listing.hpp"
 
 namespace dccast::client {
 
 std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id) {
   v1::ListJobsRequest request;
   request.set_study(id);
-  request.set_page_size(1000);
-  std::vector<v1::Job> jobs;
-  do {
-    const auto page = connection.call(&Stub::ListJobs, request);
-    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
+  std::vector<v1::Job> jobs =
+      list_jobs(connection, std::move(request), std::numeric_limits<int>::max());
   std::reverse(jobs.begin(), jobs.end());
   return jobs;
 }

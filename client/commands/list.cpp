@@ -2,6 +2,7 @@
 #include <map>
 
 #include "client/commands/commands.hpp"
+#include "client/job_listing.hpp"
 #include "client/message_json.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/table.hpp"
@@ -20,23 +21,17 @@ const std::map<std::string, v1::JobState> state_names{
     {"queued", v1::QUEUED},       {"running", v1::RUNNING}, {"paused", v1::PAUSED},
     {"succeeded", v1::SUCCEEDED}, {"failed", v1::FAILED},   {"cancelled", v1::CANCELLED}};
 
-std::vector<v1::Job> jobs_of(const Options& options, Connection& connection) {
+v1::ListJobsRequest request_of(const Options& options) {
   v1::ListJobsRequest request;
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
   request.set_study(options.study);
-  std::vector<v1::Job> jobs;
-  do {
-    request.set_page_size(std::min(1000, options.limit - static_cast<int>(jobs.size())));
-    const auto page = connection.call(&Stub::ListJobs, request);
-    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < options.limit);
-  return jobs;
+  return request;
 }
 
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
-  const std::vector<v1::Job> jobs = jobs_of(options, connection);
+  const std::vector<v1::Job> jobs =
+      list_jobs(connection, request_of(options), options.limit);
   if (options.json) {
     Json list = Json::array();
     for (const v1::Job& job : jobs) list.push_back(to_json(job));

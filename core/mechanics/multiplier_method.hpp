@@ -45,7 +45,8 @@ public:
                    StepUnknowns<Element>& unknowns, std::vector<double> gamma_p)
       : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
         equilibrium_(problem), gamma_p_(std::move(gamma_p)), multiplier_(gamma_p_.size()),
-        least_acting_(least_acting_force(problem, options.tolerance)) {
+        round_off_(round_off_force(problem)),
+        least_acting_(least_acting_force(problem, round_off_, options.tolerance)) {
     unknowns_.deviator.resize(gamma_p_.size());
     for (std::size_t i = 0; i < multiplier_.size(); ++i) {
       // H(s) - gamma_p s of the step's start, with the parameters of this step: the multiplier of
@@ -126,6 +127,18 @@ protected:
     outcome_.converged = true;
   }
 
+  /// Runs the iterations of a step whose contact is an active set. One that converges keeps its set
+  /// and its stresses.
+  template <class Iterate>
+  StepOutcome solve_with(StepConstraints<Element>& constraints, Iterate&& iterate) {
+    count_solver_use(work_, outcome_, iterate);
+    if (outcome_.converged) {
+      constraints.store();
+      store_deviator();
+    }
+    return outcome_;
+  }
+
   /// Evaluates the residual by the law; a law may move multipliers while it is at it.
   template <class Law>
   void evaluate(Law&& law) {
@@ -204,6 +217,7 @@ protected:
   std::vector<double> gamma_p_;
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;
+  double round_off_;  ///< [N/m in 2D]
   double least_acting_;
   double acting_ = 0.0;
   bool factorized_ = false;

@@ -46,16 +46,10 @@ public:
       StepUnknowns<Element>& unknowns)
       : Base(problem, options, work, unknowns,
              std::vector<double>(std::size_t(problem.geometry->elements()) * Element::points, 0.0)),
-        system_(*problem.pattern, work), constraints_(problem, unknowns.contact) {}
+        system_(*problem.pattern, work), constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
-    StepOutcome& outcome = this->outcome_;
-    count_solver_use(this->work_, outcome, [this] { iterate(); });
-    if (outcome.converged) {
-      constraints_.store();
-      this->store_deviator();
-    }
-    return outcome;
+    return this->solve_with(constraints_, [this] { iterate(); });
   }
 
 private:

@@ -33,8 +33,9 @@ public:
          StepUnknowns<Element>& unknowns)
       : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
         equilibrium_(problem), system_(*problem.pattern, work),
-        constraints_(problem, unknowns.contact),
-        least_acting_(least_acting_force(problem, options.tolerance)) {}
+        round_off_(round_off_force(problem)),
+        constraints_(problem, unknowns.contact, round_off_),
+        least_acting_(least_acting_force(problem, round_off_, options.tolerance)) {}
 
   StepOutcome solve() {
     count_solver_use(work_, outcome_, [this] { iterate(); });
@@ -181,6 +182,7 @@ private:
   StepUnknowns<Element>& unknowns_;
   Equilibrium<Element> equilibrium_;
   ConstrainedSystem system_;
+  double round_off_;  ///< [N/m in 2D]
   StepConstraints<Element> constraints_;
   StepOutcome outcome_;
   double least_acting_;

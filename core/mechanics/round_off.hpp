@@ -33,11 +33,13 @@ double round_off_force(const StepProblem<Element>& problem) {
 
 /// The least force against which a residual is judged [N/m in 2D]: the weight or what else is applied,
 /// and where nothing is what makes a residual of round-off pass the tolerance.
+/// @param round_off  round_off_force() of the problem
 template <class Element>
-double least_acting_force(const StepProblem<Element>& problem, double tolerance) {
+double least_acting_force(const StepProblem<Element>& problem, double round_off,
+                          double tolerance) {
   double applied = 0.0;
   for (const double f : problem.external_force) applied += f * f;
-  return std::max({problem.weight, std::sqrt(applied), round_off_force(problem) / tolerance,
+  return std::max({problem.weight, std::sqrt(applied), round_off / tolerance,
                    std::numeric_limits<double>::min()});
 }
 

@@ -300,10 +300,11 @@ template <class Element>
 void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknowns,
                                     const SlabStepInput& input) {
   Equilibrium<Element> equilibrium(problem_);
+  const double round_off = round_off_force(problem_);
   const double acting = std::max(
       equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
-      least_acting_force(problem_, options_.tolerance));
-  StepConstraints<Element> constraints(problem_, unknowns.contact);
+      least_acting_force(problem_, round_off, options_.tolerance));
+  StepConstraints<Element> constraints(problem_, unknowns.contact, round_off);
   checks_.weight = problem_.weight;
   checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
   checks_.complementarity_error =

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/contact/active_set.hpp"
-#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
@@ -16,12 +15,13 @@ namespace dccast::mechanics {
 template <class Element>
 class StepConstraints {
 public:
-  /// @param active  by contact unknown; the set the step starts from, and its outcome
-  StepConstraints(const StepProblem<Element>& problem, std::vector<char>& active)
+  /// @param active     by contact unknown; the set the step starts from, and its outcome
+  /// @param round_off  round_off_force() of the problem: no reaction is known better
+  StepConstraints(const StepProblem<Element>& problem, std::vector<char>& active,
+                  double round_off)
       : problem_(&problem), active_(&active), set_(active), gap_(problem.contact.size()),
         reaction_(problem.contact.size()),
-        force_tolerance_(std::max(force_share_of_weight * problem.weight,
-                                  round_off_force(problem))) {
+        force_tolerance_(std::max(force_share_of_weight * problem.weight, round_off)) {
     mark();
   }
 

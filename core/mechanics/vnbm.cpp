@@ -37,16 +37,10 @@ public:
   Vnbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
        StepUnknowns<Element>& unknowns)
       : Base(problem, options, work, unknowns, variable_gamma(problem, unknowns)),
-        system_(*problem.pattern, work), constraints_(problem, unknowns.contact) {}
+        system_(*problem.pattern, work), constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
-    StepOutcome& outcome = this->outcome_;
-    count_solver_use(this->work_, outcome, [this] { iterate(); });
-    if (outcome.converged) {
-      constraints_.store();
-      this->store_deviator();
-    }
-    return outcome;
+    return this->solve_with(constraints_, [this] { iterate(); });
   }
 
 private:

@@ -5,6 +5,7 @@
 
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
+#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/thermal/heat_solver.hpp"
 #include "tests/support/load_case.hpp"
@@ -69,7 +70,8 @@ struct Linear : Scene {
     equilibrium.tangent(body.work.stiffness);
     mechanics::ConstrainedSystem system(body.pattern, body.work);
     std::vector<char> closed(body.problem.contact.size(), 1);
-    mechanics::StepConstraints<Element> constraints(body.problem, closed);
+    mechanics::StepConstraints<Element> constraints(
+        body.problem, closed, mechanics::round_off_force(body.problem));
     const std::vector<double> none(u.size(), 0.0);
     system.factorize(constraints.fixed(), none);
   }
@@ -98,7 +100,8 @@ void contact(benchmark::State& state) {
   Linear linear(static_cast<int>(state.range(0)));
   std::vector<char> closed(linear.body.problem.contact.size(), 1);
   for (auto _ : state) {
-    mechanics::StepConstraints<Element> constraints(linear.body.problem, closed);
+    mechanics::StepConstraints<Element> constraints(
+        linear.body.problem, closed, mechanics::round_off_force(linear.body.problem));
     benchmark::DoNotOptimize(constraints.update(linear.u, linear.body.work.residual, false));
   }
 }
