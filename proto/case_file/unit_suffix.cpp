@@ -6,13 +6,14 @@
 namespace dccast::case_file {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 24> suffixes{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 25> suffixes{{
     {"", ""},
     {"1", ""},
     {"m", "_m"},
     {"s", "_s"},
     {"degC", "_c"},
     {"bytes", "_bytes"},
+    {"rad", "_rad"},
     {"m/s", "_m_per_s"},
     {"m2/s", "_m2_per_s"},
     {"m/s2", "_m_per_s2"},
