@@ -60,6 +60,36 @@ void read_slab(const Sections& s, mechanics::SlabState<2>& slab) {
   slab.reaction = s.reals("slab/reaction_n_per_m");
 }
 
+void write_failures(const RunFailures& failures, Sections& s) {
+  s.set_integer("failures", static_cast<std::int64_t>(failures.size()));
+  for (std::size_t i = 0; i < failures.size(); ++i) {
+    const RunFailure& failure = failures[i];
+    const std::string prefix = "failure." + std::to_string(i) + '/';
+    s.set(prefix + "kind", name_of(failure.kind));
+    s.set(prefix + "message", failure.message);
+    s.set(prefix + "time_and_step_s", Sections::Reals{failure.time, failure.time_step});
+    s.set(prefix + "place_m", failure.place);
+    s.set(prefix + "residual_history", failure.residual_history);
+  }
+}
+
+/// @throws std::out_of_range  a section is missing, or names an unknown kind
+RunFailure read_failure(const Sections& s, const std::string& prefix) {
+  const auto kind = failure_kind(s.text(prefix + "kind"));
+  if (!kind) throw std::out_of_range("unknown kind of failure");
+  const auto& times = s.reals(prefix + "time_and_step_s");
+  return {*kind,       s.text(prefix + "message"),  times.at(0),
+          times.at(1), s.reals(prefix + "place_m"), s.reals(prefix + "residual_history")};
+}
+
+RunFailures read_failures(const Sections& s) {
+  RunFailures failures;
+  const std::int64_t count = s.integer("failures");
+  for (std::int64_t i = 0; i < count; ++i)
+    failures.push_back(read_failure(s, "failure." + std::to_string(i) + '/'));
+  return failures;
+}
+
 }  // namespace
 
 Sections to_sections(const RunState& state, const std::string& fingerprint) {
@@ -76,6 +106,7 @@ Sections to_sections(const RunState& state, const std::string& fingerprint) {
   s.set("heat/temperature_c", state.heat.temperature);
   s.set("heat/liquid_fraction", state.heat.liquid_fraction);
   write_slab(state.slab, s);
+  write_failures(state.failures, s);
   return s;
 }
 
@@ -93,6 +124,7 @@ bool from_sections(const Sections& s, const std::string& fingerprint, RunState& 
     state.heat.temperature = s.reals("heat/temperature_c");
     state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
     read_slab(s, state.slab);
+    state.failures = read_failures(s);
     return true;
   } catch (const std::out_of_range&) {
     return false;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/casting/case.hpp"
+#include "core/casting/run_failure.hpp"
 #include "core/mechanics/slab_state.hpp"
 #include "core/results/sections.hpp"
 #include "core/thermal/heat_solver.hpp"
@@ -19,6 +20,7 @@ struct RunState {
   double next_frame = 0.0;  ///< [s]
   double step_limit = 0.0;  ///< of the step control [s]
   double solver_seconds = 0.0;
+  RunFailures failures;             ///< of the steps so far that let the run go on
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
   mechanics::SlabState<2> slab;

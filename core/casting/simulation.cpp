@@ -1,8 +1,12 @@
 #include "core/casting/simulation.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <system_error>
+#include <utility>
 
 #include "core/casting/slab_run.hpp"
 #include "core/results/checkpoint_file.hpp"
@@ -55,6 +59,16 @@ std::string failed_check(const results::StepReport& r) {
   return text;
 }
 
+RunFailure failure_of(const SolveFailed& error) {
+  return {FailureKind::solve_failed, error.what(), error.time(),
+          error.time_step(),         {},           error.residual_history()};
+}
+
+results::RunSummary summary_of(const RunFailures& failures) {
+  if (failures.empty()) return {};
+  return {name_of(failures.front().kind), in_words(failures)};
+}
+
 /// Decides when a checkpoint is due: by steps, or by the wall clock.
 class CheckpointClock {
 public:
@@ -76,33 +90,38 @@ template <class Element>
 class Driver {
 public:
   Driver(const Case& c, const RunDirectory& directory, StepObserver& observer)
-      : directory_(directory.path), observer_(observer), run_(c), clock_(c.checkpoint),
-        header_(header_of(c)), files_{directory_ / journal_name, directory_ / results_name} {
-    if (directory.resume) resume();
-    if (!writer_) {
-      writer_.emplace(results::ResultWriter::create(files_, header_));
-      writer_->append(run_.take_frame());
-      writer_->flush();
-    }
-  }
+      : directory_(directory),
+        observer_(observer),
+        run_(c),
+        clock_(c.checkpoint),
+        header_(header_of(c)),
+        files_{directory.path / journal_name, directory.path / results_name} {}
 
   RunOutcome drive() {
     try {
-      while (!run_.finished()) {
-        const results::StepReport report = run_.advance();
-        if (const auto end = after(report)) return *end;
+      begin();
+      while (!run_.finished() && !over()) {
+        if (const auto end = after(run_.advance())) return *end;
       }
-    } catch (const SolveFailed& failure) {
-      writer_->publish({"solve_failed", failure.what()});
-      return {RunEnd::solve_failed, RunFailure{failure.what(), failure.time(), failure.time_step(),
-                                               failure.residual_history()}};
+    } catch (const SolveFailed& error) {
+      run_.fail(failure_of(error));
+    } catch (const std::system_error& error) {
+      return with_storage_failure(error);
     }
-    return finish();
+    return conclude();
   }
 
 private:
+  void begin() {
+    if (directory_.resume) resume();
+    if (writer_) return;
+    writer_.emplace(results::ResultWriter::create(files_, header_));
+    writer_->append(run_.take_frame());
+    writer_->flush();
+  }
+
   void resume() {
-    const auto read = results::read_checkpoint(directory_ / checkpoint_name);
+    const auto read = results::read_checkpoint(checkpoint());
     RunState state;
     if (!read.content || !from_sections(*read.content, header_.case_json, state)) {
       observer_.on_message("no checkpoint to go on from (" + read.reason + "): the run begins anew");
@@ -119,54 +138,74 @@ private:
     observer_.on_resumed(state.step, state.time);
   }
 
-  /// Stores and reports a step. @return the outcome when the run ends here
+  /// Stores and reports a step. @return the outcome when the run ends here by order
   std::optional<RunOutcome> after(const results::StepReport& report) {
     writer_->append(report);
-    if (run_.frame_is_due()) {
+    if (std::string fault = failed_check(report); !fault.empty())
+      run_.fail(
+          {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
+    if (run_.frame_is_due() || over()) {
       writer_->append(run_.take_frame());
       writer_->flush();
     }
-    if (failure_.empty()) {
-      failure_ = failed_check(report);
-      failure_time_ = report.time;
-      failure_step_ = report.time_step;
-    }
     const Order order = observer_.on_step(report);
-    if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, std::nullopt};
-    if (order == Order::stop_at_checkpoint || clock_.due(report.step)) write_checkpoint();
-    if (order == Order::stop_at_checkpoint && !run_.finished()) {
-      writer_->wait();
-      return RunOutcome{RunEnd::stopped, std::nullopt};
-    }
-    return std::nullopt;
+    if (order == Order::cancel) return cancelled();
+    const bool stop = order == Order::stop_at_checkpoint && !run_.finished() && !over();
+    if (stop || clock_.due(report.step)) write_checkpoint();
+    if (!stop) return std::nullopt;
+    writer_->wait();
+    return RunOutcome{RunEnd::stopped, {}};
+  }
+
+  /// Whether a failure of a step has ended the run before its time.
+  bool over() const {
+    return std::ranges::any_of(run_.state().failures, ends_run, &RunFailure::kind);
   }
 
   void write_checkpoint() {
-    writer_->checkpoint(directory_ / checkpoint_name,
-                        to_sections(run_.state(), header_.case_json));
+    writer_->checkpoint(checkpoint(), to_sections(run_.state(), header_.case_json));
     clock_.written();
   }
 
-  RunOutcome finish() {
-    const bool good = failure_.empty();
-    writer_->publish({good ? "succeeded" : "check_failed", failure_});
-    writer_->remove_journal();
-    std::error_code ignored;  // a checkpoint that stays does no harm
-    std::filesystem::remove(directory_ / checkpoint_name, ignored);
-    if (good) return {RunEnd::succeeded, std::nullopt};
-    return {RunEnd::check_failed, RunFailure{failure_, failure_time_, failure_step_, {}}};
+  RunOutcome conclude() {
+    const RunFailures& failures = run_.state().failures;
+    try {
+      writer_->publish(summary_of(failures));
+    } catch (const std::system_error& error) {
+      return with_storage_failure(error);
+    }
+    remove_files();
+    return {failures.empty() ? RunEnd::succeeded : RunEnd::failed, failures};
   }
 
-  std::filesystem::path directory_;
+  RunOutcome cancelled() {
+    writer_.reset();  // its thread may be writing a checkpoint
+    remove_files();
+    return {RunEnd::cancelled, {}};
+  }
+
+  /// The files stay: once the disk can be written again, the run goes on from them.
+  RunOutcome with_storage_failure(const std::system_error& error) {
+    run_.fail({FailureKind::storage, error.what(), run_.state().time, 0.0, {}, {}});
+    return {RunEnd::failed, run_.state().failures};
+  }
+
+  /// What only a resumption needs.
+  void remove_files() {
+    std::error_code ignored;  // a file that stays does no harm
+    std::filesystem::remove(checkpoint(), ignored);
+    std::filesystem::remove(files_.journal, ignored);
+  }
+
+  std::filesystem::path checkpoint() const { return directory_.path / checkpoint_name; }
+
+  RunDirectory directory_;
   StepObserver& observer_;
   SlabRun<Element> run_;
   CheckpointClock clock_;
   results::RunHeader header_;
   results::RunFiles files_;
   std::optional<results::ResultWriter> writer_;
-  std::string failure_;
-  double failure_time_ = 0.0;
-  double failure_step_ = 0.0;
 };
 
 }  // namespace

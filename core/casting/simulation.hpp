@@ -1,11 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "core/casting/case.hpp"
+#include "core/casting/run_failure.hpp"
 #include "core/casting/step_observer.hpp"
 
 namespace dccast::casting {
@@ -17,23 +15,9 @@ struct RunDirectory {
   bool resume = false;  ///< go on from the checkpoint if there is one that can be read
 };
 
-enum class RunEnd { succeeded, solve_failed, check_failed, stopped, cancelled };
-
-struct RunFailure {
-  std::string message;
-  double time = 0.0;       ///< [s]
-  double time_step = 0.0;  ///< [s]
-  std::vector<double> residual_history;
-};
-
-struct RunOutcome {
-  RunEnd end = RunEnd::succeeded;
-  std::optional<RunFailure> failure;
-};
-
-/// Runs one case to its end or to where the observer stops it.
-/// @throws InvalidCase          a file of the case cannot be read
-/// @throws std::system_error    the directory cannot be written
+/// Runs one case to its end or to where the observer stops it. A disk that is full or a folder that
+/// cannot be written is a failure of the run, of kind storage.
+/// @throws InvalidCase  a file of the case cannot be read
 RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer);
 
 }  // namespace dccast::casting

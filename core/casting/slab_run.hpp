@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/casting/case.hpp"
@@ -50,6 +51,8 @@ public:
   explicit SlabRun(const Case& casting_case);
 
   const RunState& state() const { return state_; }
+  /// Lists a failure of the step just made: part of the state, so that no resumption forgets it.
+  void fail(RunFailure failure) { add_failure(state_.failures, std::move(failure)); }
   /// Goes on from another state of the same case.
   void restore(const RunState& state);
 

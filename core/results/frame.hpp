@@ -72,8 +72,8 @@ struct RunHeader {
 
 /// How a run ended.
 struct RunSummary {
-  std::string outcome = "succeeded";  ///< "succeeded", "solve_failed", "check_failed" or "stopped"
-  std::string message;                ///< the cause where it did not succeed
+  std::string outcome = "succeeded";  ///< "succeeded", or the kind of failure: SCHEMA.md
+  std::string message;                ///< the cause where it did not succeed, and what followed it
 };
 
 }  // namespace dccast::results

@@ -14,6 +14,26 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
   }
 }
 
+v1::Failure::Kind to_proto(casting::FailureKind kind) {
+  switch (kind) {
+    case casting::FailureKind::solve_failed:
+      return v1::Failure::SOLVE_FAILED;
+    case casting::FailureKind::check_failed:
+      return v1::Failure::CHECK_FAILED;
+    case casting::FailureKind::shell_melted_through:
+      return v1::Failure::SHELL_MELTED_THROUGH;
+    case casting::FailureKind::motion_too_large:
+      return v1::Failure::MOTION_TOO_LARGE;
+    case casting::FailureKind::liquid_pressure_lost:
+      return v1::Failure::LIQUID_PRESSURE_LOST;
+    case casting::FailureKind::storage:
+      return v1::Failure::STORAGE;
+    case casting::FailureKind::other_version:
+      return v1::Failure::OTHER_VERSION;
+  }
+  return v1::Failure::INTERNAL;
+}
+
 }  // namespace
 
 v1::StepReport to_proto(const results::StepReport& report,
@@ -48,14 +68,19 @@ v1::StepReport to_proto(const results::StepReport& report,
   return to;
 }
 
-v1::Failure to_proto(const casting::RunFailure& failure, v1::Failure::Kind kind) {
+v1::Failure to_proto(const casting::RunFailures& failures) {
+  const casting::RunFailure& failure = failures.at(0);
   v1::Failure to;
-  to.set_kind(kind);
+  to.set_kind(to_proto(failure.kind));
   to.set_message(failure.message);
   to.set_time_s(failure.time);
   to.set_time_step_s(failure.time_step);
   to.mutable_residual_history()->Add(failure.residual_history.begin(),
                                      failure.residual_history.end());
+  to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
+  for (std::size_t i = 1; i < failures.size(); ++i)
+    to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
+                          failures[i].message);
   return to;
 }
 

@@ -12,7 +12,7 @@ namespace dccast::translate {
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors);
 
-/// @param kind  what the end of the run says about the failure
-v1::Failure to_proto(const casting::RunFailure& failure, v1::Failure::Kind kind);
+/// @param failures  of a run, the cause first; at least one
+v1::Failure to_proto(const casting::RunFailures& failures);
 
 }  // namespace dccast::translate

@@ -38,30 +38,41 @@ void add_artifacts(const fs::path& directory, Finished& finished) {
   }
 }
 
-Finished with_failure(const casting::RunOutcome& outcome, v1::Failure::Kind kind) {
-  Finished finished;
-  finished.set_outcome(Finished::FAILED);
-  *finished.mutable_failure() =
-      translate::to_proto(outcome.failure.value_or(casting::RunFailure{}), kind);
-  return finished;
+Finished::Outcome to_proto(casting::RunEnd end) {
+  switch (end) {
+    case casting::RunEnd::succeeded:
+      return Finished::SUCCEEDED;
+    case casting::RunEnd::failed:
+      return Finished::FAILED;
+    case casting::RunEnd::stopped:
+      return Finished::STOPPED;
+    case casting::RunEnd::cancelled:
+      return Finished::CANCELLED;
+    case casting::RunEnd::other_version:
+      return Finished::OTHER_VERSION_FOUND;
+  }
+  return Finished::OUTCOME_UNSPECIFIED;
 }
 
-Finished to_finished(const casting::RunOutcome& outcome) {
+/// What keeps the artifacts from being read comes after what the run failed with.
+void note_storage_failure(const std::system_error& error, Finished& finished) {
+  if (finished.has_failure())
+    finished.mutable_failure()->add_further_causes(std::string("STORAGE: ") + error.what());
+  else
+    finished = failed(v1::Failure::STORAGE, error.what());
+}
+
+Finished to_finished(const casting::RunOutcome& outcome, const fs::path& directory) {
   Finished finished;
-  switch (outcome.end) {
-    case casting::RunEnd::succeeded:
-      finished.set_outcome(Finished::SUCCEEDED);
-      break;
-    case casting::RunEnd::stopped:
-      finished.set_outcome(Finished::STOPPED);
-      break;
-    case casting::RunEnd::cancelled:
-      finished.set_outcome(Finished::CANCELLED);
-      break;
-    case casting::RunEnd::solve_failed:
-      return with_failure(outcome, v1::Failure::SOLVE_FAILED);
-    case casting::RunEnd::check_failed:
-      return with_failure(outcome, v1::Failure::CHECK_FAILED);
+  finished.set_outcome(to_proto(outcome.end));
+  if (!outcome.failures.empty())
+    *finished.mutable_failure() = translate::to_proto(outcome.failures);
+  if (outcome.end != casting::RunEnd::succeeded && outcome.end != casting::RunEnd::failed)
+    return finished;
+  try {
+    add_artifacts(directory, finished);
+  } catch (const std::system_error& error) {
+    note_storage_failure(error, finished);
   }
   return finished;
 }
@@ -72,11 +83,7 @@ Finished run(const v1::WorkerOrder::Start& start, LinkClient& link) {
   ReportingObserver observer(link, casting_case.monitors);
   const auto outcome =
       casting::run(casting_case, {.path = directory, .resume = start.resume()}, observer);
-  Finished finished = to_finished(outcome);
-  if (outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::check_failed ||
-      outcome.end == casting::RunEnd::solve_failed)
-    add_artifacts(directory, finished);
-  return finished;
+  return to_finished(outcome, directory);
 }
 
 }  // namespace

@@ -27,8 +27,7 @@ inline std::vector<results::StepReport> run(const casting::Case& c) {
   std::filesystem::create_directories(folder);
   Recorder recorder;
   const auto outcome = casting::run(c, {folder, false}, recorder);
-  EXPECT_EQ(outcome.end, casting::RunEnd::succeeded)
-      << (outcome.failure ? outcome.failure->message : "");
+  EXPECT_EQ(outcome.end, casting::RunEnd::succeeded) << casting::in_words(outcome.failures);
   std::filesystem::remove_all(folder);
   return recorder.reports;
 }

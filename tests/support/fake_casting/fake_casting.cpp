@@ -124,8 +124,13 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
     if (state.step == script.number("crash_at", -1)) std::abort();
     if (!resumed && state.step == script.number("crash_once_at", -1)) std::abort();
     if (state.step == script.number("fail_at", -1))
-      return {RunEnd::solve_failed,
-              RunFailure{"did not converge", static_cast<double>(state.step), 1e-3, {1.0, 0.5}}};
+      return {RunEnd::failed,
+              {{FailureKind::solve_failed,
+                "did not converge",
+                static_cast<double>(state.step),
+                1e-3,
+                {},
+                {1.0, 0.5}}}};
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
     const Order order = observer.on_step(report_of(state, steps, spent.count()));
     if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);

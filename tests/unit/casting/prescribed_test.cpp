@@ -85,7 +85,7 @@ protected:
     Recorder recorder;
     std::filesystem::create_directories(folder_ / "run");
     const auto outcome = run(c, {folder_ / "run", false}, recorder);
-    EXPECT_EQ(outcome.end, RunEnd::succeeded) << (outcome.failure ? outcome.failure->message : "");
+    EXPECT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
     EXPECT_EQ(recorder.reports.size(), 20u);
     for (const auto& r : recorder.reports) {
       EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-4 * r.weight) << "t = " << r.time;

@@ -68,6 +68,28 @@ TEST_P(Resume, GivesTheSameBytesByTheOtherAlgorithm) {
   expect_same_after_stops(c, {12, 20});
 }
 
+/// A check that failed before the checkpoint: found by a user whose run "succeeded" after a pause.
+TEST_P(Resume, KeepsACheckThatFailed) {
+  Case c = small_casting(GetParam());
+  c.mechanics.options.tolerance = 3e-3;
+  c.time.end = 6.0;
+  const TemporaryFolder whole;
+  Recorder uninterrupted;
+  const RunOutcome outcome = run(c, {whole / "", false}, uninterrupted);
+  ASSERT_EQ(outcome.failures.size(), 1u);
+  ASSERT_EQ(outcome.failures[0].kind, FailureKind::check_failed);
+  const TemporaryFolder folder;
+  Recorder first, second;
+  first.act_after = uninterrupted.reports.back().step - 1;
+  first.then = Order::stop_at_checkpoint;
+  ASSERT_EQ(run(c, {folder / "", false}, first).end, RunEnd::stopped);
+  const RunOutcome resumed = run(c, {folder / "", true}, second);
+  EXPECT_EQ(second.resumed_from, first.act_after);
+  EXPECT_EQ(resumed.end, RunEnd::failed);
+  EXPECT_EQ(resumed.failures, outcome.failures);
+  EXPECT_TRUE(bytes_of(folder / "results.h5") == bytes_of(whole / "results.h5"));
+}
+
 /// The process dies between checkpoints: steps after the last one are made again.
 TEST_P(Resume, AfterAKillGoesOnFromTheLastCheckpoint) {
   Case c = small_casting(GetParam());

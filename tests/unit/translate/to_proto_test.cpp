@@ -22,12 +22,25 @@ TEST(StepToProto, NamesTheMonitors) {
   EXPECT_EQ(to.liquid_pressure_error(), 7.0);
 }
 
-TEST(FailureToProto, KeepsTheResiduals) {
-  const auto to =
-      to_proto(casting::RunFailure{"m", 1.0, 2.0, {3.0, 4.0}}, v1::Failure::SOLVE_FAILED);
-  EXPECT_EQ(to.kind(), v1::Failure::SOLVE_FAILED);
-  EXPECT_EQ(to.residual_history_size(), 2);
+TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {
+  using casting::FailureKind;
+  const auto to = to_proto({{FailureKind::shell_melted_through, "m", 1.0, 2.0, {0.2, 0.1}, {}},
+                            {FailureKind::storage, "disk full", 1.0, 0.0, {}, {}}});
+  EXPECT_EQ(to.kind(), v1::Failure::SHELL_MELTED_THROUGH);
+  EXPECT_EQ(to.message(), "m");
+  EXPECT_EQ(to.time_s(), 1.0);
   EXPECT_EQ(to.time_step_s(), 2.0);
+  ASSERT_EQ(to.place_m_size(), 2);
+  EXPECT_EQ(to.place_m(0), 0.2);
+  ASSERT_EQ(to.further_causes_size(), 1);
+  EXPECT_EQ(to.further_causes(0), "STORAGE: disk full");
+}
+
+TEST(FailureToProto, KeepsTheResiduals) {
+  const auto to = to_proto({{casting::FailureKind::solve_failed, "m", 1.0, 2.0, {}, {3.0, 4.0}}});
+  EXPECT_EQ(to.kind(), v1::Failure::SOLVE_FAILED);
+  ASSERT_EQ(to.residual_history_size(), 2);
+  EXPECT_EQ(to.residual_history(1), 4.0);
 }
 
 TEST(CheckToProto, GivesAnEstimateOnlyWithoutFaults) {

@@ -81,17 +81,14 @@ std::optional<double> CastingRun::curl_mm() const {
 
 std::string CastingRun::ending() const {
   char text[160];
-  switch (outcome.end) {
-    case casting::RunEnd::succeeded:
-      return "reached its end";
-    case casting::RunEnd::check_failed:
-      return "reached its end; a check failed";
-    case casting::RunEnd::cancelled:
-      std::snprintf(text, sizeof text, "given up at t = %.4g s after %.4g s", last.time, seconds);
-      return text;
-    default:
-      break;
+  if (outcome.end == casting::RunEnd::succeeded) return "reached its end";
+  if (outcome.end == casting::RunEnd::cancelled) {
+    std::snprintf(text, sizeof text, "given up at t = %.4g s after %.4g s", last.time, seconds);
+    return text;
   }
+  if (outcome.failures.size() == 1 &&
+      outcome.failures.front().kind == casting::FailureKind::check_failed)
+    return "reached its end; a check failed";
   std::snprintf(text, sizeof text, "failed at t = %.5g s", last.time);
   return text;
 }
