@@ -1,5 +1,7 @@
 #include "client/connection.hpp"
 
+#include <iostream>
+
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 
@@ -13,10 +15,18 @@ Connection::Connection(const std::string& server, std::shared_ptr<Interruption> 
   // A watcher must notice a daemon that vanished without a word.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
+  // A proxy would see every case, and the address may exist only on this network.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   stub_ = v1::SimulationService::NewStub(
       grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments));
+}
+
+void Connection::announce_retry(const grpc::Status& status, int attempts_made) const {
+  std::cerr << "dccast: no answer from " << server_ << " (" << reason_of(status)
+            << "); trying again (" << attempts_made << " of " << policy_.attempts - 1 << ")"
+            << std::endl;
 }
 
 }  // namespace dccast::client

@@ -49,7 +49,7 @@ std::string reason_against_dividing(const v1::Case& description) {
   return {};
 }
 
-bool same_but_divided(const v1::Case& a, const v1::Case& b) {
+bool is_refined_case(const v1::Case& a, const v1::Case& b) {
   return google::protobuf::util::MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 

@@ -16,6 +16,6 @@ std::string reason_against_dividing(const v1::Case& description);
 /// Whether two cases, with all their defaults, are one casting on meshes and steps divided by their
 /// mesh.refinement. What does not bear on the figures (title, output, checkpoints, limits) may
 /// differ.
-bool same_but_divided(const v1::Case& a, const v1::Case& b);
+bool is_refined_case(const v1::Case& a, const v1::Case& b);
 
 }  // namespace dccast::client

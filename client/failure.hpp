@@ -24,6 +24,10 @@ private:
 /// message.
 CommandFailed failure_of(const grpc::Status& status, const std::string& server);
 
+/// Why a call failed, in one line for people: what the daemon said, or in place of gRPC's own
+/// report of its attempts what it comes to.
+std::string reason_of(const grpc::Status& status);
+
 /// Throws `failure_of` unless the status is OK.
 void check(const grpc::Status& status, const std::string& server);
 

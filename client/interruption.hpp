@@ -19,7 +19,7 @@ public:
       : CommandFailed(ExitCode::interrupted, "interrupted" + (rest.empty() ? "" : "; " + rest)) {}
 };
 
-/// The wish to leave. It comes from another thread than the command's, which is told by its calls
+/// A request to leave the command. It comes from another thread than the command's, which is told by its calls
 /// ending early: so it leaves by its own way, with files closed and lines ended.
 class Interruption {
 public:

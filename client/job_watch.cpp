@@ -78,7 +78,7 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     if (stream.progressed) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
     talk << "watch: the stream from " << connection.server() << " ended"
-         << (stream.status.ok() ? "" : " (" + stream.status.error_message() + ")")
+         << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
          << " but the job has not; taking it up again at event " << next << " (attempt " << attempt
          << " of " << policy.attempts - 1 << ")" << std::endl;
     connection.interruption().sleep(pause);

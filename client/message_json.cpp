@@ -51,6 +51,9 @@ Json repeated(const Message& message, const FieldDescriptor& field) {
       case FieldDescriptor::CPPTYPE_INT32:
         list.push_back(reflection.GetRepeatedInt32(message, &field, i));
         break;
+      case FieldDescriptor::CPPTYPE_STRING:
+        list.push_back(reflection.GetRepeatedString(message, &field, i));
+        break;
       default:
         break;
     }

@@ -40,6 +40,16 @@ void judge_monitor(Study& study, const std::string& name) {
   study.monitors.push_back(std::move(monitor));
 }
 
+std::optional<double> earliest_loss(const std::vector<const StudyLevel*>& levels) {
+  std::optional<double> earliest_s;
+  for (const StudyLevel* level : levels)
+    if (const auto first = level->history.first_beyond()) {
+      const double lost_s = level->history.time_s[*first];
+      if (!earliest_s || lost_s < *earliest_s) earliest_s = lost_s;
+    }
+  return earliest_s;
+}
+
 }  // namespace
 
 std::size_t MonitorStudy::least_certain() const {
@@ -75,6 +85,7 @@ Study study_of(std::string id, std::vector<StudyLevel> runs) {
       study.levels.push_back(std::move(run));
   }
   const auto succeeded = study.succeeded();
+  study.valid_until_s = earliest_loss(succeeded);
   if (succeeded.size() < 2) return study;
   study.time_s = succeeded.front()->history.time_s;
   study.cast_length_m = succeeded.front()->history.cast_length_m;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct StudyLevel {
   render::CurlHistory history;  ///< whole when the job has succeeded
 
   bool succeeded() const { return job.state() == v1::SUCCEEDED; }
+  bool ends_beyond_validity() const { return !history.beyond.empty() && history.beyond.back(); }
 };
 
 /// What a study says of one monitor.
@@ -34,9 +36,13 @@ struct Study {
   std::vector<v1::Job> others;     ///< jobs of the study that are not one of its levels
   std::vector<double> time_s;      ///< instants: the steps of the coarsest level that succeeded
   std::vector<double> cast_length_m;
+  /// From here on one of the levels that succeeded is beyond validity, and the limit with it;
+  /// nothing when all are valid to their end [s].
+  std::optional<double> valid_until_s;
   std::vector<MonitorStudy> monitors;  ///< empty with fewer than two levels that succeeded
 
   std::vector<const StudyLevel*> succeeded() const;
+  bool valid_at(double instant_s) const { return !valid_until_s || instant_s < *valid_until_s; }
   const MonitorStudy* monitor(const std::string& name) const;  ///< null: not in the study
 };
 

@@ -7,6 +7,7 @@
 
 #include "client/divided_case.hpp"
 #include "client/job_listing.hpp"
+#include "client/job_result.hpp"
 
 namespace dccast::client {
 
@@ -21,28 +22,26 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
 
 Study read_study(Connection& connection, const std::string& id, const v1::Case* like) {
   std::vector<StudyLevel> runs;
-  std::vector<v1::Job> strangers;
+  std::vector<v1::Job> foreign_jobs;
   std::optional<v1::Case> first;
   for (const v1::Job& job : jobs_of_study(connection, id)) {
-    v1::QueryResultRequest request;
-    request.set_id(job.id());
     v1::QueryResultResponse result;
-    const grpc::Status status = connection.try_call(&Stub::QueryResult, request, result);
+    const grpc::Status status = try_query_result(connection, job.id(), false, result);
     if (status.error_code() == grpc::StatusCode::NOT_FOUND)
       continue;  // deleted since it was listed
     check(status, connection.server());
     if (!first) first = like != nullptr ? *like : result.case_();
-    if (!same_but_divided(*first, result.case_())) {
-      strangers.push_back(job);
+    if (!is_refined_case(*first, result.case_())) {
+      foreign_jobs.push_back(job);
       continue;
     }
     StudyLevel& run = runs.emplace_back();
     run.refinement = result.case_().mesh().refinement();
     run.job = job;
-    for (const v1::StepReport& step : result.steps()) run.history.add(step);
+    run.history = render::curl_history(job, result);
   }
   Study study = study_of(id, std::move(runs));
-  study.others.insert(study.others.end(), strangers.begin(), strangers.end());
+  study.others.insert(study.others.end(), foreign_jobs.begin(), foreign_jobs.end());
   return study;
 }
 

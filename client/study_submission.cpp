@@ -3,7 +3,11 @@
 #include <iostream>
 
 #include "client/divided_case.hpp"
+#include "client/job_result.hpp"
+#include "client/level_attempts.hpp"
+#include "client/render/job_text.hpp"
 #include "client/render/progress.hpp"
+#include "client/study_reading.hpp"
 #include "client/submission.hpp"
 
 namespace dccast::client {
@@ -50,14 +54,14 @@ bool check_levels(Connection& connection, const CaseUnderCheck& checked, int lev
   return true;
 }
 
-v1::Job submit_level(Connection& connection, const CaseUnderCheck& fine, const std::string& study) {
+/// A level as an attempt of its study.
+v1::Job submit_attempt(Connection& connection, const v1::Case& level, const std::string& study,
+                       int number) {
   v1::SubmitJobRequest request;
-  request.set_request_id(study + "/" + std::to_string(fine.description.mesh().refinement()));
+  request.set_request_id(attempt_request_id(study, level.mesh().refinement(), number));
   request.set_study(study);
   request.set_priority(v1::LOW);  // a study must not stand in the way of a question
-  *request.mutable_case_() = fine.description;
-  for (const v1::Attachment& attachment : fine.read.attachments)
-    *request.add_attachments() = attachment;
+  *request.mutable_case_() = level;
   v1::Job job;
   const grpc::Status status = submit_patiently(connection, request, job);
   if (status.error_code() == grpc::StatusCode::ALREADY_EXISTS)
@@ -68,20 +72,51 @@ v1::Job submit_level(Connection& connection, const CaseUnderCheck& fine, const s
   return job;
 }
 
+/// The job of a level: the one that is there, or a new one in place of none or of one that was
+/// lost.
+v1::Job job_of_level(Connection& connection, const v1::Case& level, const std::string& study,
+                     const LevelAttempts& attempts) {
+  // Also when it is there already: the server then holds the case against the one it has.
+  const bool first_is_known = attempts.by_number.empty() || attempts.by_number.contains(1);
+  v1::Job job;
+  if (first_is_known) job = submit_attempt(connection, level, study, 1);
+  if (attempts.by_number.empty()) return job;
+  if (attempts.can_be_repaired())
+    return submit_attempt(connection, level, study, attempts.next_number());
+  return *attempts.current();
+}
+
+/// The case of a job as it was run, with all its defaults.
+v1::Case case_of(Connection& connection, const v1::Job& job) {
+  return query_result(connection, job.id()).case_();
+}
+
 }  // namespace
+
+void repair_study(Connection& connection, const std::string& study) {
+  for (const auto& [refinement, attempts] : attempts_of(study, jobs_of_study(connection, study))) {
+    if (!attempts.can_be_repaired()) continue;
+    const v1::Job& lost = *attempts.current();
+    const v1::Job job =
+        submit_attempt(connection, case_of(connection, lost), study, attempts.next_number());
+    std::cerr << "refinement " << refinement << ": job " << job.id() << " replaces job "
+              << lost.id() << ", which is " << render::state_text(lost.state()) << '\n';
+  }
+}
 
 bool submit_study(Connection& connection, const CaseUnderCheck& checked, const std::string& study,
                   int levels) {
   if (!check_levels(connection, checked, levels)) return false;
+  auto attempts = attempts_of(study, jobs_of_study(connection, study));
   const std::string way_back = "dccast convergence --study " + study + " --levels " +
                                std::to_string(levels) + " " + checked.read.source.file();
   int level = 0;
   try {
     for (; level < levels; ++level) {
-      const CaseUnderCheck fine = level_of(checked, level);
-      const v1::Job job = submit_level(connection, fine, study);
-      std::cerr << "refinement " << fine.description.mesh().refinement() << ": job " << job.id()
-                << '\n';
+      const v1::Case fine = level_of(checked, level).description;
+      const int refinement = fine.mesh().refinement();
+      const v1::Job job = job_of_level(connection, fine, study, attempts[refinement]);
+      std::cerr << "refinement " << refinement << ": job " << job.id() << '\n';
     }
   } catch (const Interrupted&) {
     throw Interrupted("part of the study may be in the queue. Come back: " + way_back);

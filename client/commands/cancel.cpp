@@ -1,4 +1,5 @@
 #include "client/commands/job_command.hpp"
+#include "proto/values/shortened.hpp"
 
 namespace dccast::client::commands {
 
@@ -9,7 +10,8 @@ void add_cancel(CLI::App& app, Program& program) {
                       {"cancel", "Stop a job for good; one that has ended is left as it is",
                        "dccast cancel JOB --reason \"wrong alloy\""},
                       &Stub::CancelJob, request);
-  command->add_option("--reason", *request->mutable_reason(), "Kept with the job");
+  command->add_option("--reason", *request->mutable_reason(), "Kept with the job")
+      ->check([](const std::string& text) { return values::too_long("the reason", text); });
 }
 
 }  // namespace dccast::client::commands

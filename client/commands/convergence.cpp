@@ -7,6 +7,7 @@
 #include "client/message_json.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/study_table.hpp"
+#include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
 #include "client/study_submission.hpp"
 #include "proto/values/uuid.hpp"
@@ -18,6 +19,7 @@ struct Options {
   std::string file;
   std::string study;
   int levels = 3;
+  bool as_it_is = false;
   bool json = false;
 };
 
@@ -32,6 +34,15 @@ bool submit(const Options& options, const std::string& study, Connection& connec
   if (const std::string reason = reason_against_dividing(checked.description); !reason.empty())
     throw CommandFailed(ExitCode::invalid, reason);
   return submit_study(connection, checked, study, options.levels);
+}
+
+/// Replaces levels that were lost. Throws Interrupted with the command to come back by.
+void repair(Connection& connection, const std::string& study) {
+  try {
+    repair_study(connection, study);
+  } catch (const Interrupted&) {
+    throw Interrupted("Come back: dccast convergence --study " + study);
+  }
 }
 
 void wait_for_all(Connection& connection, const std::string& study) {
@@ -63,8 +74,11 @@ bool report_losses(const Study& study) {
   bool whole = true;
   for (const v1::Job& job : study.others)
     std::cerr << "job " << job.id()
-              << " is left out: another case, or a refinement that is there\n";
+              << " is left out: another case, or a refinement that another job stands for\n";
   for (const StudyLevel& level : study.levels) {
+    if (level.job.has_validity_loss())
+      std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id()
+                << ") is " << render::validity_text(level.job.validity_loss()) << '\n';
     if (level.succeeded()) continue;
     whole = false;
     std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id() << ") is "
@@ -88,6 +102,10 @@ Json monitor_json(const Study& study, const MonitorStudy& monitor) {
           {"history", {{"limit_m", limit.value_m}, {"uncertainty_m", limit.uncertainty_m}}}};
 }
 
+Json validity_json(const v1::Job& job) {
+  return job.has_validity_loss() ? to_json(job.validity_loss()) : Json();
+}
+
 void print_json(const Study& study) {
   Json json{{"study", study.id}, {"levels", Json::array()}};
   for (const StudyLevel& level : study.levels)
@@ -95,9 +113,13 @@ void print_json(const Study& study) {
                               {"job", level.job.id()},
                               {"state", v1::JobState_Name(level.job.state())},
                               {"nodes", level.job.last_step().nodes()},
-                              {"solver_s", level.job.last_step().solver_s()}});
+                              {"solver_s", level.job.last_step().solver_s()},
+                              {"validity_loss", validity_json(level.job)}});
   json["time_s"] = study.time_s;
   json["cast_length_m"] = study.cast_length_m;
+  json["beyond_validity"] = Json::array();
+  for (const double instant_s : study.time_s)
+    json["beyond_validity"].push_back(!study.valid_at(instant_s));
   json["monitors"] = Json::array();
   for (const MonitorStudy& monitor : study.monitors)
     json["monitors"].push_back(monitor_json(study, monitor));
@@ -113,6 +135,8 @@ ExitCode run(const Options& options, Program& program) {
   if (!options.file.empty()) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
     if (!submit(options, id, connection)) return ExitCode::invalid;
+  } else if (!options.as_it_is) {
+    repair(connection, id);
   }
   const Study study = finished_study(connection, id);
   if (options.json)
@@ -128,12 +152,15 @@ constexpr const char* examples =
     "  dccast convergence --levels 2 --json my.toml\n"
     "  dccast convergence --study ID                     take it up again, after an interruption "
     "or later\n"
+    "  dccast convergence --study ID --as-it-is          only show it\n"
     "  dccast convergence --study ID --levels 4 my.toml  add what is missing, here a finer level\n"
     "\n"
     "Rows below the levels: observed order of the whole history, the limit at the end and its\n"
-    "uncertainty, and where in the history that is largest. Runs that failed are left out; the "
-    "exit\n"
-    "code is then 3. The jobs have one study id; `dccast report JOB` of each draws the band.";
+    "uncertainty, and where in the history that is largest. A level that was cancelled, or lost "
+    "to\n"
+    "its worker or a full disk, is submitted again by --study; one that failed by its own case is\n"
+    "left out, and the exit code is then 3. The jobs have one study id; `dccast report JOB` of "
+    "each draws the band.";
 
 }  // namespace
 
@@ -147,8 +174,10 @@ void add_convergence(CLI::App& app, Program& program) {
   command->add_option("FILE", options->file, "Case file; needed to begin a study");
   command->add_option(
       "--study", options->study,
-      "Take this study up again: wait for what has not ended, print the table; with "
-      "FILE also submit the levels that are missing");
+      "Take this study up again: submit levels that were lost again, wait for what has not ended, "
+      "print the table; with FILE also submit the levels that are missing");
+  command->add_flag("--as-it-is", options->as_it_is,
+                    "With --study and without FILE: submit nothing, levels that were lost stay so");
   command
       ->add_option("--levels", options->levels,
                    "Runs, each with half the cell and step of the one before; an order needs three")

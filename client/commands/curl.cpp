@@ -1,9 +1,11 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/curl_history.hpp"
 #include "client/render/table.hpp"
+#include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -24,6 +26,13 @@ std::string csv_name(const std::string& name) {
   for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + "\"";
 }
+
+/// Everything the command says of a job.
+struct JobCurl {
+  v1::Job job;
+  CurlHistory history;
+  Study study;  ///< empty for a job that belongs to none
+};
 
 /// What the job's study says of a monitor at the job's own steps; empty columns without one.
 struct Error {
@@ -51,22 +60,32 @@ std::vector<std::pair<std::string, std::vector<double>>> columns_of(const CurlHi
   return columns;
 }
 
-void print_csv(const CurlHistory& history, const Study& study) {
+void print_csv(const JobCurl& curl) {
+  const auto& [job, history, study] = curl;
   const auto columns = columns_of(history, study);
+  const bool has_limits = !study.monitors.empty();
   std::cout << "time_s,cast_length_m";
   for (const auto& [name, values] : columns) std::cout << ',' << csv_name(name);
-  std::cout << '\n';
+  std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
   for (std::size_t i = 0; i < history.time_s.size(); ++i) {
     std::cout << case_file::number_text(history.time_s[i]) << ','
               << case_file::number_text(history.cast_length_m[i]);
     for (const auto& [name, values] : columns)
       std::cout << ',' << case_file::number_text(values[i]);
+    std::cout << ',' << history.beyond[i];
+    if (has_limits) std::cout << ',' << !study.valid_at(history.time_s[i]);
     std::cout << '\n';
   }
 }
 
-void print_json(const std::string& id, const CurlHistory& history, const Study& study) {
-  Json json{{"job", id}, {"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
+void print_json(const JobCurl& curl) {
+  const auto& [job, history, study] = curl;
+  Json json{{"job", job.id()},
+            {"time_s", history.time_s},
+            {"cast_length_m", history.cast_length_m},
+            {"beyond_validity", history.beyond},
+            {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()}};
+  if (study.valid_until_s) json["limit_valid_until_s"] = *study.valid_until_s;
   json["monitors"] = Json::array();
   for (const auto& series : history.monitors) {
     Json& monitor = json["monitors"].emplace_back(Json{
@@ -79,40 +98,47 @@ void print_json(const std::string& id, const CurlHistory& history, const Study& 
   std::cout << json.dump() << '\n';
 }
 
-void print_table(const CurlHistory& history) {
+void print_table(const JobCurl& curl) {
+  const CurlHistory& history = curl.history;
+  const bool lost = history.first_beyond().has_value();
   std::vector<std::string> headings{">time s", ">cast mm"};
   for (const auto& series : history.monitors) headings.push_back(">" + series.name + " mm");
+  if (lost) headings.push_back("validity");
   render::Table table(headings);
   for (std::size_t i = 0; i < history.time_s.size(); ++i) {
     std::vector<std::string> row{render::fixed(history.time_s[i], 2),
                                  render::fixed(1e3 * history.cast_length_m[i], 2)};
     for (const auto& series : history.monitors)
       row.push_back(render::fixed(1e3 * series.curl_m[i], 3));
+    if (lost) row.push_back(history.beyond[i] ? render::beyond_validity : "");
     table.add(std::move(row));
   }
-  std::cout << table.text();
+  std::cout << table.text() << std::flush;
+  if (curl.job.has_validity_loss())
+    std::cerr << render::validity_text(curl.job.validity_loss())
+              << "; figures after that time are not an answer\n";
 }
 
-Study study_of_job(const Options& options, Connection& connection,
-                   const v1::QueryResultResponse& result) {
+JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connection) {
   v1::GetJobRequest request;
-  request.set_id(options.id);
-  return study_around(connection, connection.call(&Stub::GetJob, request), result.case_());
+  request.set_id(id);
+  JobCurl curl;
+  curl.job = connection.call(&Stub::GetJob, request);
+  const auto result = query_result(connection, id);
+  curl.history = render::curl_history(curl.job, result);
+  if (with_study) curl.study = study_around(connection, curl.job, result.case_());
+  return curl;
 }
 
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
-  v1::QueryResultRequest request;
-  request.set_id(options.id);
-  const auto result = connection.call(&Stub::QueryResult, request);
-  CurlHistory history;
-  for (const v1::StepReport& step : result.steps()) history.add(step);
+  const JobCurl curl = curl_of_job(options.id, options.csv || options.json, connection);
   if (options.csv)
-    print_csv(history, study_of_job(options, connection, result));
+    print_csv(curl);
   else if (options.json)
-    print_json(options.id, history, study_of_job(options, connection, result));
+    print_json(curl);
   else
-    print_table(history);
+    print_table(curl);
   return ExitCode::done;
 }
 
@@ -123,7 +149,8 @@ void add_curl(CLI::App& app, Program& program) {
   CLI::App* const command = subcommand(
       app, "curl",
       "Butt curl (upward displacement) of every monitor, step by step. Of a job that belongs to "
-      "a study, CSV and JSON also have the limit of every monitor and its uncertainty",
+      "a study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
+      "the model had stopped being valid are marked",
       "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
   command->add_option("JOB", options->id, "Job id, in any state")->required();
   CLI::Option* const csv =

@@ -15,7 +15,7 @@ ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::DeleteJobRequest request;
   request.set_id(options.id);
-  connection.call(&Stub::DeleteJob, request);
+  connection.call_once(&Stub::DeleteJob, request);
   if (options.json)
     std::cout << Json{{"id", options.id}, {"deleted", true}}.dump() << '\n';
   else

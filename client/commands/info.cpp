@@ -2,6 +2,7 @@
 
 #include "client/commands/commands.hpp"
 #include "client/message_json.hpp"
+#include "client/render/table.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -9,6 +10,16 @@ namespace {
 struct Options {
   bool json = false;
 };
+
+/// What this daemon accepts at most; nothing from one that does not say.
+std::string ceilings_text(const v1::GetServerInfoResponse& info) {
+  constexpr double bytes_of_a_megabyte = 1e6;
+  if (info.maximum_nodes() <= 0) return {};
+  return "ceilings " + std::to_string(info.maximum_nodes()) + " nodes, " +
+         std::to_string(info.maximum_steps()) + " steps, " +
+         render::fixed(info.maximum_memory_bytes() / bytes_of_a_megabyte, 0) +
+         " MB of memory for one case\n";
+}
 
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
@@ -19,9 +30,15 @@ ExitCode run(const Options& options, Program& program) {
   }
   std::cout << "server   " << connection.server() << "\nversion  " << info.version()
             << "\nworkers  " << info.workers() << "\nrunning  " << info.running() << "\nqueued   "
-            << info.queued() << " of at most " << info.maximum_queued() << "\nlargest  "
-            << info.maximum_message_bytes() << " bytes of case and attachments\nbuild    "
-            << info.build() << '\n';
+            << info.queued() << " of at most " << info.maximum_queued() << "\npaused   "
+            << info.paused() << "\nlargest  " << info.maximum_message_bytes()
+            << " bytes of case and attachments\n"
+            << ceilings_text(info) << "build    " << info.build() << '\n';
+  if (!info.storage_fault().empty())
+    std::cout << "held     " << info.storage_fault() << "; no job starts until this is mended\n";
+  if (info.quarantined() > 0)
+    std::cout << "aside    " << info.quarantined()
+              << " folders without a job; `dccastd check` lists them\n";
   return ExitCode::done;
 }
 

@@ -14,6 +14,7 @@ struct JobCommand {
   const char* name;
   const char* description;
   const char* example;
+  bool repeatable = true;  ///< asking twice gives the same answer as asking once
 };
 
 /// "0f2b9a4e-... paused", one line: what the commands that change a job answer with.
@@ -35,7 +36,8 @@ CLI::App* add_job_command(CLI::App& app, Program& program, const JobCommand& abo
   command->callback([=, &program] {
     program.action = [=, &program] {
       Connection connection = program.connect();
-      const v1::Job job = connection.call(method, *request);
+      const v1::Job job = about.repeatable ? connection.call(method, *request)
+                                           : connection.call_once(method, *request);
       std::cout << (*json ? to_json(job).dump() + "\n" : text(job));
       return ExitCode::done;
     };

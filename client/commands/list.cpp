@@ -1,5 +1,6 @@
 #include <iostream>
 #include <map>
+#include <set>
 
 #include "client/commands/commands.hpp"
 #include "client/job_listing.hpp"
@@ -28,10 +29,17 @@ v1::ListJobsRequest request_of(const Options& options) {
   return request;
 }
 
+/// Why jobs are held, each reason once.
+void print_holds(const std::vector<v1::Job>& jobs) {
+  std::set<std::string> reasons;
+  for (const v1::Job& job : jobs)
+    if (!job.held().empty()) reasons.insert(job.held());
+  for (const std::string& reason : reasons) std::cerr << "held: " << reason << '\n';
+}
+
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
-  const std::vector<v1::Job> jobs =
-      list_jobs(connection, request_of(options), options.limit);
+  const std::vector<v1::Job> jobs = list_jobs(connection, request_of(options), options.limit);
   if (options.json) {
     Json list = Json::array();
     for (const v1::Job& job : jobs) list.push_back(to_json(job));
@@ -41,15 +49,14 @@ ExitCode run(const Options& options, Program& program) {
   render::Table table({"JOB", "STATE", ">DONE", "CREATED", "TITLE"});
   for (const v1::Job& job : jobs)
     table.add(
-        {job.id(),
-         render::state_text(job.state()) +
-             (job.queue_position() > 0 ? " #" + std::to_string(job.queue_position()) : ""),
+        {job.id(), render::full_state_text(job),
          job.has_last_step() ? render::fixed(100.0 * job.last_step().progress(), 0) + " %" : "-",
          render::time_text(job.create_time()), job.title()});
   if (jobs.empty())
     std::cerr << "no jobs\n";
   else
-    std::cout << table.text();
+    std::cout << table.text() << std::flush;
+  print_holds(jobs);
   return ExitCode::done;
 }
 

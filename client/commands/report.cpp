@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/report_page.hpp"
 #include "client/study_reading.hpp"
@@ -17,18 +18,14 @@ struct Options {
 
 /// With the last frame; without it when the job has none.
 v1::QueryResultResponse query(Connection& connection, const std::string& id) {
-  v1::QueryResultRequest request;
-  request.set_id(id);
-  request.set_frame(true);
   v1::QueryResultResponse result;
-  const grpc::Status status = connection.try_call(&Stub::QueryResult, request, result);
+  const grpc::Status status = try_query_result(connection, id, true, result);
   if (status.error_code() != grpc::StatusCode::FAILED_PRECONDITION) {
     check(status, connection.server());
     return result;
   }
   std::cerr << "dccast: " << status.error_message() << "; the report goes without the section\n";
-  request.set_frame(false);
-  return connection.call(&Stub::QueryResult, request);
+  return query_result(connection, id);
 }
 
 ExitCode run(const Options& options, Program& program) {

@@ -20,7 +20,7 @@ using case_file::KeyReference;
 std::string kind_text(const KeyReference& row) {
   std::string text = row.type;
   if (!row.unit.empty() && row.unit != "1") text += " [" + row.unit + "]";
-  if (row.curve) text += ", or a table against " + row.against;
+  if (row.curve) text += ", or a table against " + row.against + " of " + row.size;
   return text;
 }
 
@@ -32,12 +32,13 @@ void print(const KeyReference& row, const render::Terminal& terminal) {
       header.erase(at, 2);
     std::cout << '\n'
               << render::bold(list ? "[[" + header + "]]" : "[" + header + "]", terminal) << "  "
-              << row.doc << '\n';
+              << row.doc << (row.size.empty() ? "" : "; " + row.size) << '\n';
     return;
   }
   std::cout << "  " << render::bold(row.path, terminal) << (row.required ? "  (required)" : "")
             << "\n      " << row.doc << "\n      " << kind_text(row);
   if (!row.permitted.empty()) std::cout << "; " << row.permitted;
+  if (!row.size.empty() && !row.curve) std::cout << "; " << row.size;
   if (!row.default_text.empty()) std::cout << "; default " << row.default_text;
   std::cout << '\n';
 }
@@ -47,6 +48,7 @@ Json row_json(const KeyReference& row) {
           {"type", row.type},
           {"unit", row.unit},
           {"permitted", row.permitted},
+          {"size", row.size},
           {"curve", row.curve},
           {"against", row.against},
           {"required", row.required},

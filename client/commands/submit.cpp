@@ -4,6 +4,7 @@
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
 #include "client/submission.hpp"
+#include "proto/values/shortened.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
@@ -70,9 +71,11 @@ void add_submit(CLI::App& app, Program& program) {
                    "Place in the queue: low, normal (default) or high")
       ->transform(CLI::CheckedTransformer(priorities, CLI::ignore_case).description(""))
       ->type_name("PRIORITY");
-  command->add_option(
-      "--request-id", options->request_id,
-      "Submitting again with the same id gives the same job; by default a new one is made");
+  command
+      ->add_option(
+          "--request-id", options->request_id,
+          "Submitting again with the same id gives the same job; by default a new one is made")
+      ->check([](const std::string& text) { return values::too_long("the request id", text); });
   command->add_flag("--json", options->json,
                     "Job as JSON, with --watch followed by one event a line");
   command->callback([options, &program] {

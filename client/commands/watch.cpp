@@ -23,7 +23,8 @@ void print_curl(const render::CurlHistory& history) {
     table.add({series.name, render::fixed(1e3 * series.curl_m.back(), 3),
                render::fixed(1e3 * series.horizontal_m.back(), 3)});
   std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
-            << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm\n"
+            << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
+            << (history.beyond.back() ? ", beyond validity: not an answer" : "") << '\n'
             << table.text() << std::flush;
 }
 
@@ -47,10 +48,25 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
   return end;
 }
 
+/// Says why a job waits, if it is held; a job that cannot be asked for is left to the watch.
+void say_if_held(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  v1::Job job;
+  connection.set_policy({.attempts = 1});  // the watch itself is patient
+  try {
+    connection.try_call(&Stub::GetJob, request, job);
+  } catch (const Interrupted&) {
+    return;  // the watch itself says how to come back
+  }
+  if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
+}
+
 }  // namespace
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
                    bool talk_only) {
+  say_if_held(connection, id);
   const auto end = json ? watch_for_scripts(connection, id, from)
                         : watch_for_people(connection, id, from, talk_only);
   if (end.has_failure())

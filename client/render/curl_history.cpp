@@ -13,10 +13,13 @@ double curl_of(const v1::MonitorValue& monitor) {
   return monitor.displacement_m_size() > 1 ? monitor.displacement_m(1) : unknown;
 }
 
-void CurlHistory::add(const v1::StepReport& step) {
-  time_s.push_back(step.time_s());
-  cast_length_m.push_back(step.cast_length_m());
-  for (const v1::MonitorValue& value : step.monitors()) {
+void CurlHistory::add(const v1::StepReport& report) {
+  if (report.step() > 0) rewind(report.step() - 1);
+  step.push_back(report.step());
+  time_s.push_back(report.time_s());
+  cast_length_m.push_back(report.cast_length_m());
+  beyond.push_back(report.beyond_validity());
+  for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::find_if(monitors.begin(), monitors.end(),
                               [&](const Series& s) { return s.name == value.name(); });
     if (found == monitors.end()) found = monitors.insert(monitors.end(), {value.name(), {}, {}});
@@ -32,16 +35,36 @@ void CurlHistory::add(const v1::StepReport& step) {
   }
 }
 
-void CurlHistory::rewind(double last_s) {
-  // Times of a step that is computed again are the same to the bit; the margin is for texts.
-  while (!time_s.empty() && time_s.back() > last_s + 1e-9) {
+void CurlHistory::rewind(std::int64_t last_step) {
+  while (!step.empty() && (last_step <= 0 || step.back() > last_step)) {
+    step.pop_back();
     time_s.pop_back();
     cast_length_m.pop_back();
+    beyond.pop_back();
     for (Series& series : monitors) {
       series.curl_m.pop_back();
       series.horizontal_m.pop_back();
     }
   }
+}
+
+void CurlHistory::mark_beyond(double from_s) {
+  constexpr double margin_s = 1e-9;  // the same time, read from a text
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    if (time_s[i] >= from_s - margin_s) beyond[i] = true;
+}
+
+std::optional<std::size_t> CurlHistory::first_beyond() const {
+  const auto found = std::find(beyond.begin(), beyond.end(), true);
+  if (found == beyond.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - beyond.begin());
+}
+
+CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& result) {
+  CurlHistory history;
+  for (const v1::StepReport& step : result.steps()) history.add(step);
+  if (job.has_validity_loss()) history.mark_beyond(job.validity_loss().time_s());
+  return history;
 }
 
 const CurlHistory::Series* CurlHistory::largest() const {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
+#include "dccast/v1/service.pb.h"
 
 namespace dccast::client::render {
 
@@ -14,16 +17,27 @@ struct CurlHistory {
     std::vector<double> curl_m;        ///< one per instant; NaN where the monitor is not reported
     std::vector<double> horizontal_m;  ///< displacement away from the symmetry plane
   };
+  std::vector<std::int64_t> step;  ///< number of the accepted step, rising; 0 where it is not said
   std::vector<double> time_s;
   std::vector<double> cast_length_m;
+  std::vector<bool> beyond;  ///< the model was no longer valid then
   std::vector<Series> monitors;
 
-  void add(const v1::StepReport& step);
-  /// Forgets what comes after this time: the run went on from a checkpoint.
-  void rewind(double time_s);
+  /// A step that was there already replaces itself and all that came after it: it is computed
+  /// again.
+  void add(const v1::StepReport& report);
+  /// Forgets the steps after this one: the run goes on from there. 0: it begins anew.
+  void rewind(std::int64_t last_step);
+  /// Marks the instants from this time on.
+  void mark_beyond(double time_s);
+  /// The first instant that is beyond validity, as an index; nothing when all are valid.
+  std::optional<std::size_t> first_beyond() const;
   /// The monitor whose curl is largest now; null before the first step.
   const Series* largest() const;
 };
+
+/// The history of a job as QueryResult has it, marked from the job's loss of validity on.
+CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& result);
 
 /// Curl of a monitor [m]; NaN if it has no vertical displacement.
 double curl_of(const v1::MonitorValue& monitor);

@@ -6,6 +6,7 @@
 
 #include "client/render/progress.hpp"
 #include "client/render/table.hpp"
+#include "client/render/validity.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -13,6 +14,32 @@ namespace {
 std::string lower_words(std::string text) {
   for (char& c : text)
     c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Time, step and place of a failure, on a line of its own; empty for one of no particular time.
+std::string where_and_when(const v1::Failure& failure) {
+  const std::string place = place_text(failure.place_m());
+  const bool timed = failure.kind() == v1::Failure::SOLVE_FAILED || failure.time_step_s() > 0.0 ||
+                     failure.time_s() != 0.0;
+  std::string text;
+  if (timed) text += "\nat " + fixed(failure.time_s(), 3) + " s";
+  if (failure.time_step_s() > 0.0)
+    text += " with a step of " + fixed(1e3 * failure.time_step_s(), 3) + " ms";
+  if (!place.empty()) text += (timed ? ", " : "\nat ") + place;
+  return text;
+}
+
+/// The end of the residual history.
+std::string residuals_text(const v1::Failure& failure) {
+  constexpr int shown = 8;
+  const int count = failure.residual_history_size();
+  std::string text = count > 0 ? "; last residuals:" : "";
+  char number[24];
+  for (int i = std::max(0, count - shown); i < count; ++i) {
+    std::snprintf(number, sizeof number, " %.2e", failure.residual_history(i));
+    text += number;
+  }
   return text;
 }
 
@@ -45,24 +72,39 @@ std::string event_line(const v1::JobEvent& event) {
     return (event.message().level() == v1::JobEvent::Message::WARNING ? "warning: " : "") +
            event.message().text();
   if (event.has_resumed())
-    return "resumed after step " + std::to_string(event.resumed().step()) + " at " +
-           fixed(event.resumed().time_s(), 2) + " s";
+    return event.resumed().step() == 0
+               ? "begun anew"
+               : "resumed after step " + std::to_string(event.resumed().step()) + " at " +
+                     fixed(event.resumed().time_s(), 2) + " s";
+  if (event.has_validity_lost()) return "warning: " + validity_text(event.validity_lost());
   return "event " + std::to_string(event.sequence());
 }
 
-std::string failure_text(const v1::Failure& failure) {
-  std::string text = lower_words(v1::Failure_Kind_Name(failure.kind())) + ": " + failure.message();
-  if (failure.kind() != v1::Failure::SOLVE_FAILED) return text;
-  text += "\nat " + fixed(failure.time_s(), 3) + " s with a step of " +
-          fixed(1e3 * failure.time_step_s(), 3) + " ms";
-  if (failure.residual_history_size() == 0) return text;
-  text += "; last residuals:";
-  char number[24];
-  for (int i = std::max(0, failure.residual_history_size() - 8);
-       i < failure.residual_history_size(); ++i) {
-    std::snprintf(number, sizeof number, " %.2e", failure.residual_history(i));
-    text += number;
+std::string failure_kind_text(v1::Failure::Kind kind) {
+  switch (kind) {
+    case v1::Failure::KIND_UNSPECIFIED:
+      return "failed";
+    case v1::Failure::LIQUID_PRESSURE_LOST:
+      return "pressure of the liquid lost";
+    case v1::Failure::OTHER_VERSION:
+      return "checkpoint of another version of the solver";
+    default:
+      return lower_words(v1::Failure_Kind_Name(kind));
   }
+}
+
+std::string full_state_text(const v1::Job& job) {
+  std::string text = state_text(job.state());
+  if (job.queue_position() > 0) text += " #" + std::to_string(job.queue_position());
+  if (!job.held().empty()) text += ", held";
+  if (job.has_validity_loss()) text += std::string(", ") + beyond_validity;
+  return text;
+}
+
+std::string failure_text(const v1::Failure& failure) {
+  std::string text = failure_kind_text(failure.kind()) + ": " + failure.message() +
+                     where_and_when(failure) + residuals_text(failure);
+  for (const std::string& cause : failure.further_causes()) text += "\nthen: " + cause;
   return text;
 }
 
@@ -71,10 +113,12 @@ std::string job_sheet(const v1::Job& job) {
       row("job", job.id()) + row("title", job.title()) + row("state", state_text(job.state()));
   if (job.queue_position() > 0)
     text += row("queue", "position " + std::to_string(job.queue_position()));
+  if (!job.held().empty()) text += row("held", job.held());
   text += row("priority", lower_words(v1::Priority_Name(job.priority())));
   text += row("created", time_text(job.create_time())) +
           row("started", time_text(job.start_time())) + row("ended", time_text(job.end_time()));
   text += row("attempts", std::to_string(job.attempts())) + row("request id", job.request_id());
+  if (!job.owner().empty()) text += row("owner", job.owner());
   if (!job.study().empty()) text += row("study", job.study());
   text += row("case sha256", job.case_sha256());
   if (job.has_last_step()) {
@@ -85,6 +129,9 @@ std::string job_sheet(const v1::Job& job) {
                             std::to_string(step.elements()) + " elements");
     text += row("solver time", duration_text(step.solver_s()));
   }
+  if (job.has_validity_loss())
+    text += row("validity",
+                validity_text(job.validity_loss()) + "; figures after that time are not an answer");
   if (job.has_failure()) text += row("failure", failure_text(job.failure()));
   for (const v1::Artifact& artifact : job.artifacts())
     text += row("artifact", artifact.name() + "  " + std::to_string(artifact.size_bytes()) +

@@ -15,7 +15,14 @@ std::string time_text(const google::protobuf::Timestamp& time);
 /// One line about an event that is not a step.
 std::string event_line(const v1::JobEvent& event);
 
-/// Why a job failed, in a few lines: kind, message, time and step, the end of the residuals.
+/// "solve failed", "motion too large", "worker hung", ...
+std::string failure_kind_text(v1::Failure::Kind kind);
+
+/// State, with what a list must not hide: "queued #3, held", "succeeded, beyond validity".
+std::string full_state_text(const v1::Job& job);
+
+/// Why a job failed, in a few lines: kind, message, time, step and place, the end of the residuals,
+/// and what went wrong after it.
 std::string failure_text(const v1::Failure& failure);
 
 /// Everything about one job, one fact a line.

@@ -7,6 +7,7 @@
 #include "client/render/braille.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/table.hpp"
+#include "client/render/validity.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -17,6 +18,14 @@ constexpr std::chrono::milliseconds pause{50};  // 20 renewals a second are enou
 std::string signed_mm(double metres) {
   return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 2) + " mm"
                                : "- mm";
+}
+
+/// ", beyond validity from 166 s on"; nothing for a run that is valid.
+std::string beyond_note(const CurlHistory& history) {
+  const auto first = history.first_beyond();
+  if (!first) return {};
+  return std::string(", ") + beyond_validity + " from " + fixed(history.time_s[*first], 0) +
+         " s on";
 }
 
 }  // namespace
@@ -42,7 +51,8 @@ std::string duration_text(double seconds) {
 
 std::string step_line(const v1::StepReport& step) {
   std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
-                     " s  cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
+                     " s  " + (step.beyond_validity() ? std::string(beyond_validity) + "  " : "") +
+                     "cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
   for (const v1::MonitorValue& monitor : step.monitors())
     text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
   text += "  " + std::to_string(step.iterations()) + " it";
@@ -66,7 +76,8 @@ void Progress::renew(const std::string& text, bool force) {
 }
 
 void Progress::show(const v1::JobEvent& event) {
-  if (event.has_resumed()) history_.rewind(event.resumed().time_s());
+  if (event.has_resumed()) history_.rewind(event.resumed().step());
+  if (event.has_validity_lost()) history_.mark_beyond(event.validity_lost().time_s());
   if (!event.has_step()) return line(event_line(event));
   history_.add(event.step());
   const std::string text = step_line(event.step());
@@ -90,7 +101,7 @@ void Progress::finish() {
   if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
   const int columns = std::min(60, terminal_.columns - 12);
   stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
-          << fixed(history_.time_s.back(), 0) << " s\n";
+          << fixed(history_.time_s.back(), 0) << " s" << beyond_note(history_) << '\n';
   double low = 0.0, high = 0.0;
   for (const double curl : series->curl_m) {
     low = std::min(low, curl);

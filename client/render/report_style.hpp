@@ -24,6 +24,7 @@ table.figures thead th{color:var(--soft);font-size:13px}table.figures tr.this td
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}
 figure{margin:0}figcaption{color:var(--soft);font-size:13px;margin-top:8px}figcaption strong{color:var(--ink)}svg{display:block;width:100%;height:auto}
 svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
+.beyond{fill:var(--bad);opacity:.13}p.invalid{border:1px solid var(--bad);border-radius:8px;padding:10px 14px;color:var(--bad);margin:0 0 16px}
 .band{stroke:none;opacity:.18}.middle{fill:none;stroke-width:1.4;stroke-dasharray:5 4}.line{fill:none;stroke-width:2;stroke-linejoin:round}.deformed{fill:none;stroke:var(--ink);stroke-width:1.2}
 .undeformed{fill:none;stroke:var(--soft);stroke-width:1;stroke-dasharray:4 4}.isotherm{fill:none;stroke:#fff;stroke-width:.9;opacity:.85}
 .front{fill:none;stroke:#10151c;stroke-width:2}.front.liquidus{stroke-dasharray:6 4}

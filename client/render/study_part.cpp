@@ -59,6 +59,10 @@ std::string table_of(const Study& study, const v1::Job& job) {
          "</thead><tbody>" + rows + "</tbody></table></div>";
 }
 
+std::string element_if_any(const std::string& note) {
+  return note.empty() ? note : "<p><strong>" + html_escaped(note) + ".</strong></p>";
+}
+
 /// Levels that do not count, and why.
 std::string losses(const Study& study) {
   std::string text;
@@ -126,7 +130,8 @@ ChartBand curl_band(const Study& study, const std::string& monitor, bool against
 std::string study_part(const Study& study, const v1::Job& job) {
   if (study.monitors.empty()) return no_error_known(study, job);
   return "<section class='card'><h2>How much of it is discretisation</h2>" + table_of(study, job) +
-         losses(study) + "<p>" + explanation + "</p></section>";
+         losses(study) + element_if_any(validity_note(study)) + "<p>" + explanation +
+         "</p></section>";
 }
 
 }  // namespace dccast::client::render

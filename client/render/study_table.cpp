@@ -2,6 +2,7 @@
 
 #include "client/render/job_text.hpp"
 #include "client/render/table.hpp"
+#include "client/render/validity.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -12,11 +13,17 @@ std::string millimetres(double metres) {
   return fixed(1e3 * metres, 3);
 }
 
+/// A figure, with a mark if it is beyond validity.
+std::string marked(std::string figure, bool valid) {
+  return valid ? figure : figure + " !";
+}
+
 /// Curl of a level's last step; "-" where it has none.
 std::string end_curl(const StudyLevel& level, const std::string& monitor) {
   if (!level.succeeded()) return "-";
   for (const auto& series : level.history.monitors)
-    if (series.name == monitor) return millimetres(series.curl_m.back());
+    if (series.name == monitor)
+      return marked(millimetres(series.curl_m.back()), !level.ends_beyond_validity());
   return "-";
 }
 
@@ -38,7 +45,7 @@ Rows level_rows(const Study& study) {
     const v1::StepReport& last = level.job.last_step();
     auto& row = rows.emplace_back();
     row = {std::to_string(level.refinement), std::to_string(last.nodes()),
-           fixed(last.solver_s(), 1), state_text(level.job.state())};
+           fixed(last.solver_s(), 1), full_state_text(level.job)};
     for (const std::string& name : monitor_names(study)) row.push_back(end_curl(level, name));
   }
   return rows;
@@ -54,12 +61,20 @@ Rows limit_rows(const Study& study) {
     const CurveLimit& limit = monitor.limit;
     const std::size_t worst = monitor.least_certain();
     rows[0].push_back(limit.order ? fixed(*limit.order, 2) : "none");
-    rows[1].push_back(millimetres(limit.value_m.back()));
-    rows[2].push_back(millimetres(limit.uncertainty_m.back()));
-    rows[3].push_back(millimetres(limit.uncertainty_m[worst]));
+    const bool valid = study.valid_at(study.time_s.back());
+    rows[1].push_back(marked(millimetres(limit.value_m.back()), valid));
+    rows[2].push_back(marked(millimetres(limit.uncertainty_m.back()), valid));
+    rows[3].push_back(
+        marked(millimetres(limit.uncertainty_m[worst]), study.valid_at(study.time_s[worst])));
     rows[4].push_back(fixed(study.time_s[worst], 2));
   }
   return study.monitors.empty() ? Rows{} : rows;
+}
+
+std::string validity_note(const Study& study) {
+  if (!study.valid_until_s) return {};
+  return std::string("! ") + beyond_validity + ", not an answer: from " +
+         fixed(*study.valid_until_s, 2) + " s on the model of at least one level is not valid";
 }
 
 std::string study_table(const Study& study) {
@@ -68,7 +83,8 @@ std::string study_table(const Study& study) {
   Table table(headings);
   for (auto& row : level_rows(study)) table.add(std::move(row));
   for (auto& row : limit_rows(study)) table.add(std::move(row));
-  return table.text();
+  const std::string note = validity_note(study);
+  return table.text() + (note.empty() ? note : note + "\n");
 }
 
 }  // namespace dccast::client::render

@@ -11,6 +11,9 @@ namespace dccast::client::render {
 /// uncertainty at the end, and the largest uncertainty of the whole history with its time.
 std::string study_table(const Study& study);
 
+/// The sentence below a table whose figures are marked with "!"; empty when all levels are valid.
+std::string validity_note(const Study& study);
+
 /// Monitors of the levels that succeeded.
 std::vector<std::string> monitor_names(const Study& study);
 

@@ -122,6 +122,16 @@ std::string band_of(const ChartLine& line, std::size_t number, const Axis& x, co
          ", limit</title></path>";
 }
 
+/// Behind everything else, with its name at the top of the region.
+std::string region_beyond(const Chart& chart, const Axis& x) {
+  if (!chart.beyond_from) return {};
+  const double from = std::clamp(place_x(x, *chart.beyond_from), left, width - right);
+  return "<rect class='beyond' x='" + fixed(from, 1) + "' y='" + fixed(top, 1) + "' width='" +
+         fixed(width - right - from, 1) + "' height='" + fixed(height - top - bottom, 1) +
+         "'/><text class='tick' text-anchor='end' x='" + fixed(width - right - 4, 1) + "' y='" +
+         fixed(height - bottom - 6, 1) + "'>" + html_escaped(chart.beyond_name) + "</text>";
+}
+
 std::string legend(const Chart& chart) {
   if (chart.lines.size() < 2) return {};
   std::string svg;
@@ -180,7 +190,8 @@ std::string svg_chart(const Chart& chart) {
   const Axis x = axis_over(all_x(chart), false, 7);
   const Axis y = axis_over(all_y(chart), true, 5);
   std::string svg = "<svg class='chart' viewBox='0 0 640 320' role='img' aria-label='" +
-                    html_escaped(chart.title) + "'>" + grid(x, y) + legend(chart);
+                    html_escaped(chart.title) + "'>" + region_beyond(chart, x) + grid(x, y) +
+                    legend(chart);
   for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, x, y);
   for (std::size_t i = 0; i < chart.lines.size(); ++i)
     svg += "<path class='line' style='stroke:var(--line-" + std::to_string(i % line_colours) +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct Chart {
   std::string x_label;  ///< with its unit
   std::string y_label;
   std::vector<ChartLine> lines;
+  /// The region from here to the right end is hatched and named; nothing: there is none.
+  std::optional<double> beyond_from{};
+  std::string beyond_name{};
 };
 
 /// A chart as inline SVG with axes, round ticks and a legend. Colours come from the page's CSS

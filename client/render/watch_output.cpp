@@ -15,6 +15,8 @@ const char* event_name(const v1::JobEvent& event) {
       return "message";
     case v1::JobEvent::kResumed:
       return "resumed";
+    case v1::JobEvent::kValidityLost:
+      return "validity_lost";
     default:
       return "unknown";
   }
@@ -37,6 +39,8 @@ void add_particulars(const v1::JobEvent& event, Json& line) {
   } else if (event.has_resumed()) {
     line["resumed_step"] = event.resumed().step();
     line["resumed_time_s"] = event.resumed().time_s();
+  } else if (event.has_validity_lost()) {
+    line["validity_loss"] = to_json(event.validity_lost());
   }
 }
 
@@ -59,6 +63,7 @@ Json WatchOutput::line(const v1::JobEvent& event) {
   line["time_s"] = stepped_ ? Json(step_.time_s()) : Json(nullptr);
   line["cast_length_m"] = stepped_ ? Json(step_.cast_length_m()) : Json(nullptr);
   line["iterations"] = stepped_ ? Json(step_.iterations()) : Json(nullptr);
+  line["beyond_validity"] = step_.beyond_validity();
   line["monitors"] = Json::array();
   for (const v1::MonitorValue& monitor : step_.monitors())
     line["monitors"].push_back(to_json(monitor));

@@ -50,9 +50,9 @@ ReadOutcome read_text(std::string_view text, const std::string& name,
 void apply_defaults(google::protobuf::Message& message);
 
 /// Checks a message that may come from anywhere: required keys, ranges, finite numbers, known enum
-/// values, curves well formed (as many values as abscissae, strictly increasing, a permitted
-/// abscissa). Absent keys that are not required are no fault. All faults at once, paths as in a
-/// file.
+/// values, lengths of texts and tables, curves well formed (as many values as abscissae, strictly
+/// increasing, a permitted abscissa). Absent keys that are not required are no fault. All faults at
+/// once, paths as in a file.
 std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 
 /// Writes the keys that are present as a TOML file that reads back to the same message.
@@ -69,6 +69,7 @@ struct KeyReference {
   std::string doc;
   bool curve = false;  ///< a table of pairs may stand instead of one value
   bool required = false;
+  std::string size;  ///< "at most 200 bytes", "at most 1000 entries"; empty for other keys
 };
 
 /// Every key of a message, in the order of the schema; tables before their keys.

@@ -10,6 +10,8 @@
 
 #include <udunits2.h>
 
+#include "proto/values/shortened.hpp"
+
 namespace dccast::case_file {
 namespace {
 
@@ -84,7 +86,8 @@ std::string hint_for(const std::string& unit, const std::string& wanted) {
 
 Quantity converted(double number, const std::string& unit, const std::string& wanted) {
   const std::lock_guard lock(udunits_mutex());
-  if (!plain_unit(unit) || !known(unit)) return refused(unit, "unknown unit '" + unit + "'");
+  if (!plain_unit(unit) || !known(unit))
+    return refused(unit, "unknown unit '" + values::shortened(unit) + "'");
   const Converter converter = converter_between(unit, wanted);
   if (!converter)
     return refused(

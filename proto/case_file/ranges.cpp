@@ -4,6 +4,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
+#include "proto/case_file/size_bounds.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -22,12 +23,15 @@ void check_curve_values(const v1::Curve& curve, const FieldDescriptor& field,
   }
 }
 
-void check_curve_abscissae(const v1::Curve& curve, const FieldDescriptor& field,
-                           const std::string& path, Faults& faults) {
+void check_abscissa_kind(const v1::Curve& curve, const FieldDescriptor& field,
+                         const std::string& path, Faults& faults) {
   const auto permitted = abscissae_of(field);
   if (std::find(permitted.begin(), permitted.end(), curve.abscissa()) == permitted.end())
     faults.push_back(make_fault(path, abscissa_name(curve.abscissa()),
                                 "not a quantity this table may stand against"));
+}
+
+void check_curve_abscissae(const v1::Curve& curve, const std::string& path, Faults& faults) {
   for (int i = 0; i < curve.at_size(); ++i) {
     const std::string point = path + "[" + std::to_string(i) + "]";
     if (!std::isfinite(curve.at(i)))
@@ -48,9 +52,12 @@ void check_curve(const v1::Curve& curve, const FieldDescriptor& field, const std
                                        std::to_string(curve.at_size()) + " abscissae, " +
                                            std::to_string(curve.value_size()) + " values",
                                        "as many values as abscissae are needed"));
+  if (auto fault = count_fault(field, static_cast<std::size_t>(curve.at_size()), path))
+    return faults.push_back(std::move(*fault));
   check_curve_values(curve, field, path, faults);
   // One point is a constant, which stands against nothing.
-  if (curve.at_size() > 1) check_curve_abscissae(curve, field, path, faults);
+  if (curve.at_size() > 1) check_abscissa_kind(curve, field, path, faults);
+  check_curve_abscissae(curve, path, faults);
 }
 
 void check_enum(const Message& message, const FieldDescriptor& field, const std::string& path,
@@ -60,6 +67,12 @@ void check_enum(const Message& message, const FieldDescriptor& field, const std:
     faults.push_back(make_fault(path, std::to_string(number), "unknown choice"));
 }
 
+void check_text_length(const Message& message, const FieldDescriptor& field,
+                       const std::string& path, Faults& faults) {
+  if (auto fault = length_fault(field, message.GetReflection()->GetString(message, &field), path))
+    faults.push_back(std::move(*fault));
+}
+
 void check_scalar(const Message& message, const FieldDescriptor& field, const std::string& path,
                   Faults& faults) {
   const Reflection& reflection = *message.GetReflection();
@@ -67,6 +80,8 @@ void check_scalar(const Message& message, const FieldDescriptor& field, const st
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return check_enum(message, field, path, faults);
+    case FieldDescriptor::CPPTYPE_STRING:
+      return check_text_length(message, field, path, faults);
     case FieldDescriptor::CPPTYPE_DOUBLE:
       number = reflection.GetDouble(message, &field);
       break;
@@ -89,7 +104,10 @@ void check_tables(const Message& message, const FieldDescriptor& field, const st
   const Reflection& reflection = *message.GetReflection();
   if (!field.is_repeated())
     return check_message(reflection.GetMessage(message, &field), path, faults);
-  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+  const int count = reflection.FieldSize(message, &field);
+  if (auto fault = count_fault(field, static_cast<std::size_t>(count), path))
+    return faults.push_back(std::move(*fault));
+  for (int i = 0; i < count; ++i)
     check_message(reflection.GetRepeatedMessage(message, &field, i),
                   path + "[" + std::to_string(i) + "]", faults);
 }

@@ -1,4 +1,5 @@
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/size_bounds.hpp"
 #include "proto/case_file/toml_walker.hpp"
 
 namespace dccast::case_file {
@@ -103,6 +104,8 @@ void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field
     walk.add(make_fault(path, "[]", "an empty table", "at least one point",
                         "e.g. [" + pair_example(field) + "]"),
              node);
+  if (auto fault = count_fault(field, points->size(), path))
+    return walk.add(std::move(*fault), node);
   bool sound = true;
   for (std::size_t i = 0; i < points->size(); ++i)
     sound = read_point(walk, *points->get(i), field, curve, path + "[" + std::to_string(i) + "]") &&

@@ -5,9 +5,12 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/toml_walker.hpp"
+#include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 namespace {
+
+constexpr std::size_t longest_reason = 200;  // of the parser, which repeats parts of the file
 
 ReadOutcome refused(const std::string& name, Position position, const std::string& message,
                     const std::string& remedy = {}) {
@@ -40,7 +43,7 @@ ReadOutcome read_text(std::string_view text, const std::string& name, Message& m
   } catch (const toml::parse_error& error) {
     const auto begin = error.source().begin;
     return refused(name, {static_cast<int>(begin.line), static_cast<int>(begin.column)},
-                   "not valid TOML: " + std::string(error.description()));
+                   "not valid TOML: " + values::shortened(error.description(), longest_reason));
   }
   ReadOutcome outcome;
   outcome.source = SourceMap(name);

@@ -1,5 +1,6 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/schema.hpp"
+#include "proto/case_file/size_bounds.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -37,6 +38,7 @@ KeyReference describe_field(const FieldDescriptor& field, const std::string& pat
   for (const v1::Abscissa abscissa : abscissae_of(field))
     against.push_back(abscissa_name(abscissa));
   row.against = joined(against);
+  row.size = size_text(field);
   return row;
 }
 

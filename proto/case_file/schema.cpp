@@ -8,6 +8,7 @@
 #include "dccast/v1/case.pb.h"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/unit_suffix.hpp"
+#include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 
@@ -158,11 +159,11 @@ std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
   return make_fault(path, written, "out of range", range_text(field, unit_written));
 }
 
-v1::Fault make_fault(std::string path, std::string value, std::string message,
+v1::Fault make_fault(std::string path, const std::string& value, std::string message,
                      std::string permitted, std::string remedy) {
   v1::Fault fault;
   fault.set_field(std::move(path));
-  fault.set_value(std::move(value));
+  fault.set_value(values::shortened(value));
   fault.set_message(std::move(message));
   fault.set_permitted(std::move(permitted));
   fault.set_remedy(std::move(remedy));

@@ -63,7 +63,8 @@ std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
                                      const std::string& path, const std::string& written,
                                      const std::string& unit_written);
 
-v1::Fault make_fault(std::string path, std::string value, std::string message,
+/// The value is shortened: no fault repeats a text of any length.
+v1::Fault make_fault(std::string path, const std::string& value, std::string message,
                      std::string permitted = {}, std::string remedy = {});
 
 /// An example of a value of this field, as in a file: `"60 mm/min"`.

@@ -3,17 +3,10 @@
 #include <algorithm>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/nesting.hpp"
 
 namespace dccast::case_file {
 namespace {
-
-Position position_of(std::string_view text, std::size_t offset) {
-  const std::string_view before = text.substr(0, offset);
-  const auto line_start = before.rfind('\n');
-  const auto column = line_start == std::string_view::npos ? offset : offset - line_start - 1;
-  return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
-          static_cast<int>(column) + 1};
-}
 
 /// Length of the UTF-8 sequence at the beginning of `text`, 0 if it is none (RFC 3629).
 std::size_t utf8_sequence(std::string_view text) {
@@ -42,6 +35,14 @@ std::optional<std::size_t> first_broken_utf8(std::string_view text) {
 
 }  // namespace
 
+Position position_of(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, offset);
+  const auto line_start = before.rfind('\n');
+  const auto column = line_start == std::string_view::npos ? offset : offset - line_start - 1;
+  return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+          static_cast<int>(column) + 1};
+}
+
 std::optional<TextFault> check_text(std::string_view text) {
   if (text.size() > maximum_file_bytes)
     return TextFault{{1, 1},
@@ -53,7 +54,7 @@ std::optional<TextFault> check_text(std::string_view text) {
                      "give a TOML file; `dccast new start-2d-thickness` writes one"};
   if (const auto broken = first_broken_utf8(text))
     return TextFault{position_of(text, *broken), "not UTF-8", "save the file as UTF-8"};
-  return std::nullopt;
+  return check_nesting(text);
 }
 
 int edit_distance(std::string_view a, std::string_view b) {

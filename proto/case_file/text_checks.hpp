@@ -16,7 +16,10 @@ struct TextFault {
   std::string remedy;
 };
 
-/// Size, NUL bytes and UTF-8, before a parser sees the text.
+/// Line and column of a byte of the text.
+Position position_of(std::string_view text, std::size_t offset);
+
+/// Size, NUL bytes, UTF-8 and depth of nesting, before a parser sees the text.
 std::optional<TextFault> check_text(std::string_view text);
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words.

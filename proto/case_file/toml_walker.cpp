@@ -6,13 +6,15 @@
 #include <sstream>
 
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/size_bounds.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 namespace {
 
 constexpr std::size_t maximum_faults = 500;
-constexpr std::size_t maximum_written = 60;
+constexpr std::size_t longest_path_echo = 300;
 constexpr std::uintmax_t maximum_attachment_bytes = std::uintmax_t{1} << 30;
 
 std::vector<std::string> keys_of(const Descriptor& descriptor) {
@@ -62,7 +64,7 @@ std::optional<std::string> attach(Walk& walk, const toml::node& node, const std:
   const std::filesystem::path file = walk.folder / name;
   std::error_code error;
   const auto refuse = [&](const std::string& why) {
-    walk.add(make_fault(path, written(node), why,
+    walk.add(make_fault(path, written(node), values::shortened(why, longest_path_echo),
                         "a readable file, relative to the folder of the case file"),
              node);
     return std::nullopt;
@@ -93,7 +95,9 @@ void read_string(Walk& walk, const toml::node& node, const FieldDescriptor& fiel
   if (text->empty() && key_of(field).required())
     return walk.add(make_fault(path, "\"\"", "must not be empty"), node);
   if (key_of(field).attachment() && !text->empty()) text = attach(walk, node, *text, path);
-  if (text) message.GetReflection()->SetString(&message, &field, *text);
+  if (!text) return;
+  if (auto fault = length_fault(field, *text, path)) return walk.add(std::move(*fault), node);
+  message.GetReflection()->SetString(&message, &field, *text);
 }
 
 void read_scalar(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
@@ -122,6 +126,8 @@ void read_array_of_tables(Walk& walk, const toml::node& node, const FieldDescrip
   const toml::array* const array = node.as_array();
   if (array == nullptr)
     return add_wrong_type(walk, node, field, path, "a list of tables, written [[" + path + "]],");
+  if (auto fault = count_fault(field, array->size(), path))
+    return walk.add(std::move(*fault), node);
   for (std::size_t i = 0; i < array->size(); ++i) {
     const std::string item_path = path + "[" + std::to_string(i) + "]";
     const toml::node& item = *array->get(i);
@@ -177,7 +183,9 @@ void add_unknown(Walk& walk, const toml::node& node, const Message& message,
     remedy = "there is a key " + place;
   else
     remedy = "see `dccast schema`";
-  walk.add(make_fault(join_path(path, key), written(node), "unknown key", "", remedy), node);
+  walk.add(
+      make_fault(join_path(path, values::shortened(key)), written(node), "unknown key", "", remedy),
+      node);
 }
 
 /// Required keys below a table that is absent altogether.
@@ -220,10 +228,7 @@ std::string written(const toml::node& node) {
     node.visit([&](const auto& value) { stream << value; });
     text = stream.str();
   }
-  if (const auto newline = text.find('\n'); newline != std::string::npos)
-    text = text.substr(0, newline) + " ...";
-  if (text.size() > maximum_written) text = text.substr(0, maximum_written) + "...";
-  return text;
+  return values::shortened(text);
 }
 
 std::string type_name(const toml::node& node) {

@@ -214,7 +214,7 @@ class RefinementStudy(ServiceTest):
         self.assertIn(f"refinement 4 (job {finest.id}) is failed: worker lost",
                       client.stderr.read())
 
-        found, said = self.study("--study", study, code=3)
+        found, said = self.study("--study", study, "--as-it-is", code=3)
         self.assertIn("signal 9", said)
         self.assertEqual([level["state"] for level in found["levels"]],
                          ["SUCCEEDED", "SUCCEEDED", "FAILED"])
@@ -267,6 +267,65 @@ class RefinementStudy(ServiceTest):
         page = self.dccast("report", job_id, "-o", "-").stdout
         self.assertIn("<code>dccast convergence CASE</code>", page)
         self.assertNotIn("limit_m", self.dccast("curl", "--json", job_id).stdout)
+
+
+class Repair(ServiceTest):
+    """Levels that are lost, on the fake worker: what is done again, and what is not."""
+    settings = {"workers": 1, "worker_restarts": 0}
+    command, dccast, study = (RefinementStudy.command, RefinementStudy.dccast,
+                              RefinementStudy.study)
+    case_file, begin_study = RefinementStudy.case_file, RefinementStudy.begin_study
+    end, jobs_of = staticmethod(RefinementStudy.end), RefinementStudy.jobs_of
+
+    def titled(self, title):
+        return self.case_file(((r"^title = .*$", f'title = "{title}"'),))
+
+    def lose_a_level(self):
+        """A study whose finest level was cancelled. Returns its id and that job."""
+        client, study = self.begin_study(self.titled("steps=20 sleep_ms=20"))
+        until(lambda: len(self.jobs_of(study)) == 3, 20)
+        finest = self.jobs_of(study)[0]
+        self.client.cancel(finest.id, "in the way")
+        self.assertEqual(client.wait(timeout=60), 3)
+        return study, finest
+
+    def test_a_cancelled_level_is_done_again(self):
+        study, lost = self.lose_a_level()
+        self.assertEqual(lost.request_id, f"{study}/4")
+        shown, _ = self.study("--study", study, "--as-it-is", code=3)
+        self.assertEqual([level["state"] for level in shown["levels"]],
+                         ["SUCCEEDED", "SUCCEEDED", "CANCELLED"])
+        found, said = self.study("--study", study)
+        self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
+        self.assertEqual([level["job"] for level in found["levels"][:2]],
+                         [level["job"] for level in shown["levels"][:2]])
+        again = self.client.job(found["levels"][2]["job"])
+        self.assertEqual(again.request_id, f"{study}/4/2")
+        self.assertIn(f"refinement 4: job {again.id} replaces job {lost.id}, which is cancelled",
+                      said)
+        self.study("--study", study)  # whole now: nothing more is submitted
+        self.assertEqual(len(self.jobs_of(study)), 4)
+
+    def test_with_its_file_too_and_only_with_the_same_case(self):
+        study, lost = self.lose_a_level()
+        other = self.case_file(((r'^half_width = "0.28 m"', 'half_width = "0.29 m"'),
+                                (r'^x = "0.28 m"', 'x = "0.29 m"'),
+                                (r"^title = .*$", 'title = "steps=20 sleep_ms=20"')))
+        self.assertIn("another case",
+                      self.dccast("convergence", "--study", study, other, code=2).stderr)
+        path = self.titled("steps=20 sleep_ms=20")
+        for _ in range(2):
+            found, _ = self.study("--study", study, path)
+            self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
+            self.assertNotEqual(found["levels"][2]["job"], lost.id)
+        self.assertEqual(len(self.jobs_of(study)), 4)
+
+    def test_a_level_that_failed_by_its_own_case_is_left_as_it_is(self):
+        client, study = self.begin_study(self.titled("steps=20 fail_at=5"))
+        self.assertEqual(client.wait(timeout=60), 3)
+        found, _ = self.study("--study", study, code=3)
+        self.assertEqual([level["state"] for level in found["levels"]], ["FAILED"] * 3)
+        self.assertEqual(len(self.jobs_of(study)), 3)
 
 
 if __name__ == "__main__":

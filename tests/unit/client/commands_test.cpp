@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/command_line.hpp"
 #include "client/message_json.hpp"
+#include "client_run.hpp"
 #include "fake_service.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/sha256.hpp"
@@ -15,22 +15,6 @@ namespace dccast::client {
 namespace {
 
 using testing::HasSubstr;
-
-/// The command line as a user sees it: exit code, standard output, standard error.
-struct Result {
-  int code;
-  std::string out, err;
-};
-
-Result dccast(std::vector<std::string> arguments, const std::string& server) {
-  commands::Program program;
-  program.server = server;
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int code = run_command_line(std::move(arguments), program);
-  std::string out = testing::internal::GetCapturedStdout();
-  return {code, out, testing::internal::GetCapturedStderr()};
-}
 
 struct Commands : testing::Test {
   FakeService service;
@@ -71,6 +55,16 @@ TEST_F(Commands, SubmitPrintsTheIdAndSendsARequestId) {
   EXPECT_EQ(service.submitted.priority(), v1::HIGH);
 }
 
+TEST_F(Commands, TextsOfARequestAreBounded) {
+  const std::string longer(201, 'x');
+  EXPECT_EQ(run({"cancel", "job", "--reason", longer.substr(1)}).code, 0);
+  EXPECT_EQ(service.cancelled.reason().size(), 200u);
+  const Result refused = run({"cancel", "job", "--reason", longer});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("the reason has 201 bytes; at most 200 are permitted"));
+  EXPECT_EQ(run({"submit", "--request-id", longer, file}).code, 2);
+}
+
 TEST_F(Commands, SubmitAndWatchEndsAsTheJobDoes) {
   const Result done = run({"submit", "--watch", file});
   EXPECT_EQ(done.code, 0);
@@ -99,7 +93,7 @@ TEST_F(Commands, AnInvalidCaseShowsTheFaultsOfBothSidesAtTheirPlaces) {
 TEST_F(Commands, CurlComesAsTableCsvAndJson) {
   EXPECT_THAT(run({"curl", "job"}).out, HasSubstr("corner mm"));
   EXPECT_THAT(run({"curl", "--csv", "job"}).out,
-              HasSubstr("time_s,cast_length_m,corner_curl_m\n1,0.001,0.001\n"));
+              HasSubstr("time_s,cast_length_m,corner_curl_m,beyond_validity\n1,0.001,0.001,0\n"));
   EXPECT_EQ(Json::parse(run({"curl", "--json", "job"}).out)["monitors"][0]["curl_m"].size(), 3u);
   EXPECT_EQ(run({"curl", "--json", "--csv", "job"}).code, 2);
 }
@@ -146,7 +140,11 @@ TEST_F(Commands, AReportWithoutAFrameIsStillAReport) {
 TEST_F(Commands, TheSchemaListsEveryKey) {
   const Json rows = Json::parse(run({"schema", "--json"}).out);
   EXPECT_GT(rows.size(), 90u);
-  EXPECT_THAT(run({"schema", "casting_speed"}).out, HasSubstr("0 to 0.1 m/s"));
+  const std::string speed = run({"schema", "casting_speed"}).out;
+  EXPECT_THAT(speed, HasSubstr("0 to 0.1 m/s"));
+  EXPECT_THAT(speed, HasSubstr("of at most 10000 points"));
+  EXPECT_THAT(run({"schema", "title"}).out, HasSubstr("at most 200 bytes"));
+  EXPECT_THAT(run({"schema", "monitor"}).out, HasSubstr("at most 1000 entries"));
 }
 
 }  // namespace

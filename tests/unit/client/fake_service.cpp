@@ -44,14 +44,43 @@ grpc::Status FakeService::FetchResult(grpc::ServerContext*, const v1::FetchResul
   return grpc::Status::OK;
 }
 
+grpc::Status FakeService::enter() {
+  ++calls;
+  if (unavailable.fetch_sub(1) > 0) return {grpc::StatusCode::UNAVAILABLE, "the check was killed"};
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::CancelJob(grpc::ServerContext*, const v1::CancelJobRequest* request,
+                                    v1::Job* response) {
+  if (const grpc::Status status = enter(); !status.ok()) return status;
+  cancelled = *request;
+  *response = job;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::ResumeJob(grpc::ServerContext*, const v1::ResumeJobRequest*,
+                                    v1::Job* response) {
+  if (const grpc::Status status = enter(); !status.ok()) return status;
+  *response = job;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                                        v1::GetServerInfoResponse* response) {
+  *response = info;
+  return status_of_info;
+}
+
 grpc::Status FakeService::ValidateCase(grpc::ServerContext*, const v1::ValidateCaseRequest*,
                                        v1::ValidateCaseResponse* response) {
+  if (const grpc::Status status = enter(); !status.ok()) return status;
   *response = verdict;
   return grpc::Status::OK;
 }
 
 grpc::Status FakeService::SubmitJob(grpc::ServerContext*, const v1::SubmitJobRequest* request,
                                     v1::Job* response) {
+  if (const grpc::Status status = enter(); !status.ok()) return status;
   submitted = *request;
   *response = job;
   return grpc::Status::OK;
@@ -76,7 +105,15 @@ grpc::Status FakeService::QueryResult(grpc::ServerContext*, const v1::QueryResul
                                       v1::QueryResultResponse* response) {
   if (request->frame() && !result.has_frame())
     return {grpc::StatusCode::FAILED_PRECONDITION, "no frame yet"};
+  // The token of a page is the number of its first step.
+  const int from = request->page_token().empty() ? 0 : std::stoi(request->page_token());
+  if (from > 0 && aborted_pages-- > 0)
+    return {grpc::StatusCode::ABORTED, "steps were taken back; begin again"};
   *response = result;
+  const int to = std::min(from + steps_per_page, result.steps_size());
+  *response->mutable_steps() = {result.steps().begin() + from, result.steps().begin() + to};
+  if (from > 0) response->clear_case_();
+  if (to < result.steps_size()) response->set_next_page_token(std::to_string(to));
   return grpc::Status::OK;
 }
 

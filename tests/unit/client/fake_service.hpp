@@ -34,10 +34,15 @@ public:
   // How it misbehaves.
   std::size_t events_per_stream = 1000;  ///< a stream is cut after so many
   std::size_t bytes_per_stream = 1 << 30;
+  std::atomic<int> unavailable{0};  ///< so many unary calls are answered UNAVAILABLE first
+  int steps_per_page = 1000;
+  int aborted_pages = 0;    ///< so many reads of a second page are answered ABORTED
   int repeated_events = 0;  ///< old events sent again at the beginning of a stream
 
   // What it was asked.
   std::atomic<int> streams{0};
+  std::atomic<int> calls{0};  ///< unary ones
+  v1::CancelJobRequest cancelled;
   v1::SubmitJobRequest submitted;
   v1::ListJobsRequest listed;
 
@@ -54,7 +59,16 @@ public:
   grpc::Status QueryResult(grpc::ServerContext*, const v1::QueryResultRequest*,
                            v1::QueryResultResponse*) override;
 
+  grpc::Status CancelJob(grpc::ServerContext*, const v1::CancelJobRequest*, v1::Job*) override;
+  grpc::Status ResumeJob(grpc::ServerContext*, const v1::ResumeJobRequest*, v1::Job*) override;
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse*) override;
+  v1::GetServerInfoResponse info;
+  grpc::Status status_of_info;
+
 private:
+  /// Counts a unary call. @return UNAVAILABLE as often as the test wants it
+  grpc::Status enter();
   std::string address_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -82,10 +82,34 @@ TEST(Progress, StepsComputedAgainReplaceTheFirstOnes) {
   const auto events = run_of(5);
   for (int i = 2; i < 7; ++i) progress.show(events[static_cast<std::size_t>(i)]);
   v1::JobEvent resumed;
+  resumed.mutable_resumed()->set_step(3);
   resumed.mutable_resumed()->set_time_s(3.0);
   progress.show(resumed);
   progress.show(events[5]);
   EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4));
+}
+
+TEST(Progress, ARunBegunAnewHasOneCurve) {
+  std::ostringstream stream;
+  Progress progress(stream, {});
+  const auto events = run_of(5);
+  for (int i = 2; i < 6; ++i) progress.show(events[static_cast<std::size_t>(i)]);
+  v1::JobEvent anew;
+  anew.mutable_resumed()->set_time_s(-30.0);
+  progress.show(anew);
+  EXPECT_TRUE(progress.history().time_s.empty());
+  EXPECT_THAT(stream.str(), HasSubstr("begun anew"));
+  for (const v1::JobEvent& event : events) progress.show(event);
+  EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4, 5));
+}
+
+TEST(Progress, AStepReportedAgainWithoutAWordReplacesItself) {
+  CurlHistory history;
+  const auto events = run_of(5);
+  for (const int i : {2, 3, 4, 5, 3, 4}) history.add(events[static_cast<std::size_t>(i)].step());
+  EXPECT_THAT(history.time_s, testing::ElementsAre(1, 2, 3));
+  EXPECT_THAT(history.step, testing::ElementsAre(1, 2, 3));
+  EXPECT_EQ(history.monitors[0].curl_m.size(), 3u);
 }
 
 TEST(WatchOutput, EveryLineHasTheKeysThatScriptsRelyOn) {

@@ -1,3 +1,5 @@
+#include <google/protobuf/text_format.h>
+#include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
 #include "server/translate/faults_to_proto.hpp"
@@ -56,22 +58,56 @@ TEST(CheckToProto, GivesAnEstimateOnlyWithoutFaults) {
   EXPECT_EQ(in_words(checked.faults.list()), "monitor[0].y = 7: is outside (0 to 1 m)");
 }
 
-TEST(FrameToProto, KeepsEveryField) {
+/// A frame of one quadrilateral in which every quantity that a v1::Frame holds has values of its
+/// own, none of them zero.
+results::Frame full_frame() {
   results::Frame frame;
   frame.time = 2.0;
-  frame.node = {0, 0, 1, 0, 0, 1};
-  frame.element_node = {0, 1, 2};
-  frame.temperature = {20, 21, 22};
-  frame.bottom_gap = {0.0, 1e-3};
+  frame.cast_length = 3.0;
+  frame.metal_level = 4.0;
+  frame.dimension = 2;
+  frame.nodes_per_element = 4;
+  frame.node = {0.1, 0.2, 1.1, 0.3, 1.2, 1.3, 0.4, 1.4};
+  frame.element_node = {3, 2, 1, 0};
+  frame.temperature = {20, 21, 22, 23};
+  frame.displacement = {0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08};
+  frame.bottom_node = {1, 3};
+  frame.bottom_gap = {0.5e-3, 1e-3};
+  frame.bottom_pressure = {7e3, 8e3};
+  return frame;
+}
+
+v1::Frame expected_frame() {
+  v1::Frame frame;
+  const bool parsed = google::protobuf::TextFormat::ParseFromString(
+      "time_s: 2 cast_length_m: 3 metal_level_m: 4 dimension: 2 nodes_per_element: 4 "
+      "node_m: [0.1, 0.2, 1.1, 0.3, 1.2, 1.3, 0.4, 1.4] element_node: [3, 2, 1, 0] "
+      "temperature_c: [20, 21, 22, 23] "
+      "displacement_m: [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08] "
+      "bottom_node: [1, 3] bottom_gap_m: [0.5e-3, 1e-3] bottom_pressure_pa: [7e3, 8e3] "
+      "liquidus_c: 650 solidus_c: 600",
+      &frame);
+  EXPECT_TRUE(parsed);
+  return frame;
+}
+
+TEST(FrameToProto, KeepsEveryField) {
   results::RunHeader header;
+  header.liquidus = 650;
   header.solidus = 600;
-  const auto to = to_proto(frame, header);
-  EXPECT_EQ(to.node_m_size(), 6);
-  EXPECT_EQ(to.element_node(2), 2);
-  EXPECT_EQ(to.temperature_c(1), 21);
-  EXPECT_EQ(to.bottom_gap_m(1), 1e-3);
-  EXPECT_EQ(to.solidus_c(), 600);
-  EXPECT_EQ(to.dimension(), 2);
+  const v1::Frame to = to_proto(full_frame(), header);
+  // A field added to the message must be filled, and expected above.
+  const auto& fields = *v1::Frame::descriptor();
+  for (int i = 0; i < fields.field_count(); ++i) {
+    const auto* field = fields.field(i);
+    EXPECT_TRUE(field->is_repeated() ? to.GetReflection()->FieldSize(to, field) > 0
+                                     : to.GetReflection()->HasField(to, field))
+        << field->name();
+  }
+  std::string difference;
+  google::protobuf::util::MessageDifferencer differencer;
+  differencer.ReportDifferencesToString(&difference);
+  EXPECT_TRUE(differencer.Compare(expected_frame(), to)) << difference;
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dccast::client {
+
+/// The command line as a user sees it: exit code, standard output, standard error.
+struct Result {
+  int code;
+  std::string out, err;
+};
+
+/// Runs `dccast` with these arguments against the daemon at `server`.
+Result dccast(std::vector<std::string> arguments, const std::string& server);
+
+}  // namespace dccast::client

@@ -1,0 +1,97 @@
+#include "client/connection.hpp"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/submission.hpp"
+#include "fake_service.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr CallPolicy quick{4, std::chrono::milliseconds(1)};
+
+struct Calls : testing::Test {
+  FakeService service;
+  Connection connection = service.connect();
+  void SetUp() override {
+    service.job.set_id("job");
+    connection.set_policy(quick);
+  }
+};
+
+TEST_F(Calls, ACheckThatWasKilledIsAskedForAgainAndSaysSo) {
+  service.unavailable = 2;
+  testing::internal::CaptureStderr();
+  v1::ValidateCaseResponse response;
+  EXPECT_TRUE(connection.try_call(&Stub::ValidateCase, v1::ValidateCaseRequest(), response).ok());
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(service.calls, 3);
+  EXPECT_THAT(said, HasSubstr("(the check was killed); trying again (1 of 3)"));
+  EXPECT_THAT(said, HasSubstr("trying again (2 of 3)"));
+}
+
+TEST_F(Calls, AttemptsAreBounded) {
+  service.unavailable = 100;
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(connection.call(&Stub::CancelJob, v1::CancelJobRequest()), CommandFailed);
+  testing::internal::GetCapturedStderr();
+  EXPECT_EQ(service.calls, 4);
+}
+
+TEST_F(Calls, ASubmissionIsRepeatedWithItsRequestId) {
+  service.unavailable = 1;
+  v1::SubmitJobRequest request;
+  request.set_request_id("mine");
+  v1::Job job;
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(submit_patiently(connection, request, job).ok());
+  testing::internal::GetCapturedStderr();
+  EXPECT_EQ(service.submitted.request_id(), "mine");
+  EXPECT_EQ(job.id(), "job");
+}
+
+TEST_F(Calls, WhatMayNotComeTwiceIsAskedOnce) {
+  service.unavailable = 1;
+  EXPECT_THROW(connection.call_once(&Stub::ResumeJob, v1::ResumeJobRequest()), CommandFailed);
+  EXPECT_EQ(service.calls, 1);
+}
+
+TEST_F(Calls, NoProxyIsUsed) {
+  ::setenv("http_proxy", "http://127.0.0.1:1", 1);
+  ::setenv("grpc_proxy", "http://127.0.0.1:1", 1);
+  Connection direct = service.connect();
+  v1::GetJobRequest request;
+  request.set_id("job");
+  EXPECT_EQ(direct.call(&Stub::GetJob, request).id(), "job");
+  ::unsetenv("http_proxy");
+  ::unsetenv("grpc_proxy");
+}
+
+std::string said_of(grpc::StatusCode code, const std::string& message) {
+  return failure_of({code, message}, "host:7117").what();
+}
+
+TEST(FailureText, ShowsNoTraceOfGrpc) {
+  using grpc::StatusCode;
+  EXPECT_THAT(said_of(StatusCode::UNAVAILABLE,
+                      "failed to connect to all addresses; last error: UNKNOWN: "
+                      "ipv4:127.0.0.1:1: Failed to connect to remote host: Connection refused"),
+              HasSubstr("no answer from host:7117 (connection refused)"));
+  EXPECT_THAT(said_of(StatusCode::UNAVAILABLE, "DNS resolution failed for host: C-ares status 4"),
+              HasSubstr("the name of the host cannot be resolved"));
+  EXPECT_THAT(said_of(StatusCode::INTERNAL, "ipv4:1.2.3.4:5: {grpc_status:13}"),
+              Not(HasSubstr("ipv4")));
+  EXPECT_THAT(said_of(StatusCode::UNIMPLEMENTED, ""), HasSubstr("another version"));
+  EXPECT_THAT(said_of(StatusCode::INTERNAL, ""), HasSubstr("no reason given"));
+  EXPECT_EQ(said_of(StatusCode::NOT_FOUND, "there is no job x"), "there is no job x");
+  EXPECT_LT(said_of(StatusCode::INTERNAL, std::string(100000, 'x')).size(), 700u);
+}
+
+}  // namespace
+}  // namespace dccast::client
