@@ -61,13 +61,23 @@ int worker_count(const v1::DaemonConfig& config) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(std::lround(seconds * 1000));
+}
+
 jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                                          const DataDirectory& directory) {
-  return {.jobs_directory = directory.jobs(),
-          .workers = worker_count(config),
+  return {.attempts = {.jobs_directory = directory.jobs(),
+                       .worker_restarts = config.worker_restarts(),
+                       .stop_grace = milliseconds(config.stop_grace_s()),
+                       .heartbeat_interval = milliseconds(config.heartbeat_interval_s()),
+                       .watchdog = {.hello = milliseconds(config.worker_hello_timeout_s()),
+                                    .heartbeat = milliseconds(config.heartbeat_timeout_s()),
+                                    .stall = milliseconds(config.stall_timeout_s())},
+                       .other_version = config.other_version()},
           .maximum_queued = config.maximum_queued(),
-          .worker_restarts = config.worker_restarts(),
-          .stop_grace = std::chrono::milliseconds(std::lround(config.stop_grace_s() * 1000))};
+          .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
+          .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
 }
 
 void refuse_open_address(const std::string& listen) {
@@ -101,7 +111,7 @@ int serve(const v1::DaemonConfig& config) {
   jobs::JobStore store(directory.store());
   jobs::EventLogs logs(directory.jobs());
   const service::LinkAddress link_address(directory.path());
-  jobs::LocalExecutor executor(worker, link_address.grpc_address());
+  jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
   jobs::Scheduler scheduler(scheduler_options(config, directory), store, logs, executor);
   service::Context context{
       .scheduler = scheduler,

@@ -32,6 +32,15 @@ bool is_terminal(v1::JobState state) {
   return state == v1::SUCCEEDED || state == v1::FAILED || state == v1::CANCELLED;
 }
 
+void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message) {
+  if (job.has_failure()) {
+    job.mutable_failure()->add_further_causes(message);
+    return;
+  }
+  job.mutable_failure()->set_kind(kind);
+  job.mutable_failure()->set_message(message);
+}
+
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level) {
   v1::JobEvent event;
   event.mutable_message()->set_level(level);
@@ -49,6 +58,14 @@ v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
   if (job.has_failure()) *change->mutable_failure() = job.failure();
   *change->mutable_artifacts() = job.artifacts();
   return event;
+}
+
+std::optional<v1::JobState> last_state(const EventLog& log) {
+  std::optional<v1::JobState> state;
+  EventLog::Cursor cursor;
+  while (const auto event = log.read(cursor))
+    if (event->has_state_change()) state = event->state_change().state();
+  return state;
 }
 
 std::vector<v1::StepReport> step_history(const EventLog& log) {

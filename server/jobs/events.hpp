@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,18 @@ google::protobuf::Timestamp timestamp(std::int64_t milliseconds);
 
 bool is_terminal(v1::JobState state);
 
+/// Adds what went wrong: the first cause stays, further ones are listed after it.
+void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message);
+
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level);
 
 /// The event that says a job has come into its present state.
 /// @param job    with its new state, and failure and artifacts if it has ended
 /// @param cause  why, one line for people
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
+
+/// The state of the last state change in a log. Reads the whole log.
+std::optional<v1::JobState> last_state(const EventLog& log);
 
 /// One report per accepted step: steps that were computed again after a resumption count once, in
 /// their last version.

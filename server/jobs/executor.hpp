@@ -4,8 +4,6 @@
 #include <functional>
 #include <string>
 
-#include "server/jobs/process.hpp"
-
 namespace dccast::jobs {
 
 /// One start of a worker.
@@ -21,18 +19,27 @@ struct WorkerLaunch {
 /// other machines. Calls come from any thread and do not wait.
 class Executor {
 public:
-  /// Both are called from the executor's thread and may take their time.
+  /// All are called from the executor's thread and may take their time.
   struct Calls {
-    std::function<void(const std::string& job_id, int attempt, ProcessIdentity)> started;
-    /// @param how  "exit code 1", "signal 9 (Killed)", or why it could not be started
+    /// @param handle  the worker in the executor's own words, for end_stray()
+    std::function<void(const std::string& job_id, int attempt, const std::string& handle)> started;
+    /// The executor lacks something (descriptors, memory, the program): the job is not to blame.
+    std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
+    /// @param how  "exit code 1", "signal 9 (Killed)"
     std::function<void(const std::string& job_id, int attempt, const std::string& how)> ended;
   };
   virtual ~Executor() = default;
   /// Before the first start.
   virtual void set_calls(Calls calls) = 0;
+  /// Workers that may run at once.
+  virtual int capacity() const = 0;
+  /// `started` or `not_started` follows. @throws std::exception  it cannot even be tried
   virtual void start(const WorkerLaunch& launch) = 0;
   /// Ends a worker at once. Nothing happens when it is gone; `ended` follows otherwise.
   virtual void kill(const std::string& job_id, int attempt) = 0;
+  /// Sees to it that a worker which an earlier daemon started is gone when this returns.
+  /// @param handle  as `started` gave it @return whether it was still there
+  virtual bool end_stray(const std::string& handle) = 0;
 };
 
 }  // namespace dccast::jobs

@@ -14,6 +14,8 @@ namespace dccast::jobs {
 
 namespace {
 
+constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
+
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::remove_all(folder, error);
@@ -49,6 +51,22 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
     remove_folder(folder);
     throw;
   }
+}
+
+void remove_run_files(const std::filesystem::path& folder) {
+  for (const char* name : {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin",
+                           "journal.bin", "results.h5.part"}) {
+    std::error_code error;
+    std::filesystem::remove(folder / name, error);
+    if (error) spdlog::warn("cannot remove {}: {}", (folder / name).string(), error.message());
+  }
+}
+
+void set_checkpoint_aside(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::rename(folder / checkpoint_name, folder / "checkpoint.other-version.bin", error);
+  if (error)
+    spdlog::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
 }
 
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)

@@ -20,6 +20,13 @@ bool is_plain_file_name(const std::string& name);
 /// this has returned. @throws std::system_error; what was written is removed again
 void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments);
 
+/// Removes what only a run that goes on needs: checkpoint, journal, unpublished results. Its
+/// results and logs stay. A failure is logged: such files do no harm.
+void remove_run_files(const std::filesystem::path& folder);
+
+/// Takes a checkpoint of another version out of the way, so that the run begins anew.
+void set_checkpoint_aside(const std::filesystem::path& folder);
+
 /// A folder for the attachments of a case that is only checked; removed with this object.
 class CheckFolder {
 public:

@@ -25,11 +25,9 @@ void JobQueue::erase(const std::string& job_id) {
   key_of_.erase(found);
 }
 
-std::optional<std::string> JobQueue::pop() {
+std::optional<std::string> JobQueue::front() const {
   if (order_.empty()) return std::nullopt;
-  std::string job_id = order_.begin()->second;
-  erase(job_id);
-  return job_id;
+  return order_.begin()->second;
 }
 
 int JobQueue::position(const std::string& job_id) const {

@@ -20,8 +20,8 @@ public:
 
   void push(const v1::Job& job);
   void erase(const std::string& job_id);
-  /// Takes the next job out. @return nothing when none waits
-  std::optional<std::string> pop();
+  /// The next job. @return nothing when none waits
+  std::optional<std::string> front() const;
   std::size_t size() const { return order_.size(); }
   /// 1 is next; 0: not in the queue. Walks the queue.
   int position(const std::string& job_id) const;

@@ -50,22 +50,32 @@ PRAGMA user_version = 1;
 ALTER TABLE job ADD COLUMN study TEXT NOT NULL DEFAULT '';
 CREATE INDEX job_by_study ON job (study) WHERE study <> '';
 PRAGMA user_version = 2;
+)sql",
+    R"sql(
+ALTER TABLE job ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN bytes INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE job ADD COLUMN worker_handle TEXT NOT NULL DEFAULT '';
+ALTER TABLE job DROP COLUMN worker_process;
+ALTER TABLE job DROP COLUMN worker_start_ticks;
+CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
+PRAGMA user_version = 3;
 )sql"};
 
 constexpr std::string_view columns =
     "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
     "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
-    "worker_process, worker_start_ticks, study";
+    "worker_handle, study, owner, bytes";
 
 void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
   *time = timestamp(milliseconds);
 }
 
-/// `outcome` holds a Job with only the last step and the artifacts set.
+/// `outcome` holds a Job with only the last step, the artifacts and the loss of validity set.
 std::string outcome_of(const v1::Job& job) {
   v1::Job outcome;
   if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
   *outcome.mutable_artifacts() = job.artifacts();
+  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
   return outcome.SerializeAsString();
 }
 
@@ -90,9 +100,10 @@ JobRecord row(const Statement& statement) {
   record.losses = static_cast<int>(statement.integer(14));
   record.lost_step = statement.integer(15);
   record.first_loss = statement.text(16);
-  record.worker = {static_cast<pid_t>(statement.integer(17)),
-                   static_cast<std::uint64_t>(statement.integer(18))};
-  job.set_study(statement.text(19));
+  record.worker_handle = statement.text(17);
+  job.set_study(statement.text(18));
+  job.set_owner(statement.text(19));
+  record.bytes = statement.integer(20);
   return record;
 }
 
@@ -113,8 +124,7 @@ void bind_changing(Statement& statement, const JobRecord& record) {
       .bind(record.losses)
       .bind(record.lost_step)
       .bind(record.first_loss)
-      .bind(record.worker.id)
-      .bind(static_cast<std::int64_t>(record.worker.start_ticks));
+      .bind(record.worker_handle);
 }
 
 }  // namespace
@@ -161,7 +171,7 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
     Statement statement(database_,
                         "INSERT INTO job (" + std::string(columns) +
                             ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "0, 0, ?)");
+                            "'', ?, ?, ?)");
     statement.bind(job.id());
     if (job.request_id().empty())
       statement.bind_null();
@@ -173,6 +183,8 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
         .bind(job.state())
         .bind(milliseconds(job.create_time()))
         .bind(job.study())
+        .bind(job.owner())
+        .bind(record.bytes)
         .step();
   }
   {
@@ -190,8 +202,7 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
                       "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
-                      "lost_step = ?, first_loss = ?, worker_process = ?, worker_start_ticks = ? "
-                      "WHERE id = ?");
+                      "lost_step = ?, first_loss = ?, worker_handle = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
 }
@@ -237,6 +248,23 @@ std::optional<std::string> JobStore::complete_case(const std::string& id) {
 std::vector<JobRecord> JobStore::unfinished() {
   // 1 to 3: QUEUED, RUNNING, PAUSED of job.proto.
   return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id", "");
+}
+
+std::int64_t JobStore::unfinished_bytes() {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_,
+                      "SELECT COALESCE(SUM(bytes), 0) FROM job WHERE state BETWEEN 1 AND 3");
+  statement.step();
+  return statement.integer(0);
+}
+
+void JobStore::probe() {
+  const std::lock_guard lock(mutex_);
+  set_durability(Durability::full);
+  Statement statement(database_,
+                      "INSERT INTO probe (id, at_ms) VALUES (1, ?) "
+                      "ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms");
+  statement.bind(milliseconds(now())).step();
 }
 
 std::set<std::string> JobStore::ids() {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
-#include "server/jobs/process.hpp"
 #include "server/jobs/sqlite.hpp"
 
 namespace dccast::jobs {
@@ -26,16 +25,19 @@ struct JobRecord {
   int losses = 0;               ///< times its worker died by itself
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  ProcessIdentity worker;       ///< of the last start, to find strays after a crash of the daemon
+  std::string worker_handle{};  ///< of the last start, in the words of its executor
+  std::int64_t bytes = 0;       ///< of the case and its attachments
 };
 
 /// normal: survives a crash of the daemon. full: survives one of the machine.
 enum class Durability { normal, full };
 
 /// All jobs, in one SQLite file (WAL). Safe to use from several threads. Every call throws
-/// StoreError when the file cannot be read or written.
+/// StoreError when the file cannot be read or written; the virtual ones are those that tests let
+/// fail.
 class JobStore {
 public:
+  virtual ~JobStore() = default;
   /// Opens the store, makes it, or brings one of an earlier version up to date. @throws StoreError
   /// also for a file of a later version
   explicit JobStore(const std::filesystem::path& path);
@@ -46,16 +48,20 @@ public:
   std::optional<JobRecord> insert(const JobRecord& record, std::string_view submitted_case,
                                   std::string_view complete_case);
   /// Writes everything of a job but its cases.
-  void update(const JobRecord& record, Durability durability);
+  virtual void update(const JobRecord& record, Durability durability);
   /// @return whether it was there
   bool erase(const std::string& id);
 
-  std::optional<JobRecord> find(const std::string& id);
+  virtual std::optional<JobRecord> find(const std::string& id);
   std::optional<JobRecord> find_request(const std::string& request_id);
   /// The serialised Case that runs. @return nothing for an unknown job
-  std::optional<std::string> complete_case(const std::string& id);
+  virtual std::optional<std::string> complete_case(const std::string& id);
   /// Jobs that have not ended, oldest first.
   std::vector<JobRecord> unfinished();
+  /// What the jobs that have not ended hold of cases and attachments [bytes].
+  std::int64_t unfinished_bytes();
+  /// Writes something durably, for no other reason than to see whether that works.
+  void probe();
   std::set<std::string> ids();
 
   struct Page {

@@ -4,53 +4,63 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <string.h>
+#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
+#include "server/jobs/process.hpp"
 #include "server/jobs/spawn.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-std::vector<std::string> job_environment(const WorkerLaunch& launch, const std::string& link) {
+std::vector<std::string> job_environment(const std::string& link) {
   std::vector<std::string> variables = worker_environment();
-  variables.insert(variables.end(),
-                   {"DCCAST_WORKER_LINK=" + link, "DCCAST_WORKER_JOB=" + launch.job_id,
-                    "DCCAST_WORKER_TOKEN=" + launch.token,
-                    "DCCAST_WORKER_PARENT=" + std::to_string(::getpid())});
+  variables.insert(variables.end(), {"DCCAST_WORKER_LINK=" + link,
+                                     "DCCAST_WORKER_PARENT=" + std::to_string(::getpid())});
   return variables;
 }
 
-/// A worker has nothing to read, and a log of its own for what it says. @return 0 or an error
-/// number
-int spawn_worker(const std::filesystem::path& program, const WorkerLaunch& launch,
-                 const std::string& link, pid_t* process) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  const std::string log = launch.folder / "worker.log";
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_APPEND, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  const int error = spawn(program, {program}, job_environment(launch, link), actions, process);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+/// @return read end, write end; both closed in children that are not given them
+std::pair<FileDescriptor, FileDescriptor> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("cannot make a pipe to a worker", errno);
+  return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
+}
+
+std::string handle_of(pid_t process) {
+  const auto identity = identify(process);  // not collected yet: it is there, if only as a zombie
+  return std::to_string(process) + " " + std::to_string(identity ? identity->start_ticks : 0);
+}
+
+/// What a worker reads: its job, its token, the file for what it says.
+std::string order_of(const WorkerLaunch& launch) {
+  return launch.job_id + "\n" + launch.token + "\n" + (launch.folder / "worker.log").string() +
+         "\n";
 }
 
 }  // namespace
 
-LocalExecutor::LocalExecutor(std::filesystem::path worker_program, std::string link_address)
+LocalExecutor::LocalExecutor(std::filesystem::path worker_program, std::string link_address,
+                             int capacity)
     : worker_program_(std::move(worker_program)),
       link_address_(std::move(link_address)),
+      capacity_(capacity),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
+  if (!wake_) fail("eventfd", errno);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -68,7 +78,7 @@ void LocalExecutor::post(std::function<void()> order) {
 }
 
 void LocalExecutor::start(const WorkerLaunch& launch) {
-  post([this, launch] { spawn(launch); });
+  post([this, launch] { hand_over(launch); });
 }
 
 void LocalExecutor::kill(const std::string& job_id, int attempt) {
@@ -78,40 +88,90 @@ void LocalExecutor::kill(const std::string& job_id, int attempt) {
   });
 }
 
-void LocalExecutor::spawn(const WorkerLaunch& launch) {
-  pid_t process = 0;
-  if (const int error = spawn_worker(worker_program_, launch, link_address_, &process)) {
-    calls_.ended(launch.job_id, launch.attempt,
-                 "cannot start " + worker_program_.string() + ": " + ::strerror(error));
+bool LocalExecutor::end_stray(const std::string& handle) {
+  std::istringstream words(handle);
+  ProcessIdentity identity;
+  words >> identity.id >> identity.start_ticks;
+  return words && kill_stray(identity);
+}
+
+LocalExecutor::Child LocalExecutor::spawn() const {
+  auto [read_end, write_end] = make_pipe();
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, read_end.get(), STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  Child child;
+  const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"},
+                                job_environment(link_address_), actions, &child.process);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) fail("cannot start " + worker_program_.string(), error);
+  child.orders = std::move(write_end);
+  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
+  child.handle = FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, child.process, 0)));
+  return child;
+}
+
+void LocalExecutor::hand_over(const WorkerLaunch& launch) {
+  used_ = true;
+  try {
+    Child child = ready_ ? std::move(*ready_) : spawn();
+    ready_.reset();
+    const std::string order = order_of(launch);
+    // One that died while it waited is found by collect(): the write is for the living.
+    if (::write(child.orders.get(), order.data(), order.size()) < 0 && errno != EPIPE)
+      spdlog::warn("job {}: cannot hand a worker its job: {}", launch.job_id,
+                   std::generic_category().message(errno));
+    child.orders = FileDescriptor();
+    const std::string handle = handle_of(child.process);
+    children_[{launch.job_id, launch.attempt}] = std::move(child);
+    calls_.started(launch.job_id, launch.attempt, handle);
+  } catch (const std::exception& error) {
+    calls_.not_started(launch.job_id, launch.attempt, error.what());
+  }
+}
+
+/// One that dies while it waits is replaced with the next job only: it may well die again.
+void LocalExecutor::keep_one_ready() {
+  if (ready_) {
+    if (::waitpid(ready_->process, nullptr, WNOHANG) != 0) ready_.reset();
     return;
   }
-  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
-  FileDescriptor handle(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
-  const auto identity = identify(process);  // not collected yet: it is there, if only as a zombie
-  children_[{launch.job_id, launch.attempt}] = {launch, process, std::move(handle)};
-  calls_.started(launch.job_id, launch.attempt, identity.value_or(ProcessIdentity{process, 0}));
+  if (!used_) return;
+  used_ = false;
+  try {
+    ready_ = spawn();
+  } catch (const std::exception& error) {
+    spdlog::debug("no worker is kept ready: {}", error.what());
+  }
 }
 
 void LocalExecutor::wait_for_something() {
   std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}};
   int timeout_ms = -1;
-  for (const auto& [key, child] : children_) {
+  const auto watch = [&](const Child& child) {
     waiting.push_back({child.handle.get(), POLLIN, 0});
     if (!child.handle) timeout_ms = 20;  // a kernel or a container without pidfd_open: look often
-  }
+  };
+  for (const auto& [key, child] : children_) watch(child);
+  if (ready_) watch(*ready_);
   ::poll(waiting.data(), waiting.size(), timeout_ms);
 }
 
 void LocalExecutor::collect() {
   for (auto at = children_.begin(); at != children_.end();) {
     int status = 0;
-    if (::waitpid(at->second.process, &status, WNOHANG) != at->second.process) {
+    const pid_t collected = ::waitpid(at->second.process, &status, WNOHANG);
+    if (collected == 0 || (collected < 0 && errno == EINTR)) {
       ++at;
       continue;
     }
-    const WorkerLaunch launch = at->second.launch;
+    const std::string how =
+        collected > 0 ? describe_exit(status)
+                      : "an end nobody saw (" + std::generic_category().message(errno) + ")";
+    const auto [job_id, attempt] = at->first;
     at = children_.erase(at);
-    calls_.ended(launch.job_id, launch.attempt, describe_exit(status));
+    calls_.ended(job_id, attempt, how);
   }
 }
 
@@ -127,12 +187,13 @@ void LocalExecutor::run() {
     }
     for (const auto& order : orders) order();
     collect();
-    if (!stopping_) continue;
-    for (const auto& [key, child] : children_) {
-      ::kill(child.process, SIGKILL);
-      ::waitpid(child.process, nullptr, 0);
-    }
-    return;
+    if (stopping_) break;
+    keep_one_ready();
+  }
+  if (ready_) children_[{"", 0}] = std::move(*ready_);
+  for (const auto& [key, child] : children_) {
+    ::kill(child.process, SIGKILL);
+    ::waitpid(child.process, nullptr, 0);
   }
 }
 

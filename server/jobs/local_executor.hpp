@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -15,40 +16,54 @@ namespace dccast::jobs {
 
 /// Starts workers as child processes of the daemon.
 ///
+/// A worker begins by waiting for its job on its standard input, so that one can be started ahead
+/// of its job: loading the program takes longer than a step of a small casting.
+///
 /// All of them are children of one thread that lives as long as the daemon: the signal a worker
 /// gets when its parent dies (PR_SET_PDEATHSIG) counts the death of the parent *thread*.
 class LocalExecutor : public Executor {
 public:
   /// @param worker_program  dccast-worker
   /// @param link_address    of the worker link, in gRPC's notation
-  LocalExecutor(std::filesystem::path worker_program, std::string link_address);
+  /// @param capacity        workers that may run at once
+  LocalExecutor(std::filesystem::path worker_program, std::string link_address, int capacity);
   /// Kills what is still running and waits for its end.
   ~LocalExecutor() override;
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
+  int capacity() const override { return capacity_; }
   void start(const WorkerLaunch& launch) override;
   void kill(const std::string& job_id, int attempt) override;
+  bool end_stray(const std::string& handle) override;
 
 private:
+  /// A process that waits for a job, or has one.
   struct Child {
-    WorkerLaunch launch;
     pid_t process = 0;
     FileDescriptor handle;  ///< pidfd: readable when the process has ended
+    FileDescriptor orders;  ///< its standard input, until it has its job
   };
   void run();
   void post(std::function<void()> order);
-  void spawn(const WorkerLaunch& launch);
+  Child spawn() const;
+  void hand_over(const WorkerLaunch& launch);
+  void keep_one_ready();
   void wait_for_something();
   void collect();
 
-  std::filesystem::path worker_program_;
-  std::string link_address_;
+  const std::filesystem::path worker_program_;
+  const std::string link_address_;
+  const int capacity_;
   Calls calls_;
   FileDescriptor wake_;  ///< eventfd
   std::mutex mutex_;
   std::deque<std::function<void()>> orders_;
+
+  // Of the thread alone.
   bool stopping_ = false;
-  std::map<std::pair<std::string, int>, Child> children_;  ///< of the thread alone
+  bool used_ = false;  ///< the one kept ready was handed a job, or there never was one
+  std::optional<Child> ready_;
+  std::map<std::pair<std::string, int>, Child> children_;
   std::thread thread_;
 };
 

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,21 +13,22 @@
 
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/worker.pb.h"
+#include "server/jobs/attempts.hpp"
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/executor.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
-#include "server/jobs/run.hpp"
+#include "server/jobs/ledger.hpp"
+#include "server/jobs/queue_hold.hpp"
 
 namespace dccast::jobs {
 
 struct SchedulerOptions {
-  std::filesystem::path jobs_directory;
-  int workers = 1;                              ///< jobs that run at once
-  int maximum_queued = 10000;                   ///< jobs that may wait
-  int worker_restarts = 2;                      ///< times a job whose worker died is started again
-  std::chrono::milliseconds stop_grace{20000};  ///< from the order to stop to the kill
+  AttemptOptions attempts;
+  int maximum_queued = 10000;                       ///< jobs that may wait
+  std::int64_t maximum_waiting_bytes = 4000000000;  ///< cases and attachments of unfinished jobs
+  std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
 };
 
 /// A case that was found good, ready to become a job.
@@ -37,6 +37,7 @@ struct NewJob {
   std::string study{};     ///< empty: none
   std::string title;
   v1::Priority priority = v1::NORMAL;
+  std::string owner{};         ///< who submits it
   std::string case_sha256;     ///< of the case as it was submitted, with its attachments
   std::string submitted_case;  ///< serialised
   std::string complete_case;   ///< serialised, with defaults and alloy card
@@ -54,6 +55,11 @@ class ShuttingDown : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
+/// The daemon's disk takes no new job now.
+class StorageHeld : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
 
 /// What became of a request about one job.
 struct Reply {
@@ -62,18 +68,20 @@ struct Reply {
   v1::Job job;  ///< as it is now, unless not_found
 };
 
-/// The life of all jobs: takes them, orders them, has them run, settles what becomes of them.
+/// The queue and its policy: takes jobs, orders them, has them tried, answers requests about them.
+/// What a job is stands in the Ledger, what its worker does in the Attempts.
 ///
-/// Every transition goes through one function: event log first, then store, then one line of the
-/// program's log with the cause. Safe to use from several threads. Calls throw StoreError or
-/// std::system_error when the disk is full or not writable.
+/// Safe to use from several threads. A request that throws has changed nothing: it throws
+/// StoreError or std::system_error when the disk refuses. Event logs are opened, and folders
+/// removed, outside of the mutex: both may take long.
 class Scheduler {
 public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
   ~Scheduler();
 
-  /// Puts in order what the last daemon left: kills stray workers, lets store and event logs agree,
-  /// puts running jobs back into the queue, removes folders of jobs that were never acknowledged.
+  /// Puts in order what the last daemon left: lets store and event logs agree, sees that no worker
+  /// of an earlier attempt is left, puts running jobs back into the queue, quarantines unknown
+  /// folders.
   void recover();
   /// Begins to run jobs.
   void start();
@@ -82,7 +90,7 @@ public:
   void shut_down();
 
   /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
-  /// job. @throws QueueFull, RequestIdTaken, ShuttingDown
+  /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments);
   std::optional<v1::Job> find(const std::string& id);
   /// The event log of a job that exists.
@@ -94,67 +102,61 @@ public:
   Reply remove(const std::string& id);
   int queued();
   int running();
+  /// Why nothing is started now; empty when nothing holds the queue.
+  std::string held();
 
-  /// A worker has called; it gets its order to start. @return its run; null for a wrong token
-  std::shared_ptr<Run> attach(const v1::WorkerMessage::Hello& hello,
-                              std::shared_ptr<WorkerChannel> channel);
+  /// A worker has called; it gets its order to start. @return its attempt; null for a wrong token
+  /// @throws std::exception  its case cannot be read: it is to be sent away
+  std::shared_ptr<Attempt> attach(const v1::WorkerMessage::Hello& hello,
+                                  std::shared_ptr<WorkerChannel> channel);
   /// Takes what a worker says; never waits for watchers.
-  void report(const std::shared_ptr<Run>& run, const v1::WorkerMessage& message);
+  void report(const std::shared_ptr<Attempt>& attempt, const v1::WorkerMessage& message);
   /// The link to a worker has ended.
-  void detach(const std::shared_ptr<Run>& run);
+  void detach(const std::shared_ptr<Attempt>& attempt);
 
 private:
   using Clock = std::chrono::steady_clock;
 
-  // The functions below expect mutex_ to be held, save the one that runs the thread.
   void run();
+
+  // The functions below expect mutex_ to be held.
+  void take_news();
+  void hold(const std::string& reason);
+  void notice_standstill();
   Clock::time_point next_deadline() const;
-  void kill_overdue();
-  void start_next();
-  void start_run(JobRecord record);
-  void order_stop(Run& run, bool checkpoint);
-  v1::Job view(JobRecord record);
-  JobRecord* active_record(const std::string& id);
+  v1::Job view(JobRecord record) const;
+  std::optional<JobRecord> record_of(const std::string& id);
+  Reply settle_idle(JobRecord& record, v1::JobState to, const std::string& cause);
+  bool may_start();
+  void refuse_start(const std::string& id, const std::exception& error);
 
-  /// Event log, then store, then a line in the log; nothing when the job is there already.
-  /// @throws StoreError, std::system_error; the record keeps its new state
-  void transition(JobRecord& record, v1::JobState to, const std::string& cause);
-  /// transition() of a job that a worker has left. When the disk refuses, the job fails with
-  /// STORAGE, and it is tried again every second until the disk takes that.
-  void settle(JobRecord& record, v1::JobState to, const std::string& cause);
-  void retry_settlements();
-
-  void append(Run& run, v1::JobEvent event);
-  void finish(Run& run, const v1::WorkerMessage::Finished& finished);
-  void settle_stopped(Run& run, const std::string& cause);
-  void settle_lost(Run& run, const std::string& how);
-  void worker_started(const std::string& job_id, int attempt, ProcessIdentity worker);
-  void worker_ended(const std::string& job_id, int attempt, const std::string& how);
-  /// A run's process and its link are gone.
-  void conclude(const std::shared_ptr<Run>& run, const std::string& how);
-  std::string missing_artifact(const Run& run) const;
-
-  void recover_job(JobRecord record);
-  void remove_orphan_folders();
+  // These take mutex_ themselves, and wait for the disk without it.
+  void start_jobs();
+  bool start_next();
+  void look_whether_hold_has_passed();
+  std::string storage_trouble();
+  void hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event);
+  void require_room(std::int64_t bytes);
+  std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
+                                       const Attachments& attachments);
+  std::shared_ptr<EventLog> log_if_any(const std::string& id);
 
   const SchedulerOptions options_;
+  const std::filesystem::path jobs_directory_;
   JobStore& store_;
   EventLogs& logs_;
   Executor& executor_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
+  Ledger ledger_;
+  Attempts attempts_;
   JobQueue queue_;
+  QueueHold hold_;
   int submissions_under_way_ = 0;
   bool shutting_down_ = false;
-  std::map<std::string, std::shared_ptr<Run>> runs_;  ///< by job, until the process is gone
-  struct Unsettled {
-    JobRecord record;
-    std::string cause;
-  };
-  std::map<std::string, Unsettled> unsettled_;  ///< ended jobs the disk has not taken yet
-  Clock::time_point next_retry_{};
-  bool stopping_ = false;  ///< the thread's end
+  bool stopping_ = false;            ///< the thread's end
+  Clock::time_point expected_wake_;  ///< of the thread
   std::thread thread_;
 };
 

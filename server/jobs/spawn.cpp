@@ -25,10 +25,13 @@ std::vector<std::string> worker_environment() {
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string_view text = *variable;
     if (!text.starts_with("DCCAST_WORKER_") && !text.starts_with("OPENBLAS_NUM_THREADS=") &&
-        !text.starts_with("OMP_NUM_THREADS="))
+        !text.starts_with("OMP_NUM_THREADS=") && !text.starts_with("OMP_THREAD_LIMIT="))
       variables.emplace_back(text);
   }
-  variables.insert(variables.end(), {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"});
+  // CHOLMOD's supernodal code asks OpenMP for threads whatever OMP_NUM_THREADS says; the limit it
+  // keeps to.
+  variables.insert(variables.end(),
+                   {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1"});
   return variables;
 }
 

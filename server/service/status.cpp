@@ -54,6 +54,8 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
     return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
   } catch (const jobs::RequestIdTaken& error) {
     return {grpc::StatusCode::ALREADY_EXISTS, error.what()};
+  } catch (const jobs::StorageHeld& error) {
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
   } catch (const jobs::ShuttingDown& error) {
     return {grpc::StatusCode::UNAVAILABLE, error.what()};
   } catch (const jobs::StoreError& error) {

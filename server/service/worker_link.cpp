@@ -34,12 +34,11 @@ public:
 
   void OnReadDone(bool ok) override {
     if (!ok) return end(grpc::Status::OK);
-    if (!run_) return greet();
+    if (!attempt_) return greet();
     if (message_.has_finished())
-      in_order_.post(
-          [this, self = shared_from_this(), last = message_] { scheduler_.report(run_, last); });
+      in_order_.post([this, self = shared_from_this(), last = message_] { report(last); });
     else
-      scheduler_.report(run_, message_);
+      report(message_);
     StartRead(&message_);
   }
 
@@ -53,14 +52,30 @@ public:
   }
 
   void OnDone() override {
-    if (run_) in_order_.post([self = shared_from_this()] { self->scheduler_.detach(self->run_); });
+    if (attempt_)
+      in_order_.post([self = shared_from_this()] { self->scheduler_.detach(self->attempt_); });
     self_.reset();
   }
 
 private:
+  /// gRPC would swallow what a reaction throws: the worker is sent away, its job settled.
+  void report(const v1::WorkerMessage& message) {
+    try {
+      scheduler_.report(attempt_, message);
+    } catch (const std::exception& error) {
+      spdlog::error("job {}: {}", attempt_->job_id, error.what());
+      end({grpc::StatusCode::INTERNAL, error.what()});
+    }
+  }
+
   void greet() {
-    if (message_.has_hello()) run_ = scheduler_.attach(message_.hello(), shared_from_this());
-    if (!run_)
+    try {
+      if (message_.has_hello()) attempt_ = scheduler_.attach(message_.hello(), shared_from_this());
+    } catch (const std::exception& error) {
+      spdlog::error("worker link: {}", error.what());
+      return end({grpc::StatusCode::UNAVAILABLE, error.what()});
+    }
+    if (!attempt_)
       return end({grpc::StatusCode::PERMISSION_DENIED, "the token is not the one of this worker"});
     StartRead(&message_);
   }
@@ -99,7 +114,7 @@ private:
   jobs::Scheduler& scheduler_;
   WorkPool& in_order_;
   std::shared_ptr<WorkerStream> self_;
-  std::shared_ptr<jobs::Run> run_;
+  std::shared_ptr<jobs::Attempt> attempt_;
   v1::WorkerMessage message_;
   std::mutex mutex_;  ///< of all below
   std::deque<v1::WorkerOrder> orders_;

@@ -1,5 +1,6 @@
 #include "server/worker/main.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,7 @@
 
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "server/worker/answers.hpp"
@@ -29,6 +31,11 @@ std::string take_variable(const char* name) {
   return text;
 }
 
+int refuse_to_run_alone() {
+  std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
+  return exit_usage;
+}
+
 /// Two workers must never write one folder: a worker does not outlive its daemon, which would start
 /// another one. Checkpoints are complete at any moment, so the kill costs no more than some steps.
 bool tie_to_parent(const std::string& parent) {
@@ -36,20 +43,38 @@ bool tie_to_parent(const std::string& parent) {
   return std::to_string(::getppid()) == parent;  // else it died before the line above
 }
 
+/// From now on what this process says belongs to a job. A log that cannot be opened is no reason
+/// not to run: what matters goes over the link.
+void speak_into(const std::string& log) {
+  const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (file < 0) return;
+  ::dup2(file, STDOUT_FILENO);
+  ::dup2(file, STDERR_FILENO);
+  ::close(file);
+}
+
+/// Waits for the job on the standard input: its id, the token, the file for what is said; a line
+/// each. @return nothing when the daemon has closed it without a job
+std::optional<v1::WorkerMessage::Hello> wait_for_job() {
+  v1::WorkerMessage::Hello hello;
+  std::string log;
+  if (!std::getline(std::cin, *hello.mutable_job_id()) ||
+      !std::getline(std::cin, *hello.mutable_token()) || !std::getline(std::cin, log))
+    return std::nullopt;
+  hello.set_process_id(::getpid());
+  speak_into(log);
+  return hello;
+}
+
 int run_job_of_daemon() {
   const std::string address = take_variable("DCCAST_WORKER_LINK");
   const std::string parent = take_variable("DCCAST_WORKER_PARENT");
-  v1::WorkerMessage::Hello hello;
-  hello.set_job_id(take_variable("DCCAST_WORKER_JOB"));
-  hello.set_token(take_variable("DCCAST_WORKER_TOKEN"));
-  hello.set_process_id(::getpid());
-  if (address.empty() || hello.token().empty()) {
-    std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
-    return exit_usage;
-  }
+  if (address.empty()) return refuse_to_run_alone();
   if (!tie_to_parent(parent)) return exit_daemon_gone;
-  LinkClient link(address);
-  const auto start = link.begin(hello);
+  LinkClient link(address);  // before there is a job: the library takes its time
+  const auto hello = wait_for_job();
+  if (!hello) return 0;
+  const auto start = link.begin(*hello);
   if (!start) return exit_daemon_gone;
   if (!link.finish(run_job(*start, link))) return exit_daemon_gone;
   // The daemon has everything. Taking gRPC down in good order only keeps the next job waiting: half
@@ -65,7 +90,8 @@ int main(int argc, char** argv) {
   try {
     if (argc == 2 && ::strcmp(argv[1], "--check") == 0) return answer_check(std::cin, std::cout);
     if (argc == 2 && ::strcmp(argv[1], "--frame") == 0) return answer_frame(std::cin, std::cout);
-    return run_job_of_daemon();
+    if (argc == 2 && ::strcmp(argv[1], "--wait") == 0) return run_job_of_daemon();
+    return refuse_to_run_alone();
   } catch (const std::exception& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
     return exit_not_answered;

@@ -4,8 +4,9 @@ namespace dccast::worker {
 
 /// The worker program.
 ///
-/// Without arguments it runs one job: dccastd starts it, tells it in the environment where to call
-/// (DCCAST_WORKER_LINK) and as whom (_JOB, _TOKEN), and whose child it is (_PARENT).
+/// With `--wait` it runs one job: dccastd starts it, tells it in the environment where to call
+/// (DCCAST_WORKER_LINK) and whose child it is (_PARENT), and, once there is a job for it, on the
+/// standard input its id, its token and the file for what it says, a line each.
 ///   0  the daemon has what the run ended with        70  the daemon is gone
 /// With `--check` it reads a serialised WorkerOrder.Start from its standard input and writes the
 /// ValidateCaseResponse of its case; with `--frame` the last Frame of the results in its directory.

@@ -49,6 +49,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   store_.insert(record, "", "");
   record.job.set_state(v1::FAILED);
   record.job.set_attempts(3);
+  record.job.mutable_validity_loss()->set_message("slides");
   *record.job.mutable_start_time() = timestamp(1700000000200);
   *record.job.mutable_end_time() = timestamp(1700000000300);
   record.job.mutable_failure()->set_message("cause");
@@ -59,7 +60,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   record.losses = 2;
   record.lost_step = 16;
   record.first_loss = "signal 9";
-  record.worker = {1234, 567890};
+  record.worker_handle = "1234 567890";
   store_.update(record, Durability::full);
   JobStore again(folder_.path() / "jobs.sqlite");
   const auto found = again.find(record.job.id());
@@ -70,8 +71,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   EXPECT_EQ(found->losses, 2);
   EXPECT_EQ(found->lost_step, 16);
   EXPECT_EQ(found->first_loss, "signal 9");
-  EXPECT_EQ(found->worker.id, 1234);
-  EXPECT_EQ(found->worker.start_ticks, 567890u);
+  EXPECT_EQ(found->worker_handle, "1234 567890");
 }
 
 TEST_F(JobStoreTest, TakesARequestIdOnceAndNoneAnyNumberOfTimes) {
@@ -175,6 +175,21 @@ INSERT INTO job VALUES ('0f2b9a4e-0000-4000-8000-000000000000', 'r', 'abc', 'old
 INSERT INTO job_case VALUES ('0f2b9a4e-0000-4000-8000-000000000000', x'01', x'02');
 )sql";
 
+TEST_F(JobStoreTest, KnowsWhatUnfinishedJobsTake) {
+  JobRecord waiting = new_record(), ended = new_record();
+  waiting.bytes = 70;
+  ended.bytes = 500;
+  waiting.job.set_owner("someone");
+  store_.insert(waiting, "", "");
+  store_.insert(ended, "", "");
+  EXPECT_EQ(store_.unfinished_bytes(), 570);
+  ended.job.set_state(v1::SUCCEEDED);
+  store_.update(ended, Durability::full);
+  EXPECT_EQ(store_.unfinished_bytes(), 70);
+  EXPECT_EQ(store_.find(waiting.job.id())->job.owner(), "someone");
+  EXPECT_EQ(store_.find(waiting.job.id())->bytes, 70);
+}
+
 TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
   const auto path = folder_.path() / "earlier.sqlite";
   Database(path).execute(store_of_version_1);
@@ -189,8 +204,8 @@ TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
     EXPECT_EQ(found->job.title(), "old");
     EXPECT_EQ(found->job.state(), v1::CANCELLED);
     EXPECT_EQ(milliseconds(found->job.end_time()), 1700000000200);
-    EXPECT_EQ(found->worker.id, 77);
-    EXPECT_EQ(found->worker.start_ticks, 88u);
+    EXPECT_EQ(found->worker_handle, "");  // of a daemon that is gone, and its workers with it
+    EXPECT_EQ(found->job.owner(), "");
     EXPECT_EQ(store.complete_case(old), "\2");
     store.update(*found, Durability::full);
     store.insert(member, "", "");

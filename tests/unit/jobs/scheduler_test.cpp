@@ -1,108 +1,11 @@
-#include "server/jobs/scheduler.hpp"
-
-#include <gtest/gtest.h>
+#include "tests/unit/jobs/scheduler_fixture.hpp"
 
 #include <fstream>
 
 #include "proto/values/uuid.hpp"
-#include "server/jobs/events.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {
-
-namespace fs = std::filesystem;
-using Finished = v1::WorkerMessage::Finished;
-
-/// Starts nothing; the test says what becomes of the workers.
-class ScriptedExecutor : public Executor {
-public:
-  void set_calls(Calls calls) override { calls_ = std::move(calls); }
-  void start(const WorkerLaunch& launch) override {
-    const std::lock_guard lock(mutex_);
-    launches_.push_back(launch);
-    changed_.notify_all();
-  }
-  void kill(const std::string& job_id, int attempt) override {
-    // Not from here: the scheduler calls with its lock held, as executors have threads of their
-    // own.
-    killer_ = std::jthread([this, job_id, attempt] { calls_.ended(job_id, attempt, "signal 9"); });
-  }
-  WorkerLaunch wait_for_launch(std::size_t number) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(5),
-                                  [&] { return launches_.size() >= number; }));
-    return launches_.at(number - 1);
-  }
-  void end(const WorkerLaunch& launch, const std::string& how) {
-    calls_.ended(launch.job_id, launch.attempt, how);
-  }
-
-private:
-  Calls calls_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<WorkerLaunch> launches_;
-  std::jthread killer_;
-};
-
-class RecordingChannel : public WorkerChannel {
-public:
-  void send(const v1::WorkerOrder& order) override { orders.push_back(order); }
-  std::vector<v1::WorkerOrder> orders;
-};
-
-/// Everything a daemon has, over one folder; made again it stands for a daemon started again.
-struct Daemon {
-  explicit Daemon(const fs::path& folder, int workers = 1)
-      : store(folder / "jobs.sqlite"),
-        logs(folder),
-        scheduler({.jobs_directory = folder,
-                   .workers = workers,
-                   .maximum_queued = 2,
-                   .worker_restarts = 1,
-                   .stop_grace = std::chrono::milliseconds(50)},
-                  store, logs, executor) {
-    scheduler.recover();
-  }
-  JobStore store;
-  EventLogs logs;
-  ScriptedExecutor executor;
-  Scheduler scheduler;
-};
-
-class SchedulerTest : public testing::Test {
-protected:
-  static NewJob new_job(const std::string& request_id = "") {
-    return {.request_id = request_id,
-            .title = "t",
-            .case_sha256 = "h",
-            .submitted_case = "",
-            .complete_case = ""};
-  }
-  std::shared_ptr<jobs::Run> attach(Daemon& daemon, const WorkerLaunch& launch) {
-    v1::WorkerMessage::Hello hello;
-    hello.set_job_id(launch.job_id);
-    hello.set_token(launch.token);
-    return daemon.scheduler.attach(hello, channel_);
-  }
-  static v1::WorkerMessage step(std::int64_t number) {
-    v1::WorkerMessage message;
-    message.mutable_step()->set_step(number);
-    return message;
-  }
-  static v1::WorkerMessage finished(Finished::Outcome outcome) {
-    v1::WorkerMessage message;
-    message.mutable_finished()->set_outcome(outcome);
-    return message;
-  }
-  static v1::JobState state(Daemon& daemon, const std::string& id) {
-    return daemon.scheduler.find(id)->state();
-  }
-
-  TemporaryFolder folder_;
-  std::shared_ptr<RecordingChannel> channel_ = std::make_shared<RecordingChannel>();
-};
 
 TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   Daemon daemon(folder_.path());
@@ -225,16 +128,6 @@ TEST_F(SchedulerTest, AnEndInTheStoreAloneIsWrittenIntoTheLog) {
   fs::resize_file(path, fs::file_size(path) - 3);
   Daemon again(folder_.path());
   EXPECT_EQ(again.scheduler.log(id)->terminal_event()->state_change().state(), v1::CANCELLED);
-}
-
-TEST_F(SchedulerTest, FoldersNobodyWasToldOfAreRemovedAndOthersKept) {
-  fs::create_directories(folder_.path() / values::random_uuid());
-  fs::create_directories(folder_.path() / "mine");
-  Daemon daemon(folder_.path());
-  EXPECT_TRUE(fs::exists(folder_.path() / "mine"));
-  std::size_t folders = 0;
-  for (const auto& entry : fs::directory_iterator(folder_.path())) folders += entry.is_directory();
-  EXPECT_EQ(folders, 1u);
 }
 
 TEST_F(SchedulerTest, PauseCancelAndDeleteKnowTheirStates) {

@@ -20,18 +20,22 @@ public:
   virtual void send(const v1::WorkerOrder& order) = 0;
 };
 
-/// One attempt at a job, from the start of its worker to the end of that process.
-struct Run {
-  // Fixed when the run begins.
+/// One try at a job, from the start of its worker to the end of that process.
+struct Attempt {
+  using Clock = std::chrono::steady_clock;
+
+  // Fixed when the attempt begins.
   std::string job_id;
-  int attempt = 0;
+  int number = 0;  ///< counts the attempts at the job from 1
   std::string token;
   std::shared_ptr<EventLog> log;
+  Clock::time_point begun;
 
   // Of the scheduler's mutex.
   JobRecord record;
   std::shared_ptr<WorkerChannel> channel;  ///< once the worker has called
-  std::optional<std::chrono::steady_clock::time_point> kill_at;
+  std::optional<Clock::time_point> kill_at;
+  std::string hung;      ///< why its worker was taken to hang and killed; empty: it was not
   bool settled = false;  ///< what the job has become is decided; only the process is still there
   std::optional<std::string>
       ended;             ///< how the process ended, while its link still has words of it
@@ -39,8 +43,11 @@ struct Run {
 
   // Of its own mutex, so that steps do not wait for the scheduler; taken after the scheduler's.
   std::mutex mutex;
-  bool closed = false;        ///< nothing a worker says counts any more
-  std::string storage_error;  ///< first event that could not be written
+  bool closed = false;             ///< nothing a worker says counts any more
+  std::string storage_error;       ///< first event that could not be written; none is after it
+  std::int64_t resumed_step = 0;   ///< of the checkpoint it went on from
+  Clock::time_point last_word;     ///< when the worker last said anything
+  Clock::time_point last_advance;  ///< when it called, resumed or reported a step
 };
 
 }  // namespace dccast::jobs

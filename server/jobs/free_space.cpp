@@ -1,0 +1,47 @@
+#include "server/jobs/free_space.hpp"
+
+#include <fcntl.h>
+#include <sys/statvfs.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "server/jobs/durable_file.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr std::size_t probe_size =
+    256 * 1024;  // about what a step and a frame of a small case take
+
+std::string megabytes(std::int64_t bytes) {
+  return std::to_string(bytes / 1000000) + " MB";
+}
+
+}  // namespace
+
+void require_free_space(const std::filesystem::path& directory, std::int64_t minimum) {
+  struct statvfs status;
+  if (::statvfs(directory.c_str(), &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot look at " + directory.string());
+  const auto free =
+      static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
+  if (free >= minimum) return;
+  throw std::system_error(ENOSPC, std::generic_category(),
+                          "only " + megabytes(free) + " are free in " + directory.string() +
+                              ", and minimum_free_bytes is " + megabytes(minimum));
+}
+
+void probe_directory(const std::filesystem::path& directory) {
+  const std::filesystem::path path = directory / ".probe";
+  {
+    const FileDescriptor file = open_file(path, O_WRONLY | O_CREAT | O_TRUNC);
+    write_at(file.get(), 0, std::string(probe_size, '\0'));
+    sync_file(file.get());
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,80 @@
+#include "server/jobs/recovery.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/jobs/events.hpp"
+#include "server/jobs/storage_fault.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+/// The log knows of an end that the store does not: the daemon died between the two.
+void take_over_end(const v1::JobEvent& event, v1::Job& job) {
+  if (event.state_change().has_failure()) *job.mutable_failure() = event.state_change().failure();
+  *job.mutable_artifacts() = event.state_change().artifacts();
+  *job.mutable_end_time() = timestamp(milliseconds(event.time()));
+}
+
+/// Brings one job into the state in which the next daemon finds it.
+void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record) {
+  const auto log = logs.open(record.job.id());
+  if (const auto end = log->terminal_event()) {
+    take_over_end(*end, record.job);
+    return ledger.transition(
+        record, end->state_change().state(),
+        "ended just before the last daemon did: " + end->state_change().cause());
+  }
+  if (record.wish == Wish::cancel)
+    return ledger.transition(record, v1::CANCELLED, "cancelled before dccastd was restarted");
+  if (std::exchange(record.wish, Wish::none) == Wish::pause)
+    return ledger.transition(record, v1::PAUSED, "paused before dccastd was restarted");
+  // A transition is in the log before it is in the store.
+  const v1::JobState state = last_state(*log).value_or(record.job.state());
+  if (state == v1::RUNNING)
+    return ledger.transition(record, v1::QUEUED,
+                             "dccastd was restarted; goes on from its last checkpoint");
+  if (state != record.job.state())
+    ledger.transition(record, state, "as its event log says; dccastd was restarted");
+}
+
+/// With a full disk the job waits as it is; with damaged files of its own it has failed.
+void recover_damaged(Ledger& ledger, JobRecord& record, const std::exception& error) {
+  if (daemon_lacks(error)) {
+    if (record.job.state() == v1::RUNNING)
+      ledger.settle(record, v1::QUEUED, "dccastd was restarted; goes on from its last checkpoint");
+    return;
+  }
+  add_failure(record.job, v1::Failure::STORAGE, error.what());
+  ledger.settle(record, v1::FAILED, error.what());
+}
+
+}  // namespace
+
+std::vector<v1::Job> recover_jobs(JobStore& store, EventLogs& logs, Ledger& ledger,
+                                  Executor& executor) {
+  std::vector<JobRecord> unfinished = store.unfinished();
+  // All strays first: none of them may still write when anything of theirs is looked at.
+  for (JobRecord& record : unfinished) {
+    if (!record.worker_handle.empty() && executor.end_stray(record.worker_handle))
+      spdlog::warn("job {}: ended a worker of the last daemon ({})", record.job.id(),
+                   record.worker_handle);
+    record.worker_handle.clear();
+  }
+  std::vector<v1::Job> waiting;
+  for (JobRecord& record : unfinished) {
+    try {
+      recover_job(logs, ledger, record);
+    } catch (const StoreError&) {
+      throw;
+    } catch (const std::exception& error) {
+      recover_damaged(ledger, record, error);
+    }
+    if (record.job.state() == v1::QUEUED) waiting.push_back(record.job);
+  }
+  return waiting;
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,114 @@
+#include "server/jobs/settlement.hpp"
+
+#include <utility>
+
+#include "server/jobs/events.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+using Finished = v1::WorkerMessage::Finished;
+
+/// Attempts in a row that may end because something was not written, without getting any further.
+/// The queue was held between them until the daemon could write: it is this job that cannot.
+constexpr int most_storage_failures = 10;
+
+/// By order, at a checkpoint: what was asked for decides.
+Settlement settle_stopped(JobRecord& record, const std::string& cause) {
+  const Wish wish = std::exchange(record.wish, Wish::none);
+  if (wish == Wish::cancel) return {v1::CANCELLED, cancel_cause(record)};
+  if (wish == Wish::pause) return {v1::PAUSED, "paused by request"};
+  return {v1::QUEUED, cause};
+}
+
+/// Something could not be written. That is the daemon's trouble as long as it may pass.
+Settlement settle_for_storage(JobRecord& record, const std::string& error,
+                              const AttemptFacts& facts) {
+  if (facts.storage_failures >= most_storage_failures) {
+    add_failure(record.job, v1::Failure::STORAGE, error);
+    return {v1::FAILED, error};
+  }
+  Settlement settlement = settle_stopped(record, error + "; goes on once writing works again");
+  settlement.daemon_lacks = error;
+  return settlement;
+}
+
+Settlement settle_succeeded(JobRecord& record, const Finished& finished,
+                            const AttemptFacts& facts) {
+  *record.job.mutable_artifacts() = finished.artifacts();
+  if (facts.missing_artifact.empty()) return {v1::SUCCEEDED, "finished"};
+  add_failure(record.job, v1::Failure::STORAGE, facts.missing_artifact);
+  return {v1::FAILED, facts.missing_artifact};
+}
+
+Settlement settle_failed(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
+  const v1::Failure& failure = finished.failure();
+  if (failure.kind() == v1::Failure::STORAGE)
+    return settle_for_storage(record, failure.message(), facts);
+  *record.job.mutable_failure() = failure;
+  *record.job.mutable_artifacts() = finished.artifacts();
+  return {v1::FAILED, failure.message()};
+}
+
+Settlement settle_other_version(JobRecord& record, const Finished& finished,
+                                const AttemptFacts& facts) {
+  const std::string& reason = finished.failure().message();
+  if (facts.other_version == v1::FAIL) {
+    *record.job.mutable_failure() = finished.failure();
+    return {v1::FAILED, reason};
+  }
+  record.wish = Wish::none;
+  return {v1::PAUSED, reason + "; ResumeJob begins the run anew"};
+}
+
+std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {
+  std::string message = record.first_loss;
+  if (record.losses > 1) message += "; in all it died " + std::to_string(record.losses) + " times";
+  if (same_step) message += ", twice in the step after " + std::to_string(step);
+  return message;
+}
+
+}  // namespace
+
+std::string cancel_cause(const JobRecord& record) {
+  return record.wish_reason.empty() ? "cancelled by request" : "cancelled: " + record.wish_reason;
+}
+
+Settlement settle_finished(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
+  if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
+  switch (finished.outcome()) {
+    case Finished::SUCCEEDED:
+      return settle_succeeded(record, finished, facts);
+    case Finished::FAILED:
+      return settle_failed(record, finished, facts);
+    case Finished::OTHER_VERSION_FOUND:
+      return settle_other_version(record, finished, facts);
+    default:
+      return settle_stopped(record, facts.shutting_down
+                                        ? "dccastd is shutting down; stopped at a checkpoint"
+                                        : "its worker was told to leave; stopped at a checkpoint");
+  }
+}
+
+Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts) {
+  if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
+  if (record.wish != Wish::none || facts.shutting_down)
+    return settle_stopped(record, "dccastd is shutting down; its worker was killed");
+  const std::string loss =
+      "worker " + (facts.hung.empty() ? "died with " + how : facts.hung + " and was killed") +
+      " after step " + std::to_string(facts.reached_step);
+  if (record.losses++ == 0) record.first_loss = loss;
+  const bool same_step = record.lost_step == facts.reached_step;
+  record.lost_step = facts.reached_step;
+  if (record.losses <= facts.worker_restarts)
+    return {v1::QUEUED, loss + "; restart " + std::to_string(record.losses) + " of " +
+                            std::to_string(facts.worker_restarts)};
+  const std::string message = times_died(record, same_step, facts.reached_step);
+  add_failure(record.job, facts.hung.empty() ? v1::Failure::WORKER_LOST : v1::Failure::WORKER_HUNG,
+              message);
+  record.job.mutable_failure()->set_time_s(facts.reached_time);
+  return {v1::FAILED, message};
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "dccast/v1/worker.pb.h"
+#include "server/jobs/job_store.hpp"
+
+namespace dccast::jobs {
+
+/// What a job becomes when its worker has left it.
+struct Settlement {
+  v1::JobState state = v1::QUEUED;  ///< QUEUED: it waits again and goes on from its checkpoint
+  std::string cause;                ///< one line for people
+  std::string daemon_lacks{};       ///< why nothing else should start now; empty: no reason
+};
+
+/// What is known of an attempt when its job is settled.
+struct AttemptFacts {
+  bool shutting_down = false;
+  int worker_restarts = 2;
+  v1::OtherVersion other_version = v1::BEGIN_ANEW;
+  int storage_failures = 0;        ///< attempts in a row that were ended by it and got no further
+  std::string storage_error{};     ///< of the daemon: an event that could not be written
+  std::int64_t reached_step = 0;   ///< last one reported, or that of the checkpoint it went on from
+  double reached_time = 0.0;       ///< [s]
+  std::string hung{};              ///< why the worker was taken to hang; empty: it was not
+  std::string missing_artifact{};  ///< a result that is not on the disk as the worker said
+};
+
+/// The worker has said how its run ended. Fills in failure, artifacts and what was asked for.
+Settlement settle_finished(JobRecord& record, const v1::WorkerMessage::Finished& finished,
+                           const AttemptFacts& facts);
+
+/// The worker is gone without a last word.
+/// @param how  "signal 9 (Killed)", "exit code 1"
+Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts);
+
+/// Why a job was cancelled, for people.
+std::string cancel_cause(const JobRecord& record);
+
+}  // namespace dccast::jobs
