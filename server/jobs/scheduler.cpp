@@ -8,6 +8,7 @@
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/quarantine.hpp"
 
 namespace dccast::jobs {
 
@@ -103,7 +104,8 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   JobRecord record;
   record.job = new_job_message(new_job);
   const auto folder = options_.jobs_directory / record.job.id();
-  create_job_folder(folder, attachments);
+  create_job_folder(folder, attachments,
+                    {record.job, new_job.submitted_case, new_job.complete_case});
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
@@ -119,10 +121,11 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   } catch (const RequestIdTaken&) {
     throw;
   } catch (...) {
-    std::error_code ignored;  // the cause is on its way; the next start sweeps what is left
+    std::error_code ignored;  // the cause is on its way; the next start moves aside what is left
     std::filesystem::remove_all(folder, ignored);
     throw;
   }
+  mark_accepted(folder);
   spdlog::info("job {}: QUEUED: submitted{}", record.job.id(),
                record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
   const std::lock_guard lock(mutex_);
@@ -199,8 +202,14 @@ Reply Scheduler::remove(const std::string& id) {
   if (!record) return {Reply::Kind::not_found, {}};
   if (!is_terminal(record->job.state()) || unsettled_.contains(id))
     return {Reply::Kind::wrong_state, view(*record)};
-  store_.erase(id);
-  std::filesystem::remove_all(options_.jobs_directory / id);
+  const auto removed = begin_removal(options_.jobs_directory, id);
+  try {
+    store_.erase(id);
+  } catch (const StoreError&) {
+    if (removed) undo_removal(*removed);
+    throw;
+  }
+  if (removed) std::filesystem::remove_all(*removed);
   spdlog::info("job {}: deleted by request", id);
   return {Reply::Kind::done, record->job};
 }

@@ -73,7 +73,7 @@ public:
   ~Scheduler();
 
   /// Puts in order what the last daemon left: kills stray workers, lets store and event logs agree,
-  /// puts running jobs back into the queue, removes folders of jobs that were never acknowledged.
+  /// puts running jobs back into the queue, moves folders without a job to quarantine.
   void recover();
   /// Begins to run jobs.
   void start();
@@ -135,7 +135,6 @@ private:
   std::string missing_artifact(const Run& run) const;
 
   void recover_job(JobRecord record);
-  void remove_orphan_folders();
 
   const SchedulerOptions options_;
   JobStore& store_;

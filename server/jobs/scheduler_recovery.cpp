@@ -1,10 +1,8 @@
 // What the scheduler does once, before anything else: put in order what the last daemon left.
 #include <spdlog/spdlog.h>
 
-#include <set>
-
-#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {
@@ -45,7 +43,7 @@ void Scheduler::recover() {
       spdlog::error("job {}: FAILED: {}", record.job.id(), error.what());
     }
   }
-  remove_orphan_folders();
+  quarantine_unknown_folders(options_.jobs_directory, store_.ids());
 }
 
 void Scheduler::recover_job(JobRecord record) {
@@ -65,17 +63,6 @@ void Scheduler::recover_job(JobRecord record) {
   if (record.job.state() == v1::RUNNING)
     transition(record, v1::QUEUED, "dccastd was restarted; goes on from its last checkpoint");
   if (record.job.state() == v1::QUEUED) queue_.push(record.job);
-}
-
-void Scheduler::remove_orphan_folders() {
-  const std::set<std::string> known = store_.ids();
-  for (const auto& entry : std::filesystem::directory_iterator(options_.jobs_directory)) {
-    const std::string name = entry.path().filename();
-    if (!values::is_uuid(name) || known.contains(name)) continue;
-    spdlog::warn("removing {}: the folder of a job that was never acknowledged, or was deleted",
-                 entry.path().string());
-    std::filesystem::remove_all(entry.path());
-  }
 }
 
 }  // namespace dccast::jobs
