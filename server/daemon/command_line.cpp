@@ -5,24 +5,62 @@
 
 namespace dccast::daemon {
 
-CommandLine read_command_line(int argc, char** argv) {
-  CommandLine line;
-  CLI::App app(
-      "dccastd: simulation service for DC-cast slabs. Takes jobs over gRPC, runs each in a "
-      "worker process, keeps events and results.",
-      "dccastd");
+namespace {
+
+void add_settings(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config_file,
                  "Settings, TOML; every key has a default, see deploy/config/dccastd.toml");
   app.add_option("--set", line.overrides,
                  "One setting over the file's, e.g. --set listen=127.0.0.1:0; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+}
+
+CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const char* what,
+                      Command command) {
+  CLI::App* added = app.add_subcommand(name, what);
+  add_settings(*added, line);
+  added->callback([&line, command] { line.command = command; });
+  return *added;
+}
+
+void add_commands(CLI::App& app, CommandLine& line) {
+  app.require_subcommand(0, 1);
+  add_command(app, line, "serve", "Serve; the same as no command", Command::serve);
+  CLI::App& check = add_command(
+      app, line, "check", "Inspect the data directory while no dccastd uses it", Command::check);
+  check.add_flag("--repair", line.repair, "Put right what can be, and say what was done");
+  check.add_flag("--deep", line.deep, "Also hold all results against their SHA-256");
+  check.add_option("--adopt", line.adopt, "Take a job back out of quarantine; may be repeated")
+      ->type_name("ID")
+      ->allow_extra_args(false);
+  add_command(app, line, "backup", "Copy the data directory; its dccastd may go on working",
+              Command::backup)
+      .add_option("--to", line.directory, "A new or empty directory")
+      ->required();
+  add_command(app, line, "restore", "Make the data directory from a backup, and check it",
+              Command::restore)
+      .add_option("--from", line.directory, "What dccastd backup wrote")
+      ->required();
+}
+
+}  // namespace
+
+CommandLine read_command_line(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app(
+      "dccastd: simulation service for DC-cast slabs. Takes jobs over gRPC, runs each in a "
+      "worker process, keeps events and results.",
+      "dccastd");
+  add_settings(app, line);
+  add_commands(app, line);
   app.set_version_flag("--version", "dccastd " DCCAST_VERSION);
   app.footer(
       "Example: dccastd --config deploy/config/dccastd.toml --set workers=2\n"
       "SIGTERM and SIGINT stop running jobs at a checkpoint; the next start goes on with them.\n"
-      "Exit codes: 0 stopped as asked; 2 usage or invalid settings; 4 the address or the data "
-      "directory cannot be used.");
+      "Exit codes: 0 stopped as asked, or sound; 2 usage or invalid settings; 3 damage is left in "
+      "the "
+      "data directory; 4 the address or the data directory cannot be used.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,7 +5,14 @@
 
 namespace dccast::daemon {
 
+enum class Command { serve, check, backup, restore };
+
 struct CommandLine {
+  Command command = Command::serve;
+  bool repair = false;                 ///< of check
+  bool deep = false;                   ///< of check
+  std::vector<std::string> adopt;      ///< of check: ids
+  std::string directory;               ///< of backup and restore
   std::string config_file;             ///< empty: all defaults
   std::vector<std::string> overrides;  ///< "key=value"
   int exit_code = -1;                  ///< 0 or more: leave with it, everything has been said

@@ -1,11 +1,8 @@
 #include "server/daemon/daemon.hpp"
 
-#include <fcntl.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -15,6 +12,7 @@
 
 #include "server/jobs/local_executor.hpp"
 #include "server/service/server.hpp"
+#include "server/state/store_guard.hpp"
 
 namespace dccast::daemon {
 
@@ -22,28 +20,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The data directory, made if need be, and held: two daemons on one would run every job twice.
-class DataDirectory {
+/// The data directory, made if need be, and held.
+class DataDirectory : public state::StateFolder {
 public:
-  explicit DataDirectory(const fs::path& path) : path_(fs::absolute(path)) {
-    fs::create_directories(path_);
-    fs::permissions(path_, fs::perms::owner_all);
-    lock_ = jobs::open_file(path_ / "lock", O_RDWR | O_CREAT);
-    if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0)
-      throw std::runtime_error("another dccastd uses the data directory " + path_.string() +
-                               "; stop it, or set another data_directory");
-    fs::remove_all(path_ / "check");  // what checks of a killed daemon left
-    fs::create_directories(path_ / "check");
-    fs::create_directories(path_ / "jobs");
+  explicit DataDirectory(const fs::path& path) : StateFolder(path), lock_(made()) {
+    fs::remove_all(check());  // what checks of a killed daemon left
+    fs::create_directories(check());
+    fs::create_directories(jobs());
   }
-  fs::path jobs() const { return path_ / "jobs"; }
-  fs::path check() const { return path_ / "check"; }
-  fs::path store() const { return path_ / "jobs.sqlite"; }
-  const fs::path& path() const { return path_; }
 
 private:
-  fs::path path_;
-  jobs::FileDescriptor lock_;
+  const StateFolder& made() const {
+    state::make_state_folder(*this);
+    return *this;
+  }
+
+  state::StateLock lock_;
 };
 
 fs::path worker_program(const v1::DaemonConfig& config) {
@@ -108,7 +100,8 @@ int serve(const v1::DaemonConfig& config) {
   const DataDirectory directory(config.data_directory());
   const fs::path worker = worker_program(config);
   const service::CaseIntake intake(worker, config.alloy_directory(), directory.check());
-  jobs::JobStore store(directory.store());
+  const auto opened_store = state::open_store(directory);
+  jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
   const service::LinkAddress link_address(directory.path());
   jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));

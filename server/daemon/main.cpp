@@ -8,11 +8,14 @@
 #include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
+#include "server/state/backup.hpp"
+#include "server/state/check.hpp"
 
 namespace {
 
 // Exit codes of every program, see README.
 constexpr int exit_invalid = 2;
+constexpr int exit_damage_left = 3;
 constexpr int exit_refused = 4;
 
 /// Before any thread: all of them inherit the mask, and one place waits for the signals.
@@ -26,6 +29,27 @@ void prepare_signals() {
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
 }
 
+int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig& config) {
+  using dccast::daemon::Command;
+  const dccast::state::StateFolder folder(config.data_directory());
+  int damages = 0;
+  switch (line.command) {
+    case Command::serve:
+      return dccast::daemon::serve(config);
+    case Command::check:
+      damages = dccast::state::check(
+          folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);
+      break;
+    case Command::backup:
+      dccast::state::back_up(folder, line.directory, std::cout);
+      break;
+    case Command::restore:
+      damages = dccast::state::restore(folder, line.directory, std::cout);
+      break;
+  }
+  return damages == 0 ? 0 : exit_damage_left;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,7 +60,7 @@ int main(int argc, char** argv) {
   try {
     const auto config = dccast::daemon::read_config(line.config_file, line.overrides);
     spdlog::set_level(spdlog::level::from_str(config.log_level()));
-    return dccast::daemon::serve(config);
+    return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {
     std::cerr << error.what() << '\n';
     return exit_invalid;

@@ -1,6 +1,7 @@
 #include "server/jobs/durable_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -33,6 +34,19 @@ std::size_t read_at(int descriptor, std::int64_t offset, std::span<char> bytes) 
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno != EINTR) fail("cannot read");
   }
+}
+
+std::int64_t size_of_file(int descriptor) {
+  struct stat status;
+  if (::fstat(descriptor, &status) != 0) fail("cannot look at a file");
+  return status.st_size;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  const FileDescriptor file = open_file(path, O_RDONLY);
+  std::string content(static_cast<std::size_t>(size_of_file(file.get())), '\0');
+  content.resize(read_at(file.get(), 0, content));
+  return content;
 }
 
 void write_at(int descriptor, std::int64_t offset, std::string_view bytes) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -34,6 +35,12 @@ FileDescriptor open_file(const std::filesystem::path& path, int flags);
 /// Reads up to bytes.size() bytes. @return how many; 0 at the end of the file.
 /// @throws std::system_error
 std::size_t read_at(int descriptor, std::int64_t offset, std::span<char> bytes);
+
+/// @return bytes in an open file @throws std::system_error
+std::int64_t size_of_file(int descriptor);
+
+/// The whole content of a file. @throws std::system_error
+std::string read_file(const std::filesystem::path& path);
 
 /// Writes all of `bytes`. @throws std::system_error; some bytes may have been written then.
 void write_at(int descriptor, std::int64_t offset, std::string_view bytes);

@@ -3,63 +3,52 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <system_error>
 
-#include "core/base/crc32c.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/record_frame.hpp"
 
 namespace dccast::jobs {
 
-namespace {
-
-constexpr std::int64_t header_size = 16;
-constexpr std::int64_t record_head_size = 8;
-// gRPC takes no more than 4 MiB from a worker, so no event is larger; a longer one is damage.
-constexpr std::uint32_t largest_payload = 1u << 24;
-constexpr std::int64_t index_spacing = 64;
-
-std::string little_endian(std::uint32_t number) {
-  std::string bytes;
-  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(number >> shift & 0xff);
-  return bytes;
-}
-
-std::uint32_t from_little_endian(const char* bytes) {
-  std::uint32_t number = 0;
-  for (int i = 3; i >= 0; --i) number = number << 8 | static_cast<unsigned char>(bytes[i]);
-  return number;
-}
-
-std::string header() {
-  return "DCCASTEV" + little_endian(1) + little_endian(0);
-}
-
-std::int64_t file_size(int descriptor) {
-  struct stat status;
-  if (::fstat(descriptor, &status) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot look at an event log");
-  return status.st_size;
-}
-
-}  // namespace
-
 EventLog::EventLog(const std::filesystem::path& path) : file_(open_file(path, O_RDWR | O_CREAT)) {
-  if (file_size(file_.get()) < header_size) write_header();
-  std::string start(header_size, '\0');
-  read_at(file_.get(), 0, start);
-  if (start != header())
-    throw std::runtime_error(path.string() + " is not an event log of version 1");
-  scan();
-  const std::int64_t torn = file_size(file_.get()) - end_;
-  if (torn == 0) return;
-  spdlog::warn("{}: cut off a torn tail of {} bytes after event {}", path.string(), torn,
-               last_sequence_);
-  if (::ftruncate(file_.get(), end_) != 0)
+  if (size_of_file(file_.get()) < event_log_header_size) begin(path);
+  content_ = scan_event_log(file_.get());
+  if (!content_.sound_header) {
+    if (content_.last_sequence == 0)
+      throw std::runtime_error(path.string() + " is not an event log of version 1");
+    spdlog::warn("{}: the header was damaged and is written again", path.string());
+    write_at(file_.get(), 0, event_log_header());
+  }
+  for (const EventGap& gap : content_.gaps)
+    spdlog::warn("{}: {}", path.string(), gap.description());
+  if (content_.size > content_.end) cut_tail(path);
+  synced_ = content_.end;
+}
+
+void EventLog::begin(const std::filesystem::path& path) {
+  if (::ftruncate(file_.get(), 0) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot begin " + path.string());
+  write_at(file_.get(), 0, event_log_header());
+}
+
+/// What a crash leaves of the last write is worth nothing. A whole record that is damaged is kept
+/// aside: it was said once.
+void EventLog::cut_tail(const std::filesystem::path& path) {
+  if (!content_.torn) {
+    std::string tail(static_cast<std::size_t>(content_.size - content_.end), '\0');
+    tail.resize(read_at(file_.get(), content_.end, tail));
+    const std::string aside = path.string() + ".damaged-" + std::to_string(content_.end);
+    replace_file(aside, tail);
+    spdlog::warn("{}: the end is damaged after event {}: moved to {}", path.string(),
+                 content_.last_sequence, aside);
+  }
+  spdlog::info("{}: cut off {} bytes after event {}", path.string(), content_.size - content_.end,
+               content_.last_sequence);
+  if (::ftruncate(file_.get(), content_.end) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot cut " + path.string());
 }
 
@@ -71,69 +60,40 @@ EventLog::~EventLog() {
   }
 }
 
-void EventLog::write_header() {
-  if (::ftruncate(file_.get(), 0) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot begin an event log");
-  write_at(file_.get(), 0, header());
-}
-
-void EventLog::scan() {
-  const std::int64_t size = file_size(file_.get());
-  end_ = header_size;
-  while (const auto payload = payload_at(end_, size)) {
-    v1::JobEvent event;
-    if (!event.ParseFromString(*payload) || event.sequence() != last_sequence_ + 1) break;
-    take(event, end_, end_ + record_head_size + static_cast<std::int64_t>(payload->size()));
-  }
-  synced_ = end_;
-}
-
 std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_t end) const {
-  std::array<char, record_head_size> head;
-  if (offset + record_head_size > end ||
-      read_at(file_.get(), offset, head) != static_cast<std::size_t>(record_head_size))
+  std::array<char, frame_head_size> head;
+  if (offset + frame_head_size > end ||
+      read_at(file_.get(), offset, head) != static_cast<std::size_t>(frame_head_size))
     return std::nullopt;
-  const std::uint32_t length = from_little_endian(head.data());
-  if (length == 0 || length > largest_payload || offset + record_head_size + length > end)
-    return std::nullopt;
-  std::string payload(length, '\0');
-  if (read_at(file_.get(), offset + record_head_size, payload) != length) return std::nullopt;
-  if (crc32c(payload.data(), payload.size()) != from_little_endian(head.data() + 4))
-    return std::nullopt;
-  return payload;
-}
-
-void EventLog::take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end) {
-  if (last_sequence_ % index_spacing == 0) every_64th_.push_back(offset);
-  ++last_sequence_;
-  end_ = end;
-  if (event.state_change().terminal()) terminal_ = event;
-  if (event.has_step()) last_step_ = event.step();
-  if (event.has_resumed() && last_step_ && last_step_->step() > event.resumed().step())
-    last_step_.reset();
+  const std::int64_t length = from_little_endian(head.data());
+  if (offset + frame_head_size + length > end) return std::nullopt;
+  std::string record(static_cast<std::size_t>(frame_head_size + length), '\0');
+  record.resize(read_at(file_.get(), offset, record));
+  const auto payload = payload_of(record, largest_event);
+  return payload ? std::optional<std::string>(*payload) : std::nullopt;
 }
 
 void EventLog::append(v1::JobEvent& event) {
   {
     const std::lock_guard lock(mutex_);
-    if (terminal_) throw std::logic_error("an event log that has ended takes no more events");
+    if (content_.terminal)
+      throw std::logic_error("an event log that has ended takes no more events");
     if (sync_error_ != 0)
       throw std::system_error(sync_error_, std::generic_category(),
                               "cannot bring the event log to the disk");
-    event.set_sequence(last_sequence_ + 1);
+    event.set_sequence(content_.last_sequence + 1);
     if (!event.has_time()) *event.mutable_time() = now();
-    const std::string payload = event.SerializeAsString();
-    const std::string record = little_endian(static_cast<std::uint32_t>(payload.size())) +
-                               little_endian(crc32c(payload.data(), payload.size())) + payload;
+    const std::string record = framed(event.SerializeAsString());
     try {
-      write_at(file_.get(), end_, record);
+      write_at(file_.get(), content_.end, record);
     } catch (const std::system_error&) {
       // A part that stays would be overwritten by the next append: cutting it is for readers of
       // the file, not for us.
-      if (::ftruncate(file_.get(), end_) != 0) spdlog::error("cannot cut a half-written event");
+      if (::ftruncate(file_.get(), content_.end) != 0)
+        spdlog::error("cannot cut a half-written event");
       throw;
     }
-    take(event, end_, end_ + static_cast<std::int64_t>(record.size()));
+    content_.take(event, content_.end, content_.end + static_cast<std::int64_t>(record.size()));
   }
   if (on_append_) on_append_();
 }
@@ -143,8 +103,8 @@ void EventLog::sync() {
   std::int64_t reached;
   {
     const std::lock_guard lock(mutex_);
-    if (synced_ == end_) return;
-    reached = end_;
+    if (synced_ == content_.end) return;
+    reached = content_.end;
   }
   try {
     sync_file(file_.get());
@@ -160,47 +120,60 @@ void EventLog::sync() {
 }
 
 void EventLog::locate(Cursor& cursor) const {
-  const auto block = static_cast<std::size_t>((cursor.sequence - 1) / index_spacing);
-  std::int64_t offset = every_64th_.at(block);
-  for (auto at = static_cast<std::int64_t>(block) * index_spacing + 1; at < cursor.sequence; ++at) {
+  const EventLogContent::Anchor& anchor = content_.anchor_before(cursor.sequence);
+  std::int64_t offset = anchor.offset;
+  for (std::int64_t at = anchor.sequence; at < cursor.sequence; ++at) {
     std::array<char, 4> length;
     read_at(file_.get(), offset, length);
-    offset += record_head_size + from_little_endian(length.data());
+    offset += frame_head_size + from_little_endian(length.data());
   }
   cursor.offset = offset;
+}
+
+v1::JobEvent EventLog::lost_event(Cursor& cursor, const EventGap& gap) const {
+  v1::JobEvent event = gap.stand_in(cursor.sequence);
+  ++cursor.sequence;
+  cursor.offset = 0;
+  return event;
 }
 
 std::optional<v1::JobEvent> EventLog::read(Cursor& cursor) const {
   std::int64_t end;
   {
     const std::lock_guard lock(mutex_);
-    if (cursor.sequence > last_sequence_) return std::nullopt;
+    if (cursor.sequence > content_.last_sequence) return std::nullopt;
+    if (const EventGap* gap = content_.gap_with(cursor.sequence)) return lost_event(cursor, *gap);
     if (cursor.offset == 0) locate(cursor);
-    end = end_;
+    end = content_.end;
   }
   const auto payload = payload_at(cursor.offset, end);
   v1::JobEvent event;
-  if (!payload || !event.ParseFromString(*payload))
+  if (!payload || !event.ParseFromString(*payload) || event.sequence() != cursor.sequence)
     throw std::runtime_error("the event log is damaged at event " +
                              std::to_string(cursor.sequence));
-  cursor.offset += record_head_size + static_cast<std::int64_t>(payload->size());
+  cursor.offset += frame_head_size + static_cast<std::int64_t>(payload->size());
   ++cursor.sequence;
   return event;
 }
 
 std::int64_t EventLog::last_sequence() const {
   const std::lock_guard lock(mutex_);
-  return last_sequence_;
+  return content_.last_sequence;
 }
 
 std::optional<v1::JobEvent> EventLog::terminal_event() const {
   const std::lock_guard lock(mutex_);
-  return terminal_;
+  return content_.terminal;
 }
 
 std::optional<v1::StepReport> EventLog::last_step() const {
   const std::lock_guard lock(mutex_);
-  return last_step_;
+  return content_.last_step;
+}
+
+std::vector<EventGap> EventLog::gaps() const {
+  const std::lock_guard lock(mutex_);
+  return content_.gaps;
 }
 
 }  // namespace dccast::jobs

@@ -10,6 +10,7 @@
 
 #include "dccast/v1/job.pb.h"
 #include "server/jobs/durable_file.hpp"
+#include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {
 
@@ -23,7 +24,8 @@ public:
     std::int64_t offset = 0;  ///< of its record in the file; 0: not known yet
   };
 
-  /// Opens the log or begins one; cuts off a torn tail.
+  /// Opens the log or begins one; cuts off a torn tail. Damage in the middle stays in the file, is
+  /// said in the program's log, and readers get a warning in the place of each event that is lost.
   /// @throws std::system_error   the file cannot be read or written
   /// @throws std::runtime_error  it is not an event log of this version
   explicit EventLog(const std::filesystem::path& path);
@@ -49,27 +51,26 @@ public:
   /// The last step reported and not taken back by a resumption, if there is one.
   std::optional<v1::StepReport> last_step() const;
 
+  /// What is damaged, with sound events behind it; fixed when the log is opened.
+  std::vector<EventGap> gaps() const;
+
   /// Called after every append, outside of any lock of the log. Set once, before the log is shared.
   void on_append(std::function<void()> call) { on_append_ = std::move(call); }
 
 private:
-  void write_header();
-  void scan();
+  void begin(const std::filesystem::path& path);
+  void cut_tail(const std::filesystem::path& path);
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
-  void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end);
   void locate(Cursor& cursor) const;
+  v1::JobEvent lost_event(Cursor& cursor, const EventGap& gap) const;
 
   FileDescriptor file_;
   std::function<void()> on_append_;
   std::mutex sync_mutex_;  ///< one sync at a time; appends go on meanwhile
   mutable std::mutex mutex_;
-  std::int64_t end_ = 0;  ///< of the last good record
+  EventLogContent content_;
   std::int64_t synced_ = 0;
-  std::int64_t last_sequence_ = 0;
   int sync_error_ = 0;  ///< errno of a sync that failed; the log takes no more events then
-  std::vector<std::int64_t> every_64th_;  ///< offsets of records 1, 65, 129, ...
-  std::optional<v1::JobEvent> terminal_;
-  std::optional<v1::StepReport> last_step_;
 };
 
 }  // namespace dccast::jobs

@@ -21,15 +21,30 @@ EventLogs::EventLogs(std::filesystem::path jobs_directory)
 
 EventLogs::~EventLogs() = default;
 
-std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
+std::shared_ptr<EventLogs::Slot> EventLogs::slot_of(const std::string& job_id) {
   const std::lock_guard lock(logs_mutex_);
-  auto& slot = logs_[job_id];
-  if (auto log = slot.lock()) return log;
-  std::erase_if(logs_,
-                [&](const auto& entry) { return entry.first != job_id && entry.second.expired(); });
+  if (const auto found = logs_.find(job_id); found != logs_.end()) return found->second;
+  // A slot that only the map holds is of a log that nobody has open or is about to open.
+  std::erase_if(logs_, [](const auto& entry) {
+    return entry.second.use_count() == 1 && entry.second->log.expired();
+  });
+  return logs_[job_id] = std::make_shared<Slot>();
+}
+
+std::shared_ptr<EventLog> EventLogs::open_now(const std::string& job_id) {
+  const std::lock_guard lock(logs_mutex_);
+  const auto found = logs_.find(job_id);
+  return found == logs_.end() ? nullptr : found->second->log.lock();
+}
+
+std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
+  const auto slot = slot_of(job_id);
+  const std::lock_guard opening(slot->opening);
+  if (auto log = open_now(job_id)) return log;
   auto log = std::make_shared<EventLog>(jobs_directory_ / job_id / "events.log");
   log->on_append([this, job_id] { mark(job_id); });
-  logs_[job_id] = log;
+  const std::lock_guard lock(logs_mutex_);
+  slot->log = log;
   return log;
 }
 
@@ -95,11 +110,7 @@ void EventLogs::run_syncer(const std::stop_token& stop) {
     for (const std::string& job_id : jobs) {
       // A log that nobody holds any more has ended (and was synced then) or its job was requeued;
       // opening it again would be for the disk's sake only.
-      std::shared_ptr<EventLog> log;
-      {
-        const std::lock_guard lock(logs_mutex_);
-        if (const auto found = logs_.find(job_id); found != logs_.end()) log = found->second.lock();
-      }
+      const std::shared_ptr<EventLog> log = open_now(job_id);
       try {
         if (log) log->sync();
       } catch (const std::system_error& error) {

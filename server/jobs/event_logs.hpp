@@ -30,7 +30,8 @@ public:
   explicit EventLogs(std::filesystem::path jobs_directory);
   ~EventLogs();
 
-  /// The log of a job, opened when nobody has it open. @throws as EventLog's constructor
+  /// The log of a job, opened when nobody has it open. Reading a long file keeps nobody waiting who
+  /// asks for another job's log. @throws as EventLog's constructor
   std::shared_ptr<EventLog> open(const std::string& job_id);
 
   /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.
@@ -40,6 +41,14 @@ public:
   void wake_all();
 
 private:
+  /// Where the log of one job is kept while somebody holds it.
+  struct Slot {
+    std::mutex opening;           ///< one thread opens the file, others wait for it
+    std::weak_ptr<EventLog> log;  ///< of logs_mutex_
+  };
+
+  std::shared_ptr<Slot> slot_of(const std::string& job_id);
+  std::shared_ptr<EventLog> open_now(const std::string& job_id);
   void mark(const std::string& job_id);
   void run_notifier(const std::stop_token& stop);
   void run_syncer(const std::stop_token& stop);
@@ -47,7 +56,7 @@ private:
 
   std::filesystem::path jobs_directory_;
   std::mutex logs_mutex_;
-  std::map<std::string, std::weak_ptr<EventLog>> logs_;
+  std::map<std::string, std::shared_ptr<Slot>> logs_;
   std::mutex mutex_;  ///< of all below
   std::condition_variable_any changed_;
   std::set<std::string> to_notify_;

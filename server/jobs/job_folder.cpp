@@ -9,12 +9,14 @@
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/durable_file.hpp"
+#include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
 constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
+constexpr const char* accepted_file = "accepted";
 
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -41,10 +43,12 @@ bool is_plain_file_name(const std::string& name) {
          name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
 }
 
-void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments) {
+void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
+                       const JobDescription& description) {
   try {
     write_attachments(folder, attachments);
-    sync_directory(folder / attachments_folder);
+    write_job_description(folder, description);
+    if (!attachments.empty()) sync_directory(folder / attachments_folder);
     sync_directory(folder);
     sync_directory(folder.parent_path());
   } catch (...) {
@@ -67,6 +71,20 @@ void set_checkpoint_aside(const std::filesystem::path& folder) {
   std::filesystem::rename(folder / checkpoint_name, folder / "checkpoint.other-version.bin", error);
   if (error)
     spdlog::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
+}
+
+void mark_accepted(const std::filesystem::path& folder) {
+  try {
+    open_file(folder / accepted_file, O_WRONLY | O_CREAT);
+  } catch (const std::system_error& error) {
+    spdlog::warn("{}", error.what());
+  }
+}
+
+bool was_accepted(const std::filesystem::path& folder) {
+  if (std::filesystem::exists(folder / accepted_file)) return true;
+  const auto log = folder / "events.log";
+  return std::filesystem::exists(log) && scan_event_log(log).last_sequence > 1;
 }
 
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)

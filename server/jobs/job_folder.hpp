@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dccast/v1/job.pb.h"
+#include "server/jobs/job_description.hpp"
 
 namespace dccast::jobs {
 
@@ -16,9 +17,20 @@ using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
 /// Whether an attachment may have this name: one plain component of a path.
 bool is_plain_file_name(const std::string& name);
 
-/// Makes the folder of a job with its attachments; all of it survives a crash of the machine once
-/// this has returned. @throws std::system_error; what was written is removed again
-void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments);
+/// Makes the folder of a job with its attachments and its description; all of it survives a crash
+/// of the machine once this has returned. @throws std::system_error; what was written is removed
+/// again
+void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
+                       const JobDescription& description);
+
+/// Marks a folder whose job is in the store, before who submitted it hears so. A folder with the
+/// mark and without a row says that rows were lost. A failure is logged: the job is kept without
+/// it.
+void mark_accepted(const std::filesystem::path& folder);
+
+/// Whether a folder belongs to a job that was acknowledged: it has the mark, or its event log says
+/// more than that the job was submitted. @throws std::system_error
+bool was_accepted(const std::filesystem::path& folder);
 
 /// Removes what only a run that goes on needs: checkpoint, journal, unpublished results. Its
 /// results and logs stay. A failure is logged: such files do no harm.

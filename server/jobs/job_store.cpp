@@ -245,6 +245,26 @@ std::optional<std::string> JobStore::complete_case(const std::string& id) {
   return statement.text(0);
 }
 
+std::optional<std::string> JobStore::submitted_case(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "SELECT submitted FROM job_case WHERE id = ?");
+  if (!statement.bind(id).step()) return std::nullopt;
+  return statement.text(0);
+}
+
+std::string JobStore::first_fault() {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "PRAGMA quick_check(1)");
+  if (!statement.step()) return {};
+  return statement.text(0) == "ok" ? "" : statement.text(0);
+}
+
+void JobStore::copy_to(const std::filesystem::path& path) {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "VACUUM INTO ?");
+  statement.bind(path.native()).step();
+}
+
 std::vector<JobRecord> JobStore::unfinished() {
   // 1 to 3: QUEUED, RUNNING, PAUSED of job.proto.
   return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id", "");

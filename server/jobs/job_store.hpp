@@ -56,6 +56,8 @@ public:
   std::optional<JobRecord> find_request(const std::string& request_id);
   /// The serialised Case that runs. @return nothing for an unknown job
   virtual std::optional<std::string> complete_case(const std::string& id);
+  /// The serialised Case as it was submitted. @return nothing for an unknown job
+  std::optional<std::string> submitted_case(const std::string& id);
   /// Jobs that have not ended, oldest first.
   std::vector<JobRecord> unfinished();
   /// What the jobs that have not ended hold of cases and attachments [bytes].
@@ -73,6 +75,11 @@ public:
   };
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
+
+  /// Reads every page and holds it against the others. @return the first fault; empty for none
+  std::string first_fault();
+  /// Writes all that is committed to a new file, in one instant, while others go on writing here.
+  void copy_to(const std::filesystem::path& path);
 
 private:
   void bring_up_to_date(const std::filesystem::path& path);

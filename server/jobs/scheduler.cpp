@@ -9,6 +9,7 @@
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
+#include "server/jobs/quarantine.hpp"
 #include "server/jobs/recovery.hpp"
 #include "server/jobs/storage_fault.hpp"
 
@@ -48,6 +49,7 @@ Scheduler::~Scheduler() {
 void Scheduler::recover() {
   const std::lock_guard lock(mutex_);
   for (const v1::Job& job : recover_jobs(store_, logs_, ledger_, executor_)) queue_.push(job);
+  quarantine_unknown_folders(jobs_directory_, store_.ids());
   take_news();
 }
 

@@ -7,6 +7,7 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
+#include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {
@@ -117,7 +118,8 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {
   const auto folder = jobs_directory_ / record.job.id();
-  create_job_folder(folder, attachments);
+  create_job_folder(folder, attachments,
+                    {record.job, new_job.submitted_case, new_job.complete_case});
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
@@ -125,7 +127,10 @@ std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const N
     log->sync();
     sync_directory(folder);
     const auto there = store_.insert(record, new_job.submitted_case, new_job.complete_case);
-    if (!there) return std::nullopt;
+    if (!there) {
+      mark_accepted(folder);
+      return std::nullopt;
+    }
     discard(folder);
     return there->job;
   } catch (...) {
@@ -270,17 +275,24 @@ Reply Scheduler::resume(const std::string& id) {
 }
 
 Reply Scheduler::remove(const std::string& id) {
+  std::optional<std::filesystem::path> removed;
   {
     const std::lock_guard lock(mutex_);
     const auto record = record_of(id);
     if (!record) return {Reply::Kind::not_found, {}};
     if (!is_terminal(record->job.state()) || ledger_.pending(id) != nullptr)
       return {Reply::Kind::wrong_state, view(*record)};
-    store_.erase(id);
+    removed = begin_removal(jobs_directory_, id);
+    try {
+      store_.erase(id);
+    } catch (const StoreError&) {
+      if (removed) undo_removal(*removed);
+      throw;
+    }
   }
   // Without its row nobody asks for the folder any more; a large one takes its time.
   std::error_code error;
-  std::filesystem::remove_all(jobs_directory_ / id, error);
+  if (removed) std::filesystem::remove_all(*removed, error);
   if (error) spdlog::warn("job {}: part of its folder is left: {}", id, error.message());
   spdlog::info("job {}: deleted by request", id);
   return {Reply::Kind::done, {}};

@@ -7,9 +7,36 @@ namespace dccast::jobs {
 
 namespace {
 
-[[noreturn]] void fail(sqlite3* handle, const std::string& what) {
-  throw StoreError("job store: " + what + ": " + sqlite3_errmsg(handle),
-                   sqlite3_errcode(handle) & 0xff);
+/// What a primary result code means, for people. The rest is for the program's log.
+std::string meaning(int code) {
+  switch (code) {
+    case SQLITE_FULL:
+      return "the disk is full";
+    case SQLITE_IOERR:
+      return "the disk cannot be read or written";
+    case SQLITE_READONLY:
+      return "the file or its file system is read-only";
+    case SQLITE_CANTOPEN:
+      return "the file cannot be opened";
+    case SQLITE_CORRUPT:
+      return "the file is damaged";
+    case SQLITE_NOTADB:
+      return "the file is no job store, or its beginning is damaged";
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return "another process holds the file";
+    case SQLITE_NOMEM:
+      return "there is not enough memory";
+    default:
+      return "SQLite refused with code " + std::to_string(code);
+  }
+}
+
+[[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
+  const int code = sqlite3_errcode(handle) & 0xff;
+  spdlog::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
+                sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
+  throw StoreError("the job store failed: " + meaning(code), code);
 }
 
 }  // namespace
@@ -17,9 +44,9 @@ namespace {
 Database::Database(const std::filesystem::path& path) {
   constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK) return;
-  const std::string reason = sqlite3_errmsg(handle_);
+  spdlog::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
   sqlite3_close(handle_);
-  throw StoreError("job store: cannot open " + path.string() + ": " + reason, SQLITE_CANTOPEN);
+  throw StoreError("the job store " + path.string() + " cannot be opened", SQLITE_CANTOPEN);
 }
 
 Database::~Database() {
@@ -34,10 +61,14 @@ int Database::changes() const {
   return sqlite3_changes(handle_);
 }
 
+bool is_damage(const StoreError& error) {
+  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB;
+}
+
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {
   if (sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()), &statement_,
                          nullptr) != SQLITE_OK)
-    fail(database.handle(), std::string(sql));
+    fail(database.handle(), sql);
 }
 
 Statement::~Statement() {

@@ -11,7 +11,8 @@ struct sqlite3_stmt;
 
 namespace dccast::jobs {
 
-/// The store cannot be read or written.
+/// The store cannot be read or written. The text is one sentence for people; statement and message
+/// of SQLite go to the program's log.
 class StoreError : public std::runtime_error {
 public:
   StoreError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
@@ -20,6 +21,9 @@ public:
 private:
   int code_;
 };
+
+/// Whether the file itself is damaged, rather than the disk full or out of reach.
+bool is_damage(const StoreError& error);
 
 /// One SQLite connection. Not safe for several threads: its owner has a mutex.
 class Database {

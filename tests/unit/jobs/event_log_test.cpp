@@ -6,6 +6,8 @@
 #include <sys/resource.h>
 
 #include <fstream>
+#include <random>
+#include <set>
 #include <thread>
 
 #include "server/jobs/event_logs.hpp"
@@ -37,10 +39,44 @@ std::vector<v1::JobEvent> all_events(const EventLog& log, std::int64_t from = 1)
   return events;
 }
 
+void write(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+void overwrite(const fs::path& path, std::uintmax_t offset, const std::string& bytes) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(offset));
+  file << bytes;
+}
+
 class EventLogTest : public testing::Test {
 protected:
   fs::path path() const { return folder_.path() / "events.log"; }
+
+  /// 49 steps and an end; ends_ keeps the byte behind each record.
+  std::string log_of_fifty_events() {
+    EventLog log(path());
+    for (int step = 1; step <= 49; ++step) {
+      append_steps(log, step, step);
+      ends_.push_back(fs::file_size(path()));
+    }
+    v1::Job job;
+    job.set_state(v1::SUCCEEDED);
+    v1::JobEvent end = state_event(job, "finished");
+    log.append(end);
+    ends_.push_back(fs::file_size(path()));
+    std::ifstream file(path(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /// Sequence of the event a byte belongs to; 0 for the header.
+  std::int64_t event_at(std::size_t byte) const {
+    if (byte < 16) return 0;
+    return std::ranges::upper_bound(ends_, byte) - ends_.begin() + 1;
+  }
+
   TemporaryFolder folder_;
+  std::vector<std::uintmax_t> ends_;
 };
 
 TEST_F(EventLogTest, GivesBackWhatWasAppendedAlsoAfterOpeningAgain) {
@@ -109,6 +145,69 @@ TEST_F(EventLogTest, ADamagedRecordEndsTheLog) {
     file.put('\x7f');
   }
   EXPECT_EQ(EventLog(path()).last_sequence(), 2);
+}
+
+// A flipped bit costs the event it is in and no other, wherever it is: in the header, in the
+// length, the checksum or the payload of any record.
+TEST_F(EventLogTest, AFlippedBitCostsNoEventButItsOwn) {
+  const std::string sound = log_of_fifty_events();
+  std::mt19937_64 random(20261121);
+  for (int trial = 0; trial < 600; ++trial) {
+    const auto bit = std::uniform_int_distribution<std::size_t>(0, sound.size() * 8 - 1)(random);
+    SCOPED_TRACE("bit " + std::to_string(bit % 8) + " of byte " + std::to_string(bit / 8));
+    std::string damaged = sound;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    write(path(), damaged);
+    const std::int64_t lost = event_at(bit / 8);
+    EventLog log(path());
+    ASSERT_EQ(log.last_sequence(), lost == 50 ? 49 : 50);
+    ASSERT_EQ(log.terminal_event().has_value(), lost != 50);
+    for (const v1::JobEvent& event : all_events(log))
+      ASSERT_EQ(event.has_message(), event.sequence() == lost) << event.ShortDebugString();
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST_F(EventLogTest, ALogWithDamageGoesOnAndSaysWhatIsLost) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 200);
+  }
+  overwrite(path(), fs::file_size(path()) / 2, std::string(60, 'x'));
+  std::int64_t lost = 0;
+  for (int opened = 0; opened < 2; ++opened) {
+    EventLog log(path());
+    append_steps(log, 201 + opened, 201 + opened);
+    ASSERT_EQ(log.gaps().size(), 1u);
+    lost = log.gaps()[0].first;
+    const auto events = all_events(log);
+    ASSERT_EQ(events.size(), 201u + static_cast<std::size_t>(opened));
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const auto sequence = static_cast<std::int64_t>(i) + 1;
+      EXPECT_EQ(events[i].sequence(), sequence);
+      EXPECT_TRUE(events[i].has_time());
+      if (events[i].has_step()) EXPECT_EQ(events[i].step().step(), sequence);
+    }
+    EXPECT_EQ(events[static_cast<std::size_t>(lost) - 1].message().level(),
+              v1::JobEvent::Message::WARNING);
+    for (std::int64_t from = lost - 2; from < lost + 70; ++from)
+      EXPECT_EQ(all_events(log, from).front().sequence(), from);
+  }
+}
+
+TEST_F(EventLogTest, ADamagedEndIsKeptAsideAndATornOneIsNot) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 3);
+  }
+  overwrite(path(), fs::file_size(path()) - 1, "\x7f");
+  const EventLog log(path());
+  const auto aside = path().string() + ".damaged-" + std::to_string(fs::file_size(path()));
+  EXPECT_TRUE(fs::exists(aside));
+  fs::remove(aside);
+  fs::resize_file(path(), fs::file_size(path()) - 1);
+  EXPECT_EQ(EventLog(path()).last_sequence(), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
 }
 
 TEST_F(EventLogTest, RefusesAFileThatIsNone) {

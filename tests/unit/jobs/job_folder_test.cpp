@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "server/jobs/durable_file.hpp"
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/events.hpp"
 #include "tests/unit/jobs/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -34,8 +37,57 @@ TEST(JobFolder, LeavesNothingBehindWhenItFails) {
   Attachments attachments;
   attachments.Add()->set_name("same");
   attachments.Add()->set_name("same");
-  EXPECT_THROW(create_job_folder(parent.path() / "job", attachments), std::system_error);
+  EXPECT_THROW(create_job_folder(parent.path() / "job", attachments, {}), std::system_error);
   EXPECT_FALSE(std::filesystem::exists(parent.path() / "job"));
+}
+
+JobDescription description() {
+  JobDescription description;
+  description.job.set_id("an id");
+  description.job.set_owner("who submitted it");
+  description.submitted_case = "";  // a case of defaults only
+  description.complete_case = std::string("complete\0case", 13);
+  return description;
+}
+
+TEST(JobFolder, SaysWhatItsJobIs) {
+  const TemporaryFolder parent;
+  const auto folder = parent.path() / "job";
+  create_job_folder(folder, {}, description());
+  const JobDescription read = read_job_description(folder);
+  EXPECT_EQ(read.job.id(), "an id");
+  EXPECT_EQ(read.job.owner(), "who submitted it");
+  EXPECT_EQ(read.submitted_case, "");
+  EXPECT_EQ(read.complete_case, description().complete_case);
+}
+
+TEST(JobFolder, ADamagedDescriptionIsToldWhereverItIsDamaged) {
+  const TemporaryFolder parent;
+  write_job_description(parent.path(), description());
+  const std::string sound = read_file(parent.path() / description_file);
+  for (std::size_t byte = 0; byte < sound.size(); ++byte) {
+    std::string damaged = sound;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 4);
+    replace_file(parent.path() / description_file, damaged);
+    EXPECT_THROW(read_job_description(parent.path()), std::runtime_error) << byte;
+  }
+  EXPECT_THROW(read_job_description(parent.path() / "other"), std::runtime_error);
+}
+
+TEST(JobFolder, AnAcceptedJobIsToldByItsMarkOrByMoreThanOneEvent) {
+  const TemporaryFolder parent;
+  const auto folder = parent.path() / "job";
+  create_job_folder(folder, {}, description());
+  EXPECT_FALSE(was_accepted(folder));
+  EventLog log(folder / "events.log");
+  for (const bool accepted : {false, true}) {
+    v1::JobEvent event = message_event("next", v1::JobEvent::Message::INFO);
+    log.append(event);
+    EXPECT_EQ(was_accepted(folder), accepted);
+  }
+  create_job_folder(parent.path() / "other", {}, description());
+  mark_accepted(parent.path() / "other");
+  EXPECT_TRUE(was_accepted(parent.path() / "other"));
 }
 
 }  // namespace

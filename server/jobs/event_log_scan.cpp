@@ -1,0 +1,219 @@
+// The format of the file stands in server/jobs/EVENT_LOG.md.
+#include "server/jobs/event_log_scan.hpp"
+
+#include <fcntl.h>
+#include <google/protobuf/io/coded_stream.h>
+
+#include <algorithm>
+
+#include "server/jobs/durable_file.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/record_frame.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr std::int64_t anchor_spacing = 64;   // [records]
+constexpr std::int64_t smallest_record = 10;  // head, tag and number of the sequence [bytes]
+
+/// A file read through a buffer.
+class FileWindow {
+public:
+  explicit FileWindow(int descriptor) : descriptor_(descriptor), size_(size_of_file(descriptor)) {}
+  std::int64_t size() const { return size_; }
+
+  /// Bytes from `offset` on, fewer at the end of the file; good until the next call.
+  std::string_view at(std::int64_t offset, std::int64_t length) {
+    length = std::clamp<std::int64_t>(size_ - offset, 0, length);
+    if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
+      fill(offset, std::max(length, piece_));
+    const auto have = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
+    return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
+                                           static_cast<std::size_t>(std::min(length, have)));
+  }
+
+private:
+  void fill(std::int64_t offset, std::int64_t length) {
+    begin_ = offset;
+    bytes_.resize(static_cast<std::size_t>(length));
+    bytes_.resize(read_at(descriptor_, offset, bytes_));
+  }
+
+  static constexpr std::int64_t piece_ = 1 << 18;  // [bytes]
+  int descriptor_;
+  std::int64_t size_;
+  std::int64_t begin_ = 0;
+  std::string bytes_;
+};
+
+/// The first fields of a serialised JobEvent, which C++ writes in the order of their numbers.
+struct EventStart {
+  std::int64_t sequence = 0;
+  int what = 0;  ///< number of the field that says what happened; 0: not read
+};
+
+std::optional<EventStart> start_of(std::string_view payload) {
+  google::protobuf::io::CodedInputStream input(
+      reinterpret_cast<const std::uint8_t*>(payload.data()), static_cast<int>(payload.size()));
+  constexpr std::uint32_t sequence_tag = v1::JobEvent::kSequenceFieldNumber << 3;
+  constexpr std::uint32_t time_tag = v1::JobEvent::kTimeFieldNumber << 3 | 2;
+  std::uint64_t sequence = 0;
+  if (input.ReadTag() != sequence_tag || !input.ReadVarint64(&sequence)) return std::nullopt;
+  std::uint32_t tag = input.ReadTag();
+  std::uint32_t length = 0;
+  if (tag == time_tag && input.ReadVarint32(&length) && input.Skip(static_cast<int>(length)))
+    tag = input.ReadTag();
+  return EventStart{static_cast<std::int64_t>(sequence), static_cast<int>(tag >> 3)};
+}
+
+}  // namespace
+
+std::string event_log_header() {
+  return "DCCASTEV" + little_endian(1) + little_endian(0);
+}
+
+std::string EventGap::description() const {
+  std::string text;
+  if (first == last) text = "event " + std::to_string(first) + " is lost: ";
+  if (first < last)
+    text = "events " + std::to_string(first) + " to " + std::to_string(last) + " are lost: ";
+  return text + "bytes " + std::to_string(begin) + " to " + std::to_string(end) +
+         " of the event log are damaged";
+}
+
+v1::JobEvent EventGap::stand_in(std::int64_t sequence) const {
+  v1::JobEvent event = message_event(description(), v1::JobEvent::Message::WARNING);
+  event.set_sequence(sequence);
+  *event.mutable_time() = time;
+  return event;
+}
+
+void EventLogContent::place(std::int64_t sequence, std::int64_t offset,
+                            std::int64_t end_of_record) {
+  const bool behind_gap = !gaps.empty() && gaps.back().end == offset;
+  if (sequence % anchor_spacing == 1 || behind_gap) anchors.push_back({sequence, offset});
+  last_sequence = sequence;
+  end = end_of_record;
+}
+
+void EventLogContent::take(const v1::JobEvent& event, std::int64_t offset,
+                           std::int64_t end_of_record) {
+  place(event.sequence(), offset, end_of_record);
+  if (event.has_state_change()) last_state = event.state_change();
+  if (event.state_change().terminal()) terminal = event;
+  if (event.has_step()) last_step = event.step();
+  if (event.has_resumed() && last_step && last_step->step() > event.resumed().step())
+    last_step.reset();
+}
+
+const EventGap* EventLogContent::gap_with(std::int64_t sequence) const {
+  const auto gap = std::ranges::find_if(
+      gaps, [&](const EventGap& each) { return each.first <= sequence && sequence <= each.last; });
+  return gap == gaps.end() ? nullptr : &*gap;
+}
+
+const EventLogContent::Anchor& EventLogContent::anchor_before(std::int64_t sequence) const {
+  const auto behind = std::ranges::upper_bound(anchors, sequence, {}, &Anchor::sequence);
+  return *std::prev(behind);
+}
+
+/// One pass over a file. Steps are most of a log, and only the last of them counts: the others are
+/// held against their checksum but not parsed.
+class EventLogScan {
+public:
+  explicit EventLogScan(int descriptor) : file_(descriptor) {}
+
+  EventLogContent run() {
+    content_.size = file_.size();
+    content_.sound_header = file_.at(0, event_log_header_size) == event_log_header();
+    while (const auto record = next_record()) take(*record);
+    settle_last_step();
+    content_.torn = ends_in_part_of_a_record();
+    return std::move(content_);
+  }
+
+private:
+  struct Record {
+    std::int64_t offset = 0;
+    std::int64_t sequence = 0;
+    int what = 0;
+    std::string_view payload;  ///< good until the file is read again
+  };
+
+  /// The record at `offset` if it is sound and its sequence within these bounds.
+  std::optional<Record> record_at(std::int64_t offset, std::int64_t lowest, std::int64_t highest) {
+    const std::string_view head = file_.at(offset, frame_head_size + 16);
+    if (head.size() <= frame_head_size) return std::nullopt;
+    const std::int64_t length = from_little_endian(head.data());
+    const auto start = start_of(head.substr(frame_head_size));
+    if (!start || start->sequence < lowest || start->sequence > highest || length > largest_event)
+      return std::nullopt;
+    const auto payload = payload_of(file_.at(offset, frame_head_size + length), largest_event);
+    if (!payload) return std::nullopt;
+    return Record{offset, start->sequence, start_of(*payload)->what, *payload};
+  }
+
+  std::optional<Record> next_record() {
+    const std::int64_t expected = content_.last_sequence + 1;
+    if (auto record = record_at(content_.end, expected, expected)) return record;
+    const std::int64_t highest = expected + file_.size() / smallest_record;
+    for (std::int64_t at = content_.end; at < file_.size(); ++at)
+      if (auto record = record_at(at, expected, highest)) return record;
+    return std::nullopt;
+  }
+
+  void take(const Record& record) {
+    const std::int64_t end =
+        record.offset + frame_head_size + static_cast<std::int64_t>(record.payload.size());
+    const bool gap = record.offset > content_.end || record.sequence > content_.last_sequence + 1;
+    if (gap) note_gap(record);
+    if (record.what == v1::JobEvent::kStepFieldNumber) {
+      last_step_ = record.payload;
+      return content_.place(record.sequence, record.offset, end);
+    }
+    settle_last_step();
+    v1::JobEvent event;
+    event.ParseFromArray(record.payload.data(), static_cast<int>(record.payload.size()));
+    content_.take(event, record.offset, end);
+  }
+
+  void note_gap(const Record& record) {
+    v1::JobEvent next;
+    next.ParseFromArray(record.payload.data(), static_cast<int>(record.payload.size()));
+    content_.gaps.push_back({.first = content_.last_sequence + 1,
+                             .last = record.sequence - 1,
+                             .begin = content_.end,
+                             .end = record.offset,
+                             .time = next.time()});
+  }
+
+  void settle_last_step() {
+    if (last_step_.empty()) return;
+    v1::JobEvent event;
+    if (event.ParseFromString(last_step_) && event.has_step())
+      content_.last_step = std::move(*event.mutable_step());
+    last_step_.clear();
+  }
+
+  bool ends_in_part_of_a_record() {
+    const std::string_view head = file_.at(content_.end, frame_head_size);
+    if (head.size() < frame_head_size) return true;
+    const std::int64_t length = from_little_endian(head.data());
+    return length == 0 || content_.end + frame_head_size + length > file_.size();
+  }
+
+  FileWindow file_;
+  EventLogContent content_;
+  std::string last_step_;  ///< serialised event, not parsed yet
+};
+
+EventLogContent scan_event_log(int descriptor) {
+  return EventLogScan(descriptor).run();
+}
+
+EventLogContent scan_event_log(const std::filesystem::path& path) {
+  return scan_event_log(open_file(path, O_RDONLY).get());
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,61 @@
+#include "server/jobs/job_description.hpp"
+
+#include <stdexcept>
+
+#include "server/jobs/durable_file.hpp"
+#include "server/jobs/record_frame.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr std::uint32_t largest_part = UINT32_MAX;  // a case is bounded where it is taken
+
+std::string header() {
+  return "DCCASTJD" + little_endian(1) + little_endian(0);
+}
+
+/// One byte in front, as a frame is never empty but a message may be.
+std::string part(std::string_view content) {
+  return framed('\1' + std::string(content));
+}
+
+std::string_view take_part(std::string_view& rest) {
+  const auto payload = payload_of(rest, largest_part);
+  if (!payload) throw std::runtime_error("is damaged (wrong checksum)");
+  rest.remove_prefix(frame_head_size + payload->size());
+  return payload->substr(1);
+}
+
+JobDescription parse(std::string_view bytes) {
+  if (!bytes.starts_with(header())) throw std::runtime_error("is not of version 1");
+  bytes.remove_prefix(header().size());
+  JobDescription description;
+  if (!description.job.ParseFromString(std::string(take_part(bytes))))
+    throw std::runtime_error("cannot be parsed");
+  description.submitted_case = take_part(bytes);
+  description.complete_case = take_part(bytes);
+  return description;
+}
+
+}  // namespace
+
+void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
+  write_durably(folder / description_file, header() + part(description.job.SerializeAsString()) +
+                                               part(description.submitted_case) +
+                                               part(description.complete_case));
+}
+
+JobDescription read_job_description(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / description_file;
+  if (!std::filesystem::exists(path))
+    throw std::runtime_error(std::string("it has no ") + description_file +
+                             ": it was submitted to an earlier version of dccastd");
+  try {
+    return parse(read_file(path));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("its ") + description_file + " " + error.what());
+  }
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,74 @@
+#include "server/state/adoption.hpp"
+
+#include <algorithm>
+
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
+
+namespace dccast::state {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void take_state(const v1::JobEvent& event, v1::Job& job) {
+  const auto& change = event.state_change();
+  job.set_state(change.state());
+  if (change.state() == v1::RUNNING) {
+    job.set_attempts(job.attempts() + 1);
+    if (!job.has_start_time()) *job.mutable_start_time() = event.time();
+  }
+  if (!change.terminal()) return;
+  *job.mutable_end_time() = event.time();
+  if (change.has_failure()) *job.mutable_failure() = change.failure();
+  *job.mutable_artifacts() = change.artifacts();
+}
+
+/// A log that is gone can be begun again only while nothing else says what became of the job.
+void require_log(const fs::path& folder) {
+  if (fs::exists(folder / "events.log")) return;
+  if (fs::exists(folder / "results.h5"))
+    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
+}
+
+}  // namespace
+
+void bring_up_to_log(jobs::JobRecord& record, const fs::path& path) {
+  const jobs::EventLog log(path);
+  v1::Job& job = record.job;
+  const int attempts = job.attempts();
+  job.set_attempts(0);
+  jobs::EventLog::Cursor cursor;
+  while (const auto event = log.read(cursor)) {
+    if (event->has_state_change()) take_state(*event, job);
+    if (event->has_validity_lost()) *job.mutable_validity_loss() = event->validity_lost();
+  }
+  job.set_attempts(
+      std::max(job.attempts(), attempts));  // a start may be among events that are lost
+  if (const auto step = log.last_step()) *job.mutable_last_step() = *step;
+}
+
+void adopt(jobs::JobStore& store, const fs::path& folder) {
+  const jobs::JobDescription description = jobs::read_job_description(folder);
+  if (description.job.id() != folder.filename())
+    throw std::runtime_error("it describes another job, " + description.job.id());
+  require_log(folder);
+  jobs::JobRecord record;
+  record.job = description.job;
+  record.job.set_state(v1::QUEUED);
+  bring_up_to_log(record, folder / "events.log");
+  if (const auto there =
+          store.insert(record, description.submitted_case, description.complete_case))
+    throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +
+                             there->job.id());
+  store.update(record, jobs::Durability::full);
+  jobs::mark_accepted(folder);
+  if (jobs::is_terminal(record.job.state())) return;
+  jobs::EventLog log(folder / "events.log");
+  v1::JobEvent event = jobs::message_event("the job was taken back into the store from its folder",
+                                           v1::JobEvent::Message::WARNING);
+  log.append(event);
+}
+
+}  // namespace dccast::state

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "server/jobs/job_store.hpp"
+
+namespace dccast::state {
+
+/// Brings a record to what the job's event log says: state, attempts, times, failure, artifacts. An
+/// event is always written before the store is, so the log is never behind. Cuts off a torn tail.
+/// @throws std::runtime_error  the log cannot be read
+void bring_up_to_log(jobs::JobRecord& record, const std::filesystem::path& log);
+
+/// Takes a folder of `jobs/` back into the store, in the state its event log ends with. What cannot
+/// be known is lost: a wish that was not carried out, and how often its worker died.
+/// @throws std::runtime_error  it cannot be taken; the text is the reason
+void adopt(jobs::JobStore& store, const std::filesystem::path& folder);
+
+}  // namespace dccast::state

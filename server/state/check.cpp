@@ -1,0 +1,193 @@
+#include "server/state/check.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "server/jobs/job_folder.hpp"
+#include "server/jobs/quarantine.hpp"
+#include "server/state/adoption.hpp"
+#include "server/state/store_guard.hpp"
+#include "server/state/wal_file.hpp"
+
+namespace dccast::state {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One inspection of a whole state folder.
+class Check {
+public:
+  Check(const StateFolder& folder, const CheckOptions& options, std::ostream& out)
+      : folder_(folder), options_(options), report_(out) {}
+
+  int run() {
+    check_store();
+    if (store_ == nullptr) {
+      list_without_store();
+    } else {
+      for (const std::string& id : options_.adopt) take_back(id);
+      for (const std::string& id : jobs::folder_ids(folder_.jobs()))
+        if (!ids_.contains(id)) check_unknown(id);
+      for (const std::string& id : ids_)
+        check_job(folder_, *store_, id, options_, report_, totals_);
+      say_totals();
+    }
+    list_quarantine();
+    return report_.damages();
+  }
+
+private:
+  /// Opens the store, or leaves it closed when it is damaged and not to be repaired.
+  void check_store() {
+    std::string fault = store_file_fault(folder_);
+    if (fault.empty()) fault = open();
+    if (fault.empty()) return;
+    if (!options_.repair) return report_.damage(fault + "; --repair begins it again");
+    report_.repaired(fault + "; its files are now in " + set_store_aside());
+    if (const std::string still = open(); !still.empty()) {
+      set_store_aside(true);
+      if (const std::string last = open(); !last.empty()) report_.damage(last);
+    }
+  }
+
+  /// @return what is wrong with the store; it is closed then
+  std::string open() {
+    try {
+      keep_store_out_of_empty_folder();
+      keep_damaged_wal(folder_);
+      store_ = std::make_unique<jobs::JobStore>(folder_.store());
+      std::string fault = store_->first_fault();
+      ids_ = store_->ids();
+      if (fault.empty()) return {};
+      store_.reset();
+      return "the job store " + folder_.store().string() + " is damaged: " + fault;
+    } catch (const jobs::StoreError& error) {
+      store_.reset();
+      if (!jobs::is_damage(error)) throw;
+      return std::string(error.what()) + " (" + folder_.store().string() + ")";
+    }
+  }
+
+  void keep_store_out_of_empty_folder() const {
+    if (!options_.repair && !fs::exists(folder_.store()))
+      throw std::runtime_error("there is no job store in " + folder_.path().string() +
+                               " and no job; nothing to check");
+  }
+
+  /// Moves the files of the store to quarantine. A store whose write-ahead log alone is damaged is
+  /// copied: the rows that had reached it are kept. @return where
+  std::string set_store_aside(bool whole = false) {
+    const bool only_wal = !whole && inspect_wal(folder_.wal()) == WalState::damaged_header;
+    fs::create_directories(folder_.quarantine());
+    fs::path aside = folder_.quarantine() / "store";
+    for (int number = 2; fs::exists(aside); ++number)
+      aside = folder_.quarantine() / ("store-" + std::to_string(number));
+    fs::create_directory(aside);
+    for (const fs::path& file : {folder_.store(), folder_.wal(), folder_.shared_memory()}) {
+      if (!fs::exists(file)) continue;
+      if (only_wal && file == folder_.store())
+        fs::copy_file(file, aside / file.filename());
+      else
+        fs::rename(file, aside / file.filename());
+    }
+    jobs::sync_directory(aside);
+    jobs::sync_directory(folder_.quarantine());
+    jobs::sync_directory(folder_.path());
+    return aside.string();
+  }
+
+  void list_without_store() {
+    for (const std::string& id : jobs::folder_ids(folder_.jobs()))
+      report_.note("job " + id + ": " + adoptability(folder_.jobs() / id));
+  }
+
+  static std::string adoptability(const fs::path& folder) {
+    try {
+      jobs::read_job_description(folder);
+      return jobs::was_accepted(folder) ? "its row can be made again from its folder"
+                                        : "it was never acknowledged";
+    } catch (const std::exception& error) {
+      return std::string("its row cannot be made again: ") + error.what();
+    }
+  }
+
+  void take_back(const std::string& id) {
+    const std::string subject = "job " + id + ": ";
+    if (ids_.contains(id)) return report_.note(subject + "the store has it already");
+    const bool was_in_jobs = fs::exists(folder_.jobs() / id);
+    if (!was_in_jobs && !jobs::release_folder(folder_.jobs(), id))
+      return report_.damage(subject + "there is no such folder in quarantine");
+    if (!adopt_folder(id)) jobs::quarantine_folder(folder_.jobs(), id);
+  }
+
+  /// @return whether the store has the job now
+  bool adopt_folder(const std::string& id) {
+    try {
+      adopt(*store_, folder_.jobs() / id);
+    } catch (const jobs::StoreError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      report_.damage("job " + id + ": it cannot be taken back: " + error.what());
+      return false;
+    }
+    ids_.insert(id);
+    report_.repaired("job " + id + ": taken back into the store as " +
+                     v1::JobState_Name(store_->find(id)->job.state()));
+    return true;
+  }
+
+  void check_unknown(const std::string& id) {
+    const std::string subject = "job " + id + ": ";
+    if (!jobs::was_accepted(folder_.jobs() / id)) {
+      if (!options_.repair)
+        return report_.note(subject +
+                            "it was never acknowledged; the next start moves it to quarantine");
+      const fs::path aside = jobs::quarantine_folder(folder_.jobs(), id);
+      return report_.repaired(subject + "it was never acknowledged; moved to " + aside.string());
+    }
+    if (!options_.repair)
+      return report_.damage(subject + "it has no row; " + adoptability(folder_.jobs() / id));
+    if (!adopt_folder(id))
+      report_.note(subject + "moved to " + jobs::quarantine_folder(folder_.jobs(), id).string());
+  }
+
+  void say_totals() {
+    if (totals_.without_description > 0)
+      report_.note(std::to_string(totals_.without_description) + " jobs without " +
+                   jobs::description_file +
+                   ": their rows could not be made again; --repair writes the files");
+    if (totals_.with_leftovers > 0)
+      report_.note("checkpoints and journals of " + std::to_string(totals_.with_leftovers) +
+                   " ended jobs: " + std::to_string(totals_.leftover_bytes) + " bytes" +
+                   (options_.repair ? ", deleted" : "; --repair deletes them"));
+    report_.note(std::to_string(ids_.size()) + " jobs in the store");
+  }
+
+  void list_quarantine() {
+    for (const auto& [id, path] : jobs::quarantined_folders(folder_.jobs()))
+      report_.note("quarantine: " + path.string() + ": " + adoptability(path) +
+                   (ids_.contains(id) ? "; the store has a job of this id" : "; --adopt " + id));
+  }
+
+  const StateFolder& folder_;
+  const CheckOptions& options_;
+  Report report_;
+  std::unique_ptr<jobs::JobStore> store_;
+  std::set<std::string> ids_;
+  JobTotals totals_;
+};
+
+}  // namespace
+
+int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out) {
+  if (!fs::is_directory(folder.path()))
+    throw std::runtime_error("there is no data directory " + folder.path().string());
+  const StateLock lock(folder);
+  const int damages = Check(folder, options, out).run();
+  out << (damages == 0 ? "sound" : std::to_string(damages) + " damages left") << std::endl;
+  return damages;
+}
+
+}  // namespace dccast::state

@@ -1,0 +1,202 @@
+// What `dccastd check` looks at in one job: its folder, its event log, its results.
+#include <array>
+#include <optional>
+#include <system_error>
+
+#include "proto/values/sha256.hpp"
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
+#include "server/jobs/quarantine.hpp"
+#include "server/state/adoption.hpp"
+#include "server/state/check.hpp"
+
+namespace dccast::state {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a worker needs to go on, and nobody once the job has ended well.
+constexpr std::array leftover_names{"checkpoint.bin", "journal.bin"};
+
+class JobCheck {
+public:
+  JobCheck(const StateFolder& state, jobs::JobStore& store, const CheckOptions& options,
+           Report& report, JobTotals& totals, jobs::JobRecord record)
+      : state_(state),
+        store_(store),
+        options_(options),
+        report_(report),
+        totals_(totals),
+        record_(std::move(record)),
+        folder_(state.jobs() / record_.job.id()),
+        subject_("job " + record_.job.id() + ": ") {}
+
+  void run() {
+    if (!has_folder()) return;
+    check_description();
+    check_log();
+    for (const v1::Artifact& artifact : record_.job.artifacts()) check_artifact(artifact);
+    if (record_.job.state() == v1::SUCCEEDED || record_.job.state() == v1::CANCELLED)
+      check_leftovers();
+  }
+
+private:
+  bool has_folder() {
+    if (fs::exists(folder_)) return true;
+    const fs::path removed = folder_.string() + ".removed";
+    if (options_.repair && fs::exists(removed)) {
+      jobs::undo_removal(removed);
+      report_.repaired(subject_ + "a deletion that was cut short is undone; delete it again");
+    } else if (options_.repair && jobs::release_folder(state_.jobs(), record_.job.id())) {
+      report_.repaired(subject_ + "its folder is back out of quarantine");
+    } else {
+      report_.damage(subject_ +
+                     "its folder is missing; restore it from a backup, or delete the job");
+    }
+    return fs::exists(folder_);
+  }
+
+  void check_description() {
+    try {
+      jobs::read_job_description(folder_);
+      return;
+    } catch (const std::runtime_error& error) {
+      if (fs::exists(folder_ / jobs::description_file) && !options_.repair)
+        report_.damage(subject_ + error.what());
+    }
+    if (!options_.repair) {
+      ++totals_.without_description;
+      return;
+    }
+    fs::remove(folder_ / jobs::description_file);
+    jobs::write_job_description(folder_, description());
+    jobs::sync_directory(folder_);
+    report_.repaired(subject_ + jobs::description_file + " is written from the store");
+  }
+
+  jobs::JobDescription description() {
+    const v1::Job& job = record_.job;
+    jobs::JobDescription description;
+    description.job.set_id(job.id());
+    description.job.set_title(job.title());
+    description.job.set_request_id(job.request_id());
+    description.job.set_study(job.study());
+    description.job.set_priority(job.priority());
+    description.job.set_owner(job.owner());
+    *description.job.mutable_create_time() = job.create_time();
+    description.job.set_case_sha256(job.case_sha256());
+    description.submitted_case = store_.submitted_case(job.id()).value_or("");
+    description.complete_case = store_.complete_case(job.id()).value_or("");
+    return description;
+  }
+
+  void check_log() {
+    const fs::path path = folder_ / "events.log";
+    jobs::EventLogContent log;
+    if (fs::exists(path)) log = jobs::scan_event_log(path);
+    if (log.last_sequence == 0) return begin_log_again(path);
+    for (const jobs::EventGap& gap : log.gaps) report_.note(subject_ + gap.description());
+    if (!log.sound_header) put_right(subject_ + "the header of its events.log is damaged", path);
+    if (log.size > log.end)
+      put_right(subject_ + "its events.log ends in " + std::to_string(log.size - log.end) +
+                    (log.torn ? " bytes of a torn event" : " damaged bytes"),
+                path);
+    check_end(log, path);
+  }
+
+  /// Opening a log for writing repairs its ends, which the daemon does too.
+  void put_right(const std::string& what, const fs::path& log) {
+    if (!options_.repair) return report_.note(what + "; the next start puts it right");
+    jobs::EventLog opened(log);
+    report_.repaired(what);
+  }
+
+  /// Any file there is moves aside; the row says how the job stands.
+  void begin_log_again(const fs::path& path) {
+    const std::string what = subject_ + "its events.log is lost";
+    if (!options_.repair) return report_.damage(what + "; --repair begins it again");
+    if (fs::exists(path)) fs::rename(path, path.string() + ".damaged");
+    jobs::EventLog log(path);
+    v1::JobEvent message = jobs::message_event("all earlier events of this job are lost",
+                                               v1::JobEvent::Message::WARNING);
+    log.append(message);
+    append_state(log);
+    jobs::sync_directory(folder_);
+    report_.repaired(what + "; begun again with the state the store has");
+  }
+
+  void append_state(jobs::EventLog& log) {
+    v1::JobEvent state = jobs::state_event(record_.job, "as the store says; its events are lost");
+    log.append(state);
+    log.sync();
+  }
+
+  void check_end(const jobs::EventLogContent& log, const fs::path& path) {
+    const v1::JobState in_store = record_.job.state();
+    if (!log.last_state || log.last_state->state() == in_store) return;
+    const std::string what = subject_ + "the store says " + v1::JobState_Name(in_store) +
+                             ", its events.log ends with " +
+                             v1::JobState_Name(log.last_state->state());
+    if (jobs::is_terminal(in_store) && !log.terminal) return complete_log(what, path);
+    if (!options_.repair) return report_.damage(what + "; --repair takes the log's");
+    bring_up_to_log(record_, path);
+    store_.update(record_, jobs::Durability::full);
+    report_.repaired(what + "; the store has the log's now");
+  }
+
+  void complete_log(const std::string& what, const fs::path& path) {
+    if (!options_.repair) return report_.damage(what + "; --repair adds the last event again");
+    jobs::EventLog log(path);
+    append_state(log);
+    report_.repaired(what + "; the last event is added again");
+  }
+
+  void check_artifact(const v1::Artifact& artifact) {
+    const fs::path path = folder_ / artifact.name();
+    std::error_code error;
+    const auto size = fs::file_size(path, error);
+    const std::string remedy = "; restore it from a backup, or run the case again";
+    if (error) {
+      report_.damage(subject_ + artifact.name() + " is missing" + remedy);
+    } else if (static_cast<std::int64_t>(size) != artifact.size_bytes()) {
+      report_.damage(subject_ + artifact.name() + " has " + std::to_string(size) + " bytes, not " +
+                     std::to_string(artifact.size_bytes()) + remedy);
+    } else if (options_.deep && values::sha256_of_file(path) != artifact.sha256()) {
+      report_.damage(subject_ + artifact.name() + " is damaged: its SHA-256 differs" + remedy);
+    }
+  }
+
+  void check_leftovers() {
+    std::uintmax_t bytes = 0;
+    for (const char* name : leftover_names) {
+      if (!fs::exists(folder_ / name)) continue;
+      bytes += fs::file_size(folder_ / name);
+      if (options_.repair) fs::remove(folder_ / name);
+    }
+    if (bytes == 0) return;
+    ++totals_.with_leftovers;
+    totals_.leftover_bytes += bytes;
+  }
+
+  const StateFolder& state_;
+  jobs::JobStore& store_;
+  const CheckOptions& options_;
+  Report& report_;
+  JobTotals& totals_;
+  jobs::JobRecord record_;
+  const fs::path folder_;
+  const std::string subject_;
+};
+
+}  // namespace
+
+void check_job(const StateFolder& folder, jobs::JobStore& store, const std::string& id,
+               const CheckOptions& options, Report& report, JobTotals& totals) {
+  auto record = store.find(id);
+  if (!record) return;
+  JobCheck(folder, store, options, report, totals, std::move(*record)).run();
+}
+
+}  // namespace dccast::state

@@ -1,0 +1,309 @@
+#!/usr/bin/python3
+"""Whatever becomes of the store, no job is lost: the daemon refuses or keeps aside, `dccastd check`
+says what is wrong and puts it right, a backup of a working daemon can be restored."""
+import os
+import shutil
+import sqlite3
+import subprocess
+import threading
+
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, Daemon, ServiceTest, fake_case, main
+
+SUCCEEDED, PAUSED = job_pb2.SUCCEEDED, job_pb2.PAUSED
+CANCELLED, QUEUED = job_pb2.CANCELLED, job_pb2.QUEUED
+
+
+def flip_bit(path, offset, bit=3):
+    with open(path, "r+b") as file:
+        file.seek(offset)
+        byte = file.read(1)[0]
+        file.seek(offset)
+        file.write(bytes([byte ^ (1 << bit)]))
+
+
+class StateTest(ServiceTest):
+    settings = {"workers": 1}
+
+    def setUp(self):
+        super().setUp()
+        self.data = os.path.join(self.folder, "data")
+        self.store = os.path.join(self.data, "jobs.sqlite")
+
+    def command(self, *words, data=None):
+        """Runs a subcommand of dccastd. Returns its exit code and what it printed."""
+        ended = subprocess.run(
+            [os.path.join(BIN, "dccastd"), *words, "--set", f"data_directory={data or self.data}"],
+            capture_output=True, text=True, timeout=60, check=False)
+        return ended.returncode, ended.stdout + ended.stderr
+
+    def folders(self):
+        return sorted(os.listdir(os.path.join(self.data, "jobs")))
+
+    def refused_start(self):
+        with self.assertRaises(RuntimeError) as caught:
+            self.daemon.start()
+        self.daemon.log.close()
+        self.assertIn("ended with 4", str(caught.exception))
+        return str(caught.exception)
+
+    def jobs_in_every_state(self):
+        """What each must be in the end; the daemon is killed with one of them running."""
+        done = self.client.submit(fake_case("steps=30"), request_id="done")
+        self.client.until_state(done.id, SUCCEEDED)
+        paused = self.client.submit(fake_case("steps=2000 sleep_ms=5 checkpoint=5"))
+        self.client.until_step(paused.id, 7)
+        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=paused.id))
+        self.client.until_state(paused.id, PAUSED)
+        running = self.client.submit(fake_case("steps=60 sleep_ms=20 checkpoint=7"))
+        self.client.until_step(running.id, 9)
+        cancelled = self.client.submit(fake_case("steps=3"))
+        self.client.cancel(cancelled.id)
+        waiting = [self.client.submit(fake_case("steps=4"), priority=job_pb2.LOW) for _ in range(3)]
+        self.daemon.kill()
+        return {done.id: SUCCEEDED, paused.id: PAUSED, cancelled.id: CANCELLED,
+                running.id: SUCCEEDED, **{job.id: SUCCEEDED for job in waiting}}
+
+    def check_jobs(self, expected):
+        for job_id, state in expected.items():
+            self.client.until_state(job_id, state)
+            if state == PAUSED:
+                continue
+            events = self.sound_events(list(self.client.watch(job_id)))
+            self.assertEqual(events[-1].state_change.state, state)
+            if state == SUCCEEDED:
+                self.assertTrue(self.client.fetch(job_id))
+        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(page_size=100)).jobs
+        self.assertEqual({job.id for job in listed}, set(expected))
+
+
+class LostStore(StateTest):
+    """Every way to lose the store: refused with the remedy, and repaired without a loss."""
+
+    def lose_and_repair(self, lose):
+        expected = self.jobs_in_every_state()
+        lose()
+        before = self.folders()
+        self.assertIn("dccastd check --repair", self.refused_start())
+        self.assertEqual(self.folders(), before)
+        code, said = self.command("check")
+        self.assertEqual(code, 3, said)
+        self.assertEqual(self.folders(), before)
+        code, said = self.command("check", "--repair")
+        self.assertEqual(code, 0, said)
+        self.assertIn("taken back into the store", said)
+        self.assertEqual(self.folders(), before)
+        self.assertEqual(self.command("check", "--deep")[0], 0)
+        self.restart()
+        self.check_jobs(expected)
+        again = self.client.submit(fake_case("steps=30"), request_id="done")
+        self.assertIn(again.id, expected)
+
+    def test_removed(self):
+        def remove():
+            for end in ("", "-wal", "-shm"):
+                os.remove(self.store + end)
+        self.lose_and_repair(remove)
+
+    def test_empty(self):
+        def empty():
+            for end in ("-wal", "-shm"):
+                os.remove(self.store + end)
+            os.truncate(self.store, 0)
+        self.lose_and_repair(empty)
+
+    def test_one_flipped_bit_in_the_header_of_the_wal(self):
+        self.lose_and_repair(lambda: flip_bit(self.store + "-wal", 17))
+
+    def test_restored_without_its_wal(self):
+        self.lose_and_repair(lambda: os.remove(self.store + "-wal"))
+
+    def test_not_a_database(self):
+        def overwrite():
+            os.remove(self.store + "-wal")
+            with open(self.store, "wb") as file:
+                file.write(b"This was a job store once." * 400)
+        self.lose_and_repair(overwrite)
+
+    def test_an_older_copy(self):
+        first = self.client.submit(fake_case("steps=2"))
+        self.client.until_state(first.id, SUCCEEDED)
+        copy = os.path.join(self.folder, "copy.sqlite")
+        with sqlite3.connect(self.store) as store:
+            store.execute("VACUUM INTO ?", (copy,))
+        store.close()
+        def restore():
+            os.remove(self.store + "-wal")
+            shutil.copy(copy, self.store)
+        jobs = self.jobs_in_every_state
+        self.jobs_in_every_state = lambda: {**jobs(), first.id: SUCCEEDED}
+        self.lose_and_repair(restore)
+
+    def test_one_flipped_bit_in_a_record_of_the_wal(self):
+        """SQLite drops what follows: jobs are missing, and what it dropped is kept."""
+        self.lose_and_repair(lambda: flip_bit(self.store + "-wal", 32 + 24 + 4096 + 40))
+        self.assertTrue(os.path.exists(self.store + "-wal.damaged"))
+
+    def test_a_job_of_an_earlier_version_is_kept_aside_with_the_reason(self):
+        expected = self.jobs_in_every_state()
+        old = next(iter(expected))
+        os.remove(os.path.join(self.data, "jobs", old, "description.bin"))
+        for end in ("", "-wal", "-shm"):
+            os.remove(self.store + end)
+        code, said = self.command("check", "--repair")
+        self.assertEqual(code, 3, said)
+        self.assertIn("earlier version", said)
+        self.restart()
+        quarantine = os.path.join(self.data, "quarantine")
+        kept = [name for name in os.listdir(quarantine) if name.startswith(old)]
+        self.assertTrue(os.path.exists(os.path.join(quarantine, kept[0], "results.h5")))
+
+
+class Folders(StateTest):
+    def test_a_folder_without_a_job_goes_to_quarantine_and_comes_back(self):
+        job = self.client.submit(fake_case("steps=3"))
+        self.client.until_state(job.id, SUCCEEDED)
+        self.daemon.terminate()
+        with sqlite3.connect(self.store) as store:
+            store.execute("PRAGMA foreign_keys = ON")
+            store.execute("DELETE FROM job")
+        store.close()
+        self.assertIn("has lost 1 jobs", self.refused_start())
+        # As if it had been submitted and never acknowledged: its log ends after the first event.
+        folder = os.path.join(self.data, "jobs", job.id)
+        os.remove(os.path.join(folder, "accepted"))
+        with open(os.path.join(folder, "events.log"), "r+b") as log:
+            log.seek(16)
+            log.truncate(16 + 8 + int.from_bytes(log.read(4), "little"))
+        self.daemon.start()
+        self.assertEqual(self.folders(), [])
+        self.daemon.terminate()
+        code, said = self.command("check")
+        self.assertEqual(code, 0, said)
+        self.assertIn(f"--adopt {job.id}", said)
+        code, said = self.command("check", "--adopt", job.id)
+        self.assertEqual(code, 0, said)
+        self.restart()
+        self.client.until_state(job.id, SUCCEEDED)
+
+    def test_check_refuses_while_a_daemon_works(self):
+        code, said = self.command("check", "--repair")
+        self.assertEqual(code, 4)
+        self.assertIn("another dccastd", said)
+
+    def test_one_flipped_bit_in_the_events_costs_one_event(self):
+        job = self.client.submit(fake_case("steps=50"))
+        self.client.until_state(job.id, SUCCEEDED)
+        before = list(self.client.watch(job.id))
+        self.daemon.terminate()
+        log = os.path.join(self.data, "jobs", job.id, "events.log")
+        flip_bit(log, os.path.getsize(log) // 2)
+        code, said = self.command("check")
+        self.assertEqual(code, 0, said)
+        self.assertIn("is lost", said)
+        self.restart()
+        after = self.sound_events(list(self.client.watch(job.id)))
+        changed = [(old, new) for old, new in zip(before, after) if old != new]
+        self.assertEqual(len(after), len(before))
+        self.assertEqual(len(changed), 1)
+        self.assertEqual(changed[0][1].message.level, job_pb2.JobEvent.Message.WARNING)
+
+    def test_damaged_and_missing_results_are_told(self):
+        ids = []
+        for number in range(2):
+            job = self.client.submit(fake_case(f"steps=3 n={number}"))
+            self.client.until_state(job.id, SUCCEEDED)
+            ids.append(os.path.join(self.data, "jobs", job.id))
+        self.daemon.terminate()
+        flip_bit(os.path.join(ids[0], "results.h5"), 5)
+        self.assertEqual(self.command("check")[0], 0)
+        self.assertEqual(self.command("check", "--deep")[0], 3)
+        os.remove(os.path.join(ids[1], "results.h5"))
+        code, said = self.command("check", "--repair")
+        self.assertEqual(code, 3)
+        self.assertIn("results.h5 is missing", said)
+
+    def test_a_lost_event_log_and_a_lost_folder(self):
+        kept = self.client.submit(fake_case("steps=3"))
+        gone = self.client.submit(fake_case("steps=3 n=2"))
+        for job in (kept, gone):
+            self.client.until_state(job.id, SUCCEEDED)
+        self.daemon.terminate()
+        os.remove(os.path.join(self.data, "jobs", kept.id, "events.log"))
+        shutil.rmtree(os.path.join(self.data, "jobs", gone.id))
+        code, said = self.command("check", "--repair")
+        self.assertEqual(code, 3)
+        self.assertIn(f"job {gone.id}: its folder is missing", said)
+        self.restart()
+        self.assertEqual(list(self.client.watch(kept.id))[-1].state_change.state, SUCCEEDED)
+        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
+        self.daemon.terminate()
+        self.assertEqual(self.command("check")[0], 0)
+
+
+class Backup(StateTest):
+    settings = {"workers": 2}
+
+    def submit_until(self, stop, ids):
+        client = self.new_client()
+        while not stop.is_set():
+            ids.append(client.submit(fake_case(f"steps=40 sleep_ms=2 checkpoint=3 n={len(ids)}")).id)
+
+    def test_of_a_daemon_under_load(self):
+        stop, ids = threading.Event(), []
+        load = threading.Thread(target=self.submit_until, args=(stop, ids))
+        load.start()
+        try:
+            while len(ids) < 15:
+                stop.wait(0.05)
+            acknowledged = list(ids)
+            deleted = self.client.until_state(ids[0], SUCCEEDED)
+            backup = os.path.join(self.folder, "backup")
+            code, said = self.command("backup", "--to", backup)
+            self.assertEqual(code, 0, said)
+        finally:
+            stop.set()
+            load.join()
+        self.assertEqual(self.client.job(deleted.id).state, SUCCEEDED)  # the daemon goes on
+        self.daemon.kill()
+        self.assertEqual(subprocess.run(["sha256sum", "--quiet", "-c", "MANIFEST.sha256"],
+                                        cwd=backup, check=False).returncode, 0)
+        self.restore(backup, acknowledged)
+
+    def restore(self, backup, acknowledged):
+        restored = os.path.join(self.folder, "restored")
+        code, said = self.command("restore", "--from", backup, data=restored)
+        self.assertEqual(code, 0, said)
+        self.assertEqual(self.command("check", "--deep", data=restored)[0], 0)
+        other = os.path.join(self.folder, "other")
+        os.mkdir(other)
+        self.daemon = Daemon(other, workers=4, data_directory=restored).start()
+        self.client = self.new_client()
+        for job_id in acknowledged:
+            self.client.until_state(job_id, SUCCEEDED)
+            self.sound_events(list(self.client.watch(job_id)))
+            self.assertEqual([step.step for step in self.client.steps(job_id)],
+                             list(range(1, 41)))
+
+    def test_a_damaged_or_unfinished_backup_is_refused(self):
+        job = self.client.submit(fake_case("steps=3"))
+        self.client.until_state(job.id, SUCCEEDED)
+        backup = os.path.join(self.folder, "backup")
+        self.assertEqual(self.command("backup", "--to", backup)[0], 0)
+        code, said = self.command("backup", "--to", backup)
+        self.assertEqual(code, 4)
+        self.assertIn("not empty", said)
+        code, said = self.command("restore", "--from", backup)
+        self.assertEqual(code, 4)  # a daemon has this data directory
+        flip_bit(os.path.join(backup, "jobs", job.id, "results.h5"), 2)
+        fresh = os.path.join(self.folder, "fresh")
+        code, said = self.command("restore", "--from", backup, data=fresh)
+        self.assertEqual(code, 4)
+        self.assertIn("results.h5 is damaged", said)
+        os.remove(os.path.join(backup, "MANIFEST.sha256"))
+        code, said = self.command("restore", "--from", backup, data=fresh + "2")
+        self.assertIn("did not come to its end", said)
+
+
+if __name__ == "__main__":
+    main()
