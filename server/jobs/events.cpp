@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "server/jobs/event_log.hpp"
-
 namespace dccast::jobs {
 
 google::protobuf::Timestamp now() {
@@ -49,21 +47,6 @@ v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
   if (job.has_failure()) *change->mutable_failure() = job.failure();
   *change->mutable_artifacts() = job.artifacts();
   return event;
-}
-
-std::vector<v1::StepReport> step_history(const EventLog& log) {
-  std::vector<v1::StepReport> steps;
-  const auto drop_from = [&steps](std::int64_t step) {
-    while (!steps.empty() && steps.back().step() >= step) steps.pop_back();
-  };
-  EventLog::Cursor cursor;
-  while (auto event = log.read(cursor)) {
-    if (event->has_resumed()) drop_from(event->resumed().step() + 1);
-    if (!event->has_step()) continue;
-    drop_from(event->step().step());
-    steps.push_back(std::move(*event->mutable_step()));
-  }
-  return steps;
 }
 
 }  // namespace dccast::jobs

@@ -2,13 +2,10 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::jobs {
-
-class EventLog;
 
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, as the store keeps them; 0 for an unset time.
@@ -23,9 +20,5 @@ v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level)
 /// @param job    with its new state, and failure and artifacts if it has ended
 /// @param cause  why, one line for people
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
-
-/// One report per accepted step: steps that were computed again after a resumption count once, in
-/// their last version.
-std::vector<v1::StepReport> step_history(const EventLog& log);
 
 }  // namespace dccast::jobs

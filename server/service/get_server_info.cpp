@@ -5,7 +5,7 @@
 
 namespace dccast::service {
 
-grpc::Status get_server_info(Context& context, const v1::GetServerInfoRequest&,
+grpc::Status get_server_info(Context& context, const Call&, const v1::GetServerInfoRequest&,
                              v1::GetServerInfoResponse& response) {
   response.set_version(context.version);
   response.set_workers(context.workers);
@@ -13,6 +13,9 @@ grpc::Status get_server_info(Context& context, const v1::GetServerInfoRequest&,
   response.set_running(context.scheduler.running());
   response.set_maximum_message_bytes(context.maximum_message_bytes);
   response.set_maximum_queued(context.maximum_queued);
+  response.set_maximum_nodes(context.intake.ceilings().nodes);
+  response.set_maximum_steps(context.intake.ceilings().steps);
+  response.set_maximum_memory_bytes(context.intake.ceilings().memory_bytes);
   response.set_build(std::string("g++ ") + __VERSION__ + ", gRPC " + grpc::Version() +
                      ", protobuf " +
                      google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION));

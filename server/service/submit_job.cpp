@@ -3,10 +3,17 @@
 
 namespace dccast::service {
 
-grpc::Status submit_job(Context& context, const v1::SubmitJobRequest& request, v1::Job& response) {
+grpc::Status examine_submission(Context& context, const Call& call,
+                                const v1::SubmitJobRequest& request, ExaminedCase& examined) {
   if (const auto status = check_study(request.study()); !status.ok()) return status;
-  const ExaminedCase examined = context.intake.examine(request.case_(), request.attachments());
-  if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
+  examined = context.intake.examine(request.case_(), request.attachments(), {},
+                                    patience(call, context.check_timeout));
+  return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
+}
+
+// call.caller becomes the job's owner as soon as the store keeps one.
+grpc::Status submit_job(Context& context, const Call&, const v1::SubmitJobRequest& request,
+                        const ExaminedCase& examined, v1::Job& response) {
   response =
       context.scheduler.submit({.request_id = request.request_id(),
                                 .study = request.study(),
