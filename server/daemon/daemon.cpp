@@ -3,14 +3,18 @@
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
 
+#include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
+#include "server/service/grpc_trouble.hpp"
 #include "server/service/server.hpp"
 #include "server/state/store_guard.hpp"
 
@@ -72,6 +76,37 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
           .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
 }
 
+int checker_count(const v1::DaemonConfig& config) {
+  if (config.checkers() > 0) return config.checkers();
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+service::Ceilings ceilings(const v1::DaemonConfig& config) {
+  const double memory = config.maximum_memory_bytes() > 0.0
+                            ? config.maximum_memory_bytes()
+                            : service::memory_per_worker(worker_count(config));
+  return {config.maximum_nodes(), config.maximum_steps(), memory};
+}
+
+/// As many file descriptors as the system permits.
+rlim_t raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  return limit.rlim_cur;
+}
+
+/// Half of the descriptors stay for jobs: their logs, their workers, their results.
+std::size_t connection_count(const v1::DaemonConfig& config) {
+  const auto wanted = static_cast<std::size_t>(config.maximum_connections());
+  const auto possible = static_cast<std::size_t>(raise_descriptor_limit() / 2);
+  if (wanted <= possible) return wanted;
+  spdlog::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
+  return possible;
+}
+
 void refuse_open_address(const std::string& listen) {
   if (service::is_loopback(listen)) return;
   throw std::runtime_error(
@@ -96,10 +131,14 @@ int wait_for_signal() {
 }  // namespace
 
 int serve(const v1::DaemonConfig& config) {
+  service::log_grpc_as_debug();
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
   const fs::path worker = worker_program(config);
-  const service::CaseIntake intake(worker, config.alloy_directory(), directory.check());
+  const std::size_t connections = connection_count(config);
+  jobs::CheckerPool checkers(worker, {.kept = checker_count(config)});
+  const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
+                                    ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
@@ -115,10 +154,15 @@ int serve(const v1::DaemonConfig& config) {
       .version = DCCAST_VERSION,
       .workers = worker_count(config),
       .maximum_queued = config.maximum_queued(),
-      .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes())};
+      .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
+      .checkers = checker_count(config),
+      .maximum_waiting_checks = config.maximum_waiting_checks(),
+      .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
+      .maximum_connections = connections};
   scheduler.recover();
   service::LinkServer link(scheduler, link_address);
   service::PublicServer server(context, config.listen());
+  checkers.warm_up();
   scheduler.start();
   if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
   spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),

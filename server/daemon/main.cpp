@@ -26,6 +26,8 @@ void prepare_signals() {
   sigaddset(&awaited, SIGINT);
   ::pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGCHLD,
+           SIG_DFL);  // ignored by who started us, the ends of workers could not be learned
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
 }
 

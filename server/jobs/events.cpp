@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "server/jobs/event_log.hpp"
-
 namespace dccast::jobs {
 
 google::protobuf::Timestamp now() {
@@ -66,21 +64,6 @@ std::optional<v1::JobState> last_state(const EventLog& log) {
   while (const auto event = log.read(cursor))
     if (event->has_state_change()) state = event->state_change().state();
   return state;
-}
-
-std::vector<v1::StepReport> step_history(const EventLog& log) {
-  std::vector<v1::StepReport> steps;
-  const auto drop_from = [&steps](std::int64_t step) {
-    while (!steps.empty() && steps.back().step() >= step) steps.pop_back();
-  };
-  EventLog::Cursor cursor;
-  while (auto event = log.read(cursor)) {
-    if (event->has_resumed()) drop_from(event->resumed().step() + 1);
-    if (!event->has_step()) continue;
-    drop_from(event->step().step());
-    steps.push_back(std::move(*event->mutable_step()));
-  }
-  return steps;
 }
 
 }  // namespace dccast::jobs

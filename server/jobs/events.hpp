@@ -3,13 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::jobs {
-
-class EventLog;
 
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, as the store keeps them; 0 for an unset time.
@@ -30,9 +27,5 @@ v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
 
 /// The state of the last state change in a log. Reads the whole log.
 std::optional<v1::JobState> last_state(const EventLog& log);
-
-/// One report per accepted step: steps that were computed again after a resumption count once, in
-/// their last version.
-std::vector<v1::StepReport> step_history(const EventLog& log);
 
 }  // namespace dccast::jobs

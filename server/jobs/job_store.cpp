@@ -287,6 +287,13 @@ void JobStore::probe() {
   statement.bind(milliseconds(now())).step();
 }
 
+int JobStore::count(v1::JobState state) {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "SELECT COUNT(*) FROM job WHERE state = ?");
+  statement.bind(state).step();
+  return static_cast<int>(statement.integer(0));
+}
+
 std::set<std::string> JobStore::ids() {
   const std::lock_guard lock(mutex_);
   Statement statement(database_, "SELECT id FROM job");

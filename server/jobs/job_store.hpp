@@ -65,6 +65,8 @@ public:
   /// Writes something durably, for no other reason than to see whether that works.
   void probe();
   std::set<std::string> ids();
+  /// Jobs in one state.
+  int count(v1::JobState state);
 
   struct Page {
     std::int64_t before_ms = INT64_MAX;  ///< only jobs created before, or then and with a lesser id

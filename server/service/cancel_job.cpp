@@ -3,7 +3,8 @@
 
 namespace dccast::service {
 
-grpc::Status cancel_job(Context& context, const v1::CancelJobRequest& request, v1::Job& response) {
+grpc::Status cancel_job(Context& context, const Call&, const v1::CancelJobRequest& request,
+                        v1::Job& response) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   return answer(context.scheduler.cancel(request.id(), request.reason()), request.id(), "",
                 &response);

@@ -3,31 +3,27 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <chrono>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
-#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/values/sha256.hpp"
-#include "server/jobs/ask_worker.hpp"
 #include "server/service/attachment_names.hpp"
 
 namespace dccast::service {
 
 namespace {
 
-// The core estimates a mesh and reads attached files; a minute is far beyond the largest permitted.
-constexpr std::chrono::seconds check_time_limit{60};
-
 /// Parses what the worker program answered. @throws jobs::WorkerDidNotAnswer
 template <class Message>
 Message parsed(const std::string& bytes) {
   Message message;
   if (!message.ParseFromString(bytes))
-    throw jobs::WorkerDidNotAnswer("the worker program's answer cannot be read");
+    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                   "the checker's answer cannot be read");
   return message;
 }
 
@@ -51,11 +47,12 @@ void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict
 
 }  // namespace
 
-CaseIntake::CaseIntake(std::filesystem::path worker_program, std::filesystem::path alloy_directory,
-                       std::filesystem::path check_directory)
-    : worker_program_(std::move(worker_program)),
+CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+                       std::filesystem::path check_directory, const Ceilings& ceilings)
+    : checkers_(checkers),
       alloy_directory_(std::move(alloy_directory)),
-      check_directory_(std::move(check_directory)) {
+      check_directory_(std::move(check_directory)),
+      ceilings_(ceilings) {
   for (const std::string& name : case_file::alloy_names(alloy_directory_)) {
     const auto card = case_file::alloy_card(name, alloy_directory_);
     if (!card.ok())
@@ -66,7 +63,8 @@ CaseIntake::CaseIntake(std::filesystem::path worker_program, std::filesystem::pa
 }
 
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
-                                 std::vector<std::string> faulty_keys) const {
+                                 std::vector<std::string> faulty_keys,
+                                 const jobs::Patience& patience) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -79,17 +77,18 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
     return examined;
   }
   try {
-    merge(ask_core(examined.complete, attachments, faulty_keys), verdict);
+    merge(ask_core(examined.complete, attachments, faulty_keys, patience), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
     say_that_checks_wait(verdict);
   }
+  hold_against(ceilings_, verdict);
   return examined;
 }
 
 std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
   case_file::apply_defaults(submitted);
-  const auto card = case_file::alloy_card(submitted.alloy().card(), alloy_directory_);
+  const auto card = this->card(submitted.alloy().card());
   if (card.ok()) case_file::complete_alloy(card.alloy, *submitted.mutable_alloy());
   std::vector<v1::Fault> faults = card.faults;
   const auto ranges = case_file::check_ranges(submitted);
@@ -97,23 +96,34 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
   return faults;
 }
 
-v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
-                                              const jobs::Attachments& attachments,
-                                              const std::vector<std::string>& faulty_keys) const {
-  const jobs::CheckFolder folder(check_directory_, attachments);
-  v1::WorkerOrder::Start question;
-  *question.mutable_case_() = complete;
-  question.set_directory(folder.path());
-  *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
-  return parsed<v1::ValidateCaseResponse>(
-      jobs::ask_worker(worker_program_, "--check", question.SerializeAsString(), check_time_limit));
+// Those that are there were read at the start; reading one takes longer than a whole check.
+case_file::AlloyCard CaseIntake::card(const std::string& name) const {
+  const auto found =
+      std::ranges::find(alloys_, name, [](const v1::Alloy& alloy) { return alloy.card(); });
+  if (found != alloys_.end()) return {*found, {}};
+  return case_file::alloy_card(name, alloy_directory_);
 }
 
-v1::Frame CaseIntake::last_frame(const std::filesystem::path& job_folder) const {
+v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
+                                              const jobs::Attachments& attachments,
+                                              const std::vector<std::string>& faulty_keys,
+                                              const jobs::Patience& patience) const {
+  std::optional<jobs::CheckFolder> folder;
+  if (!attachments.empty()) folder.emplace(check_directory_, attachments);
+  v1::WorkerOrder::Start question;
+  *question.mutable_case_() = complete;
+  question.set_directory(folder ? folder->path() : check_directory_);
+  *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
+  return parsed<v1::ValidateCaseResponse>(
+      checkers_.ask(jobs::Question::check, question.SerializeAsString(), patience));
+}
+
+v1::Frame CaseIntake::last_frame(const std::filesystem::path& job_folder,
+                                 const jobs::Patience& patience) const {
   v1::WorkerOrder::Start question;
   question.set_directory(job_folder);
   return parsed<v1::Frame>(
-      jobs::ask_worker(worker_program_, "--frame", question.SerializeAsString(), check_time_limit));
+      checkers_.ask(jobs::Question::frame, question.SerializeAsString(), patience));
 }
 
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {

@@ -5,7 +5,10 @@
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
+#include "proto/case_file/alloy_cards.hpp"
+#include "server/jobs/checker_pool.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/service/ceilings.hpp"
 
 namespace dccast::service {
 
@@ -16,36 +19,42 @@ struct ExaminedCase {
 };
 
 /// Examines cases before they are queued. What single values permit is checked here by the schema;
-/// how they fit together is checked by the core, in a process of the worker program: a mesh or
-/// temperature file that brings it down costs one answer.
+/// how they fit together is checked by the core, in a checker: a mesh or temperature file that
+/// brings it down costs one answer.
 class CaseIntake {
 public:
-  /// @param worker_program   dccast-worker
+  /// @param checkers         outlives this object
   /// @param alloy_directory  further alloy cards; empty: only those that are built in
   /// @param check_directory  where attachments are put while a case is checked
   /// @throws std::runtime_error  an alloy card has faults
-  CaseIntake(std::filesystem::path worker_program, std::filesystem::path alloy_directory,
-             std::filesystem::path check_directory);
+  CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+             std::filesystem::path check_directory, const Ceilings& ceilings);
 
   /// @param faulty_keys  paths of keys that whoever submits could not read
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
-                       std::vector<std::string> faulty_keys = {}) const;
+                       std::vector<std::string> faulty_keys, const jobs::Patience& patience) const;
 
   /// The last stored frame of a job that has ended. @throws jobs::WorkerDidNotAnswer
-  v1::Frame last_frame(const std::filesystem::path& job_folder) const;
+  v1::Frame last_frame(const std::filesystem::path& job_folder,
+                       const jobs::Patience& patience) const;
 
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
+  const Ceilings& ceilings() const { return ceilings_; }
 
 private:
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
   v1::ValidateCaseResponse ask_core(const v1::Case& complete, const jobs::Attachments& attachments,
-                                    const std::vector<std::string>& faulty_keys) const;
+                                    const std::vector<std::string>& faulty_keys,
+                                    const jobs::Patience& patience) const;
+  /// The card of this name; with faults when there is none.
+  case_file::AlloyCard card(const std::string& name) const;
 
-  std::filesystem::path worker_program_;
+  jobs::CheckerPool& checkers_;
   std::filesystem::path alloy_directory_;
   std::filesystem::path check_directory_;
+  const Ceilings ceilings_;
   std::vector<v1::Alloy> alloys_;
 };
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <string>
 
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/scheduler.hpp"
+#include "server/jobs/step_index.hpp"
 #include "server/service/case_intake.hpp"
 
 namespace dccast::service {
@@ -16,11 +18,16 @@ struct Context {
   jobs::EventLogs& logs;
   jobs::JobStore& store;
   const CaseIntake& intake;
+  jobs::StepIndexes step_indexes{};
   std::filesystem::path jobs_directory;
   std::string version;
   int workers = 1;
   int maximum_queued = 0;
   std::int64_t maximum_message_bytes = 0;
+  int checkers = 1;  ///< checks at once
+  int maximum_waiting_checks = 1;
+  std::chrono::milliseconds check_timeout{30000};
+  std::size_t maximum_connections = 1;
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
 };
 

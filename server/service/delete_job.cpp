@@ -3,7 +3,7 @@
 
 namespace dccast::service {
 
-grpc::Status delete_job(Context& context, const v1::DeleteJobRequest& request,
+grpc::Status delete_job(Context& context, const Call&, const v1::DeleteJobRequest& request,
                         v1::DeleteJobResponse&) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   return answer(context.scheduler.remove(request.id()), request.id(), "cancel it first", nullptr);

@@ -25,12 +25,16 @@ class FetchStream final : public grpc::ServerWriteReactor<v1::FetchResultRespons
 public:
   explicit FetchStream(Context& context) : context_(context) {}
 
-  void begin(const v1::FetchResultRequest& request) {
-    const grpc::Status status = guarded([&] { return open(request); });
-    if (status.ok())
-      send_next();
-    else
-      Finish(status);
+  /// The stream lives until Finish(), which nothing else calls before the first chunk is sent.
+  void begin(WorkPool& lane, const v1::FetchResultRequest& request) {
+    const bool taken = lane.post([this, request] {
+      const grpc::Status status = guarded([&] { return open(request); });
+      if (status.ok())
+        send_next();
+      else
+        Finish(status);
+    });
+    if (!taken) Finish(too_many_waiting());
   }
 
   void OnWriteDone(bool ok) override {
@@ -50,7 +54,7 @@ private:
     const auto job = context_.scheduler.find(request.id());
     if (!job) return job_not_found(request.id());
     if (job->artifacts().empty())
-      return wrong_state(*job, "it has no results yet: watch it until it has succeeded");
+      return wrong_state(*job, "it has no results yet: watch it until it has ended");
     const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
     const auto artifact = artifact_of(*job, name);
     if (!artifact)
@@ -80,9 +84,9 @@ private:
   void send_next() {
     const auto size =
         static_cast<std::size_t>(std::min(chunk_size, chunk_.total_size_bytes() - next_));
-    chunk_.set_offset(next_);
-    chunk_.mutable_data()->resize(size);
     const grpc::Status status = guarded([&] {
+      chunk_.set_offset(next_);
+      chunk_.mutable_data()->resize(size);
       if (jobs::read_at(file_.get(), next_, *chunk_.mutable_data()) == size)
         return grpc::Status::OK;
       return grpc::Status(grpc::StatusCode::DATA_LOSS, "the file became shorter while it was read");
@@ -101,9 +105,9 @@ private:
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_result(
-    Context& context, const v1::FetchResultRequest& request) {
+    Context& context, WorkPool& lane, const v1::FetchResultRequest& request) {
   auto* stream = new FetchStream(context);  // deleted in OnDone
-  stream->begin(request);
+  stream->begin(lane, request);
   return stream;
 }
 

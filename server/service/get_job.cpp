@@ -3,7 +3,8 @@
 
 namespace dccast::service {
 
-grpc::Status get_job(Context& context, const v1::GetJobRequest& request, v1::Job& response) {
+grpc::Status get_job(Context& context, const Call&, const v1::GetJobRequest& request,
+                     v1::Job& response) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   auto job = context.scheduler.find(request.id());
   if (!job) return job_not_found(request.id());

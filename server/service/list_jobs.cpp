@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <charconv>
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/service/handlers.hpp"
+#include "server/service/message_size.hpp"
 #include "server/service/status.hpp"
 
 namespace dccast::service {
@@ -11,6 +13,8 @@ namespace {
 
 constexpr int default_page = 50;
 constexpr int largest_page = 1000;
+// Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
+constexpr int rows_at_a_time = 32;
 
 /// A token is "<creation time in ms>.<id>" of the last job of the page before.
 bool read_token(const std::string& token, jobs::JobStore::Page& page) {
@@ -22,9 +26,35 @@ bool read_token(const std::string& token, jobs::JobStore::Page& page) {
   return error == std::errc() && end == token.data() + dot;
 }
 
+std::string token_after(const v1::Job& job) {
+  return std::to_string(jobs::milliseconds(job.create_time())) + "." + job.id();
+}
+
+/// Adds jobs until the page is full, by number or by bytes; then there is a next one.
+void fill(Context& context, jobs::JobStore::Page rest, int size, v1::ListJobsResponse& response) {
+  std::size_t bytes = 0;
+  for (;;) {
+    rest.size = std::min(rows_at_a_time, size + 1 - response.jobs_size());
+    auto jobs = context.scheduler.list(rest);
+    const bool last_rows = static_cast<int>(jobs.size()) < rest.size;
+    for (v1::Job& job : jobs) {
+      fit_into_list(job);
+      bytes += job.ByteSizeLong();
+      const bool full = response.jobs_size() == size || bytes > page_bytes;
+      if (full && response.jobs_size() > 0)
+        return response.set_next_page_token(token_after(response.jobs(response.jobs_size() - 1)));
+      *response.add_jobs() = std::move(job);
+    }
+    if (last_rows) return;
+    const v1::Job& last = response.jobs(response.jobs_size() - 1);
+    rest.before_ms = jobs::milliseconds(last.create_time());
+    rest.before_id = last.id();
+  }
+}
+
 }  // namespace
 
-grpc::Status list_jobs(Context& context, const v1::ListJobsRequest& request,
+grpc::Status list_jobs(Context& context, const Call&, const v1::ListJobsRequest& request,
                        v1::ListJobsResponse& response) {
   jobs::JobStore::Page page;
   if (!read_token(request.page_token(), page))
@@ -35,16 +65,9 @@ grpc::Status list_jobs(Context& context, const v1::ListJobsRequest& request,
     return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
   const int size =
       request.page_size() == 0 ? default_page : std::min(request.page_size(), largest_page);
-  page.size = size + 1;  // one more tells whether there is a next page
   for (const int state : request.states()) page.states.push_back(static_cast<v1::JobState>(state));
   page.study = request.study();
-  auto jobs = context.scheduler.list(page);
-  const bool more = static_cast<int>(jobs.size()) > size;
-  if (more) jobs.pop_back();
-  if (more)
-    response.set_next_page_token(std::to_string(jobs::milliseconds(jobs.back().create_time())) +
-                                 "." + jobs.back().id());
-  for (auto& job : jobs) *response.add_jobs() = std::move(job);
+  fill(context, std::move(page), size, response);
   return grpc::Status::OK;
 }
 

@@ -3,7 +3,8 @@
 
 namespace dccast::service {
 
-grpc::Status pause_job(Context& context, const v1::PauseJobRequest& request, v1::Job& response) {
+grpc::Status pause_job(Context& context, const Call&, const v1::PauseJobRequest& request,
+                       v1::Job& response) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   return answer(context.scheduler.pause(request.id()), request.id(), "", &response);
 }

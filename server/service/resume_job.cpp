@@ -3,7 +3,8 @@
 
 namespace dccast::service {
 
-grpc::Status resume_job(Context& context, const v1::ResumeJobRequest& request, v1::Job& response) {
+grpc::Status resume_job(Context& context, const Call&, const v1::ResumeJobRequest& request,
+                        v1::Job& response) {
   if (const auto status = check_id(request.id()); !status.ok()) return status;
   return answer(context.scheduler.resume(request.id()), request.id(),
                 "it is not paused and goes on by itself", &response);

@@ -8,15 +8,16 @@
 #include <sys/un.h>
 
 #include <chrono>
+#include <functional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "server/service/grpc_trouble.hpp"
 
 namespace dccast::service {
 
 namespace {
-
-std::string host_of(const std::string& address) {
-  return address.substr(0, address.rfind(':'));
-}
 
 /// Clients may ping as often as every 10 s, also between calls; without this gRPC answers them with
 /// "too many pings" and hangs up.
@@ -27,13 +28,30 @@ void permit_pings(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
 }
 
-}  // namespace
-
-bool is_loopback(const std::string& address) {
-  const std::string host = host_of(address);
-  return host == "localhost" || host == "[::1]" ||
-         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+/// What connects and says nothing, or nothing more, is let go: a client that is alive connects anew
+/// without noticing.
+void end_idle_connections(grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000);
 }
+
+/// Hands accepted connections to gRPC, see Door.
+std::function<void(int)> hand_over(
+    std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor) {
+  return [acceptor = std::move(acceptor)](int connection) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+    parameters.fd = connection;
+    acceptor->HandleNewConnection(&parameters);
+  };
+}
+
+std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors() {
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> all;
+  all.push_back(std::make_unique<UnreadableRequests>());
+  return all;
+}
+
+}  // namespace
 
 LinkAddress::LinkAddress(const std::filesystem::path& data_directory)
     : socket_(std::filesystem::absolute(data_directory) / "worker.sock") {
@@ -66,21 +84,23 @@ LinkServer::~LinkServer() {
   server_->Wait();
 }
 
-PublicServer::PublicServer(Context& context, const std::string& listen) : service_(context) {
+PublicServer::PublicServer(Context& context, const std::string& listen)
+    : socket_(listen), service_(context, socket_.address()) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort(listen, grpc::InsecureServerCredentials(), &port);
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      grpc::InsecureServerCredentials());
+  builder.experimental().SetInterceptorCreators(interceptors());
   builder.RegisterService(&service_);
   builder.SetMaxReceiveMessageSize(static_cast<int>(context.maximum_message_bytes));
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // else two daemons share a port
   permit_pings(builder);
+  end_idle_connections(builder);
   server_ = builder.BuildAndStart();
-  if (!server_ || port == 0)
-    throw std::runtime_error("cannot listen on " + listen +
-                             "; is another dccastd there? Port 0 takes a free one");
-  address_ = host_of(listen) + ":" + std::to_string(port);
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + socket_.address());
+  door_ = std::make_unique<Door>(socket_.descriptor(), context.maximum_connections,
+                                 hand_over(std::move(acceptor)));
 }
 
 PublicServer::~PublicServer() {
@@ -92,6 +112,7 @@ void PublicServer::announce_end() {
 }
 
 void PublicServer::shut_down() {
+  door_.reset();  // gRPC takes no connection once it ends
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
   server_->Wait();
 }

@@ -8,14 +8,12 @@
 
 #include "server/jobs/scheduler.hpp"
 #include "server/service/context.hpp"
+#include "server/service/door.hpp"
+#include "server/service/listening_socket.hpp"
 #include "server/service/simulation_service.hpp"
 #include "server/service/worker_link.hpp"
 
 namespace dccast::service {
-
-/// Whether clients on other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
-/// "localhost:7117").
-bool is_loopback(const std::string& address);
 
 /// Where workers find the daemon: a Unix socket in the data directory, or, where that path is too
 /// long for a socket, in a private folder of its own under the system's temporary directory.
@@ -51,16 +49,17 @@ public:
   PublicServer(Context& context, const std::string& listen);
   ~PublicServer();
   /// Host and port in use.
-  const std::string& address() const { return address_; }
+  const std::string& address() const { return socket_.address(); }
   /// Health says NOT_SERVING from now on.
   void announce_end();
   /// Ends all calls: those that end by themselves within a second do.
   void shut_down();
 
 private:
+  ListeningSocket socket_;
   SimulationService service_;
   std::unique_ptr<grpc::Server> server_;
-  std::string address_;
+  std::unique_ptr<Door> door_;
 };
 
 }  // namespace dccast::service

@@ -1,95 +1,137 @@
 #include "server/service/simulation_service.hpp"
 
+#include <memory>
+#include <utility>
+
 #include "server/service/handlers.hpp"
 #include "server/service/status.hpp"
 #include "server/service/streams.hpp"
 
 namespace dccast::service {
 
+SimulationService::SimulationService(Context& context, const std::string& address)
+    : context_(context),
+      users_(address),
+      lanes_(context.checkers, context.maximum_waiting_checks) {}
+
+void SimulationService::in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+                                std::function<grpc::Status(const Call&)> work) {
+  in_lane(lane, wire, reactor, std::move(work), [reactor] { reactor->Finish(grpc::Status::OK); });
+}
+
+void SimulationService::in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+                                std::function<grpc::Status(const Call&)> work,
+                                std::function<void()> then) {
+  const bool taken =
+      lane.post([this, wire, reactor, work = std::move(work), then = std::move(then)] {
+        const grpc::Status status = guarded([&] {
+          const Call call = call_of(*wire, users_);
+          const auto unwanted = no_longer_wanted(call);
+          return unwanted ? *unwanted : work(call);
+        });
+        if (status.ok())
+          then();
+        else
+          reactor->Finish(status);
+      });
+  if (!taken) reactor->Finish(too_many_waiting());
+}
+
 template <class Request, class Response>
 grpc::ServerUnaryReactor* SimulationService::answer(
-    Call* call, const Request* request, Response* response,
-    grpc::Status (*handler)(Context&, const Request&, Response&)) {
-  Unary* reactor = call->DefaultReactor();
-  pool_.post([=, this] {
-    reactor->Finish(guarded([&] { return handler(context_, *request, *response); }));
+    WorkPool& lane, Wire* wire, const Request* request, Response* response,
+    grpc::Status (*handler)(Context&, const Call&, const Request&, Response&)) {
+  Unary* reactor = wire->DefaultReactor();
+  in_lane(lane, wire, reactor, [this, request, response, handler](const Call& call) {
+    return handler(context_, call, *request, *response);
   });
   return reactor;
 }
 
-grpc::ServerUnaryReactor* SimulationService::ValidateCase(Call* call,
+grpc::ServerUnaryReactor* SimulationService::ValidateCase(Wire* wire,
                                                           const v1::ValidateCaseRequest* request,
                                                           v1::ValidateCaseResponse* response) {
-  return answer(call, request, response, &validate_case);
+  return answer(lanes_.checks, wire, request, response, &validate_case);
 }
 
-grpc::ServerUnaryReactor* SimulationService::SubmitJob(Call* call,
+grpc::ServerUnaryReactor* SimulationService::SubmitJob(Wire* wire,
                                                        const v1::SubmitJobRequest* request,
                                                        v1::Job* response) {
-  return answer(call, request, response, &submit_job);
+  Unary* reactor = wire->DefaultReactor();
+  const auto examined = std::make_shared<ExaminedCase>();
+  const auto examine = [=, this](const Call& call) {
+    return examine_submission(context_, call, *request, *examined);
+  };
+  const auto submit = [=, this](const Call& call) {
+    return submit_job(context_, call, *request, *examined, *response);
+  };
+  in_lane(lanes_.checks, wire, reactor, examine,
+          [=, this] { in_lane(lanes_.durable, wire, reactor, submit); });
+  return reactor;
 }
 
-grpc::ServerUnaryReactor* SimulationService::GetJob(Call* call, const v1::GetJobRequest* request,
+grpc::ServerUnaryReactor* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request,
                                                     v1::Job* response) {
-  return answer(call, request, response, &get_job);
+  return answer(lanes_.status, wire, request, response, &get_job);
 }
 
-grpc::ServerUnaryReactor* SimulationService::ListJobs(Call* call,
+grpc::ServerUnaryReactor* SimulationService::ListJobs(Wire* wire,
                                                       const v1::ListJobsRequest* request,
                                                       v1::ListJobsResponse* response) {
-  return answer(call, request, response, &list_jobs);
+  return answer(lanes_.status, wire, request, response, &list_jobs);
 }
 
-grpc::ServerUnaryReactor* SimulationService::CancelJob(Call* call,
+grpc::ServerUnaryReactor* SimulationService::CancelJob(Wire* wire,
                                                        const v1::CancelJobRequest* request,
                                                        v1::Job* response) {
-  return answer(call, request, response, &cancel_job);
+  return answer(lanes_.status, wire, request, response, &cancel_job);
 }
 
-grpc::ServerUnaryReactor* SimulationService::PauseJob(Call* call,
+grpc::ServerUnaryReactor* SimulationService::PauseJob(Wire* wire,
                                                       const v1::PauseJobRequest* request,
                                                       v1::Job* response) {
-  return answer(call, request, response, &pause_job);
+  return answer(lanes_.status, wire, request, response, &pause_job);
 }
 
-grpc::ServerUnaryReactor* SimulationService::ResumeJob(Call* call,
+grpc::ServerUnaryReactor* SimulationService::ResumeJob(Wire* wire,
                                                        const v1::ResumeJobRequest* request,
                                                        v1::Job* response) {
-  return answer(call, request, response, &resume_job);
+  return answer(lanes_.status, wire, request, response, &resume_job);
 }
 
-grpc::ServerUnaryReactor* SimulationService::DeleteJob(Call* call,
+grpc::ServerUnaryReactor* SimulationService::DeleteJob(Wire* wire,
                                                        const v1::DeleteJobRequest* request,
                                                        v1::DeleteJobResponse* response) {
-  return answer(call, request, response, &delete_job);
+  return answer(lanes_.status, wire, request, response, &delete_job);
 }
 
-grpc::ServerUnaryReactor* SimulationService::QueryResult(Call* call,
+grpc::ServerUnaryReactor* SimulationService::QueryResult(Wire* wire,
                                                          const v1::QueryResultRequest* request,
                                                          v1::QueryResultResponse* response) {
-  return answer(call, request, response, &query_result);
+  WorkPool& lane = request->frame() ? lanes_.checks : lanes_.histories;
+  return answer(lane, wire, request, response, &query_result);
 }
 
-grpc::ServerUnaryReactor* SimulationService::ListAlloys(Call* call,
+grpc::ServerUnaryReactor* SimulationService::ListAlloys(Wire* wire,
                                                         const v1::ListAlloysRequest* request,
                                                         v1::ListAlloysResponse* response) {
-  return answer(call, request, response, &list_alloys);
+  return answer(lanes_.status, wire, request, response, &list_alloys);
 }
 
-grpc::ServerUnaryReactor* SimulationService::GetServerInfo(Call* call,
+grpc::ServerUnaryReactor* SimulationService::GetServerInfo(Wire* wire,
                                                            const v1::GetServerInfoRequest* request,
                                                            v1::GetServerInfoResponse* response) {
-  return answer(call, request, response, &get_server_info);
+  return answer(lanes_.status, wire, request, response, &get_server_info);
 }
 
 grpc::ServerWriteReactor<v1::JobEvent>* SimulationService::WatchJob(
-    Call*, const v1::WatchJobRequest* request) {
-  return watch_job(context_, *request);
+    Wire*, const v1::WatchJobRequest* request) {
+  return watch_job(context_, lanes_.status, *request);
 }
 
 grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchResult(
-    Call*, const v1::FetchResultRequest* request) {
-  return fetch_result(context_, *request);
+    Wire*, const v1::FetchResultRequest* request) {
+  return fetch_result(context_, lanes_.status, *request);
 }
 
 }  // namespace dccast::service

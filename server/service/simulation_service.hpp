@@ -1,8 +1,12 @@
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "dccast/v1/service.grpc.pb.h"
+#include "server/service/call.hpp"
 #include "server/service/context.hpp"
-#include "server/service/work_pool.hpp"
+#include "server/service/lanes.hpp"
 
 namespace dccast::service {
 
@@ -10,32 +14,41 @@ namespace dccast::service {
 /// stream.
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
-  explicit SimulationService(Context& context) : context_(context) {}
+  /// @param address  where it listens
+  SimulationService(Context& context, const std::string& address);
 
   using Unary = grpc::ServerUnaryReactor;
-  using Call = grpc::CallbackServerContext;
-  Unary* ValidateCase(Call*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
-  Unary* SubmitJob(Call*, const v1::SubmitJobRequest*, v1::Job*) override;
-  Unary* GetJob(Call*, const v1::GetJobRequest*, v1::Job*) override;
-  Unary* ListJobs(Call*, const v1::ListJobsRequest*, v1::ListJobsResponse*) override;
-  Unary* CancelJob(Call*, const v1::CancelJobRequest*, v1::Job*) override;
-  Unary* PauseJob(Call*, const v1::PauseJobRequest*, v1::Job*) override;
-  Unary* ResumeJob(Call*, const v1::ResumeJobRequest*, v1::Job*) override;
-  Unary* DeleteJob(Call*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
-  Unary* QueryResult(Call*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
-  Unary* ListAlloys(Call*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
-  Unary* GetServerInfo(Call*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
-  grpc::ServerWriteReactor<v1::JobEvent>* WatchJob(Call*, const v1::WatchJobRequest*) override;
+  using Wire = grpc::CallbackServerContext;
+  Unary* ValidateCase(Wire*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
+  Unary* SubmitJob(Wire*, const v1::SubmitJobRequest*, v1::Job*) override;
+  Unary* GetJob(Wire*, const v1::GetJobRequest*, v1::Job*) override;
+  Unary* ListJobs(Wire*, const v1::ListJobsRequest*, v1::ListJobsResponse*) override;
+  Unary* CancelJob(Wire*, const v1::CancelJobRequest*, v1::Job*) override;
+  Unary* PauseJob(Wire*, const v1::PauseJobRequest*, v1::Job*) override;
+  Unary* ResumeJob(Wire*, const v1::ResumeJobRequest*, v1::Job*) override;
+  Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
+  Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
+  Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
+  Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
+  grpc::ServerWriteReactor<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
   grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchResult(
-      Call*, const v1::FetchResultRequest*) override;
+      Wire*, const v1::FetchResultRequest*) override;
 
 private:
+  /// Does `work` in a lane, for a call that is still wanted then; else answers why not.
+  void in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+               std::function<grpc::Status(const Call&)> work);
+  /// The same; when `work` is over without a fault, `then` answers.
+  void in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+               std::function<grpc::Status(const Call&)> work, std::function<void()> then);
+  /// Answers by a handler in a lane.
   template <class Request, class Response>
-  Unary* answer(Call* call, const Request* request, Response* response,
-                grpc::Status (*handler)(Context&, const Request&, Response&));
+  Unary* answer(WorkPool& lane, Wire* wire, const Request* request, Response* response,
+                grpc::Status (*handler)(Context&, const Call&, const Request&, Response&));
 
   Context& context_;
-  WorkPool pool_{4};  ///< calls that fsync or examine a case; more would only wait for the disk
+  LocalUsers users_;
+  Lanes lanes_;
 };
 
 }  // namespace dccast::service

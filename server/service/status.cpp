@@ -2,24 +2,28 @@
 
 #include <spdlog/spdlog.h>
 
+#include <new>
 #include <system_error>
 
 #include "proto/values/uuid.hpp"
-#include "server/jobs/ask_worker.hpp"
+#include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::service {
 
 namespace {
 
-// Primary result codes of SQLite that mean the disk refuses.
+// Primary result codes of SQLite, which only jobs/sqlite.cpp may include.
+constexpr int sqlite_read_only = 8;
 constexpr int sqlite_io_error = 10;
+constexpr int sqlite_corrupt = 11;
 constexpr int sqlite_full = 13;
+constexpr int sqlite_cannot_open = 14;
+constexpr int sqlite_not_a_database = 26;
 // With base64 and the message beside it this stays below the 8 KiB of the trailers.
 constexpr std::size_t largest_details = 4096;
 
 grpc::Status disk_refuses(const std::string& what) {
-  spdlog::error("{}", what);
   return {
       grpc::StatusCode::RESOURCE_EXHAUSTED,
       what + "; the server's data directory takes nothing more: free space there, then try again"};
@@ -45,6 +49,55 @@ grpc::Status internal(const std::string& what) {
   return {grpc::StatusCode::INTERNAL, what};
 }
 
+/// The log has the SQL that failed; a caller is told what is wrong with the store and who mends it.
+grpc::Status store_refuses(const jobs::StoreError& error) {
+  spdlog::error("{}", error.what());
+  switch (error.code()) {
+    case sqlite_full:
+      return disk_refuses("the job store cannot grow");
+    case sqlite_read_only:
+      return disk_refuses("the job store is not writable");
+    case sqlite_io_error:
+    case sqlite_cannot_open:
+      return disk_refuses("the job store cannot be read or written");
+    case sqlite_corrupt:
+    case sqlite_not_a_database:
+      return {
+          grpc::StatusCode::DATA_LOSS,
+          "the job store of this dccastd, jobs.sqlite in its data directory, is damaged; stop it "
+          "and run `dccastd check --repair`, or restore a backup with `dccastd restore`"};
+    default:
+      return {grpc::StatusCode::INTERNAL,
+              "the job store did not answer as it should (SQLite code " +
+                  std::to_string(error.code()) + "); the log of dccastd says more"};
+  }
+}
+
+/// Whether asking again can help decides the code.
+grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
+  using Why = jobs::WorkerDidNotAnswer::Why;
+  spdlog::warn("{}", error.what());
+  const std::string what = error.what();
+  switch (error.why()) {
+    case Why::called_off:
+      return {grpc::StatusCode::CANCELLED, what};
+    case Why::not_started:
+    case Why::killed:
+      return {grpc::StatusCode::UNAVAILABLE, what + "; try again"};
+    case Why::too_slow:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              what +
+                  " (check_timeout in the settings of dccastd); try again, or make mesh and "
+                  "tables of the case smaller"};
+    case Why::too_large:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              what + " of memory; make mesh and tables of the case smaller"};
+    default:
+      return internal(what +
+                      ". It is a fault of dccast if it does so again: report it with the case");
+  }
+}
+
 }  // namespace
 
 grpc::Status guarded(const std::function<grpc::Status()>& handler) {
@@ -59,12 +112,20 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
   } catch (const jobs::ShuttingDown& error) {
     return {grpc::StatusCode::UNAVAILABLE, error.what()};
   } catch (const jobs::StoreError& error) {
-    const bool disk = error.code() == sqlite_full || error.code() == sqlite_io_error;
-    return disk ? disk_refuses(error.what()) : internal(error.what());
+    return store_refuses(error);
+  } catch (const jobs::WorkerDidNotAnswer& error) {
+    return not_answered(error);
   } catch (const std::system_error& error) {
-    return is_disk_error(error.code()) ? disk_refuses(error.what()) : internal(error.what());
+    if (!is_disk_error(error.code())) return internal(error.what());
+    spdlog::error("{}", error.what());
+    return disk_refuses(error.what());
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory");
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
   } catch (const std::exception& error) {
     return internal(error.what());
+  } catch (...) {
+    return internal("something was thrown that is no exception");
   }
 }
 
@@ -76,6 +137,11 @@ grpc::Status check_id(const std::string& id) {
 grpc::Status check_study(const std::string& study) {
   if (study.empty() || values::is_uuid(study)) return grpc::Status::OK;
   return no_uuid(study, "study", "chosen by who submits the first job of the study");
+}
+
+grpc::Status too_many_waiting() {
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          "too many calls of this kind are waiting already; try again in a moment"};
 }
 
 grpc::Status job_not_found(const std::string& id) {

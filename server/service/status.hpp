@@ -19,6 +19,9 @@ grpc::Status check_id(const std::string& id);
 /// OK, or INVALID_ARGUMENT when this is neither a study id nor empty.
 grpc::Status check_study(const std::string& study);
 
+/// RESOURCE_EXHAUSTED: the lane of this call is full.
+grpc::Status too_many_waiting();
+
 grpc::Status job_not_found(const std::string& id);
 
 /// FAILED_PRECONDITION: the job's state does not permit it. @param remedy  what to do with a job

@@ -4,13 +4,15 @@
 
 #include "dccast/v1/service.pb.h"
 #include "server/service/context.hpp"
+#include "server/service/work_pool.hpp"
 
 namespace dccast::service {
 
 /// The streaming calls of SimulationService; each reactor deletes itself when its call is done.
-grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context,
+/// What has to be looked up before the first message is looked up in `lane`.
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& lane,
                                                   const v1::WatchJobRequest& request);
 grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_result(
-    Context& context, const v1::FetchResultRequest& request);
+    Context& context, WorkPool& lane, const v1::FetchResultRequest& request);
 
 }  // namespace dccast::service

@@ -3,15 +3,22 @@
 
 namespace dccast::service {
 
-grpc::Status submit_job(Context& context, const v1::SubmitJobRequest& request, v1::Job& response) {
+grpc::Status examine_submission(Context& context, const Call& call,
+                                const v1::SubmitJobRequest& request, ExaminedCase& examined) {
   if (const auto status = check_study(request.study()); !status.ok()) return status;
-  const ExaminedCase examined = context.intake.examine(request.case_(), request.attachments());
-  if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
+  examined = context.intake.examine(request.case_(), request.attachments(), {},
+                                    patience(call, context.check_timeout));
+  return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
+}
+
+grpc::Status submit_job(Context& context, const Call& call, const v1::SubmitJobRequest& request,
+                        const ExaminedCase& examined, v1::Job& response) {
   response =
       context.scheduler.submit({.request_id = request.request_id(),
                                 .study = request.study(),
                                 .title = request.case_().title(),
                                 .priority = request.priority(),
+                                .owner = call.caller,
                                 .case_sha256 = fingerprint(request.case_(), request.attachments()),
                                 .submitted_case = request.case_().SerializeAsString(),
                                 .complete_case = examined.complete.SerializeAsString()},

@@ -2,11 +2,13 @@
 
 namespace dccast::service {
 
-grpc::Status validate_case(Context& context, const v1::ValidateCaseRequest& request,
+grpc::Status validate_case(Context& context, const Call& call,
+                           const v1::ValidateCaseRequest& request,
                            v1::ValidateCaseResponse& response) {
   response = context.intake
                  .examine(request.case_(), request.attachments(),
-                          {request.faulty_keys().begin(), request.faulty_keys().end()})
+                          {request.faulty_keys().begin(), request.faulty_keys().end()},
+                          patience(call, context.check_timeout))
                  .verdict;
   return grpc::Status::OK;
 }

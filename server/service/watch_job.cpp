@@ -1,6 +1,10 @@
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "server/service/status.hpp"
@@ -18,11 +22,13 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::JobEvent>,
 public:
   explicit WatchStream(Context& context) : context_(context) {}
 
-  void begin(const v1::WatchJobRequest& request) {
+  void begin(WorkPool& lane, const v1::WatchJobRequest& request) {
     self_ = shared_from_this();
-    const grpc::Status status = guarded([&] { return open(request); });
-    if (!status.ok()) return end(status);
-    context_.logs.watch(request.id(), weak_from_this());  // calls on_appended() soon
+    const bool taken = lane.post([self = self_, request] {
+      const grpc::Status status = guarded([&] { return self->open(request); });
+      if (!status.ok()) self->end(status);
+    });
+    if (!taken) end(too_many_waiting());
   }
 
   void on_appended() override { go_on(); }
@@ -50,12 +56,19 @@ private:
   grpc::Status open(const v1::WatchJobRequest& request) {
     if (const auto status = check_id(request.id()); !status.ok()) return status;
     if (!context_.scheduler.find(request.id())) return job_not_found(request.id());
-    log_ = context_.scheduler.log(request.id());
-    cursor_.sequence = std::max<std::int64_t>(request.from_sequence(), 1);
-    if (cursor_.sequence <= log_->last_sequence() + 1) return grpc::Status::OK;
-    return {grpc::StatusCode::OUT_OF_RANGE,
-            "job " + request.id() + " has " + std::to_string(log_->last_sequence()) +
-                " events so far; watch from one of them, or the next"};
+    const auto log = context_.scheduler.log(request.id());
+    const std::int64_t first = std::max<std::int64_t>(request.from_sequence(), 1);
+    if (first > log->last_sequence() + 1)
+      return {grpc::StatusCode::OUT_OF_RANGE,
+              "job " + request.id() + " has " + std::to_string(log->last_sequence()) +
+                  " events so far; watch from one of them, or the next"};
+    {
+      const std::lock_guard lock(mutex_);
+      log_ = log;
+      cursor_.sequence = first;
+    }
+    context_.logs.watch(request.id(), weak_from_this());  // calls on_appended() soon
+    return grpc::Status::OK;
   }
 
   void end(const grpc::Status& status) {
@@ -72,7 +85,8 @@ private:
     {
       const std::lock_guard lock(mutex_);
       if (writing_ || ended_) return;
-      finish = next();
+      if (!log_ && !cancelled_) return;  // open() has not come to it yet
+      finish = guarded_next();
       if (!finish && !writing_) return;  // nothing new
       ended_ = finish.has_value();
     }
@@ -80,6 +94,16 @@ private:
       Finish(*finish);
     else
       StartWrite(&event_);
+  }
+
+  /// next(), from whose callers nobody would catch an exception.
+  std::optional<grpc::Status> guarded_next() {
+    std::optional<grpc::Status> finish;
+    const grpc::Status fault = guarded([&] {
+      finish = next();
+      return grpc::Status::OK;
+    });
+    return fault.ok() ? finish : fault;
   }
 
   /// Sets writing_ when there is an event to send. @return the status when the stream is over
@@ -92,7 +116,9 @@ private:
         return std::nullopt;
       }
     } catch (const std::exception& error) {
-      return grpc::Status(grpc::StatusCode::DATA_LOSS, error.what());
+      spdlog::error("{}", error.what());
+      return grpc::Status(grpc::StatusCode::DATA_LOSS,
+                          std::string(error.what()) + "; `dccastd check` says what is left of it");
     }
     if (log_->terminal_event()) return grpc::Status::OK;
     if (!context_.leaving) return std::nullopt;
@@ -104,8 +130,8 @@ private:
 
   Context& context_;
   std::shared_ptr<WatchStream> self_;
-  std::shared_ptr<jobs::EventLog> log_;
   std::mutex mutex_;  ///< of all below
+  std::shared_ptr<jobs::EventLog> log_;
   jobs::EventLog::Cursor cursor_;
   v1::JobEvent event_;
   bool writing_ = false;
@@ -115,10 +141,10 @@ private:
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context,
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& lane,
                                                   const v1::WatchJobRequest& request) {
   const auto stream = std::make_shared<WatchStream>(context);
-  stream->begin(request);
+  stream->begin(lane, request);
   return stream.get();
 }
 

@@ -1,10 +1,13 @@
 #include "server/service/work_pool.hpp"
 
+#include <spdlog/spdlog.h>
+
+#include <exception>
 #include <utility>
 
 namespace dccast::service {
 
-WorkPool::WorkPool(int threads) {
+WorkPool::WorkPool(int threads, std::size_t maximum_waiting) : maximum_waiting_(maximum_waiting) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
 }
 
@@ -16,12 +19,14 @@ WorkPool::~WorkPool() {
   changed_.notify_all();
 }
 
-void WorkPool::post(std::function<void()> work) {
+bool WorkPool::post(std::function<void()> work) {
   {
     const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= maximum_waiting_) return false;
     waiting_.push_back(std::move(work));
   }
   changed_.notify_one();
+  return true;
 }
 
 void WorkPool::run() {
@@ -34,7 +39,12 @@ void WorkPool::run() {
       work = std::move(waiting_.front());
       waiting_.pop_front();
     }
-    work();
+    try {
+      work();
+    } catch (const std::exception& error) {
+      // Whoever posts catches what it can name to its caller; this is what nobody foresaw.
+      spdlog::critical("posted work has thrown: {}", error.what());
+    }
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -12,15 +14,18 @@ namespace dccast::service {
 /// A few threads for calls that wait for the disk or compute: gRPC's own threads must not.
 class WorkPool {
 public:
-  explicit WorkPool(int threads);
+  /// @param maximum_waiting  of what was posted and nobody has begun
+  explicit WorkPool(int threads, std::size_t maximum_waiting = SIZE_MAX);
   /// Does what was posted, then ends.
   ~WorkPool();
-  /// With one thread, work is done in the order it was posted.
-  void post(std::function<void()> work);
+  /// With one thread, work is done in the order it was posted. What it throws is logged.
+  /// @return false when too much is waiting: the work was not taken
+  bool post(std::function<void()> work);
 
 private:
   void run();
 
+  const std::size_t maximum_waiting_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> waiting_;

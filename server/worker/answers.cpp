@@ -1,12 +1,19 @@
 #include "server/worker/answers.hpp"
 
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "core/casting/case.hpp"
 #include "core/results/result_reader.hpp"
 #include "dccast/v1/worker.pb.h"
+#include "server/jobs/checker.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/translate/case_to_core.hpp"
 #include "server/translate/faults_to_proto.hpp"
@@ -16,35 +23,75 @@ namespace dccast::worker {
 
 namespace {
 
-v1::WorkerOrder::Start read(std::istream& question) {
-  v1::WorkerOrder::Start start;
-  if (!start.ParseFromIstream(&question)) throw std::runtime_error("the question cannot be read");
-  return start;
+constexpr int exit_closed = 0;
+constexpr int exit_link_broken = 1;
+
+/// @return whether all of `bytes` came
+bool receive(int socket, void* bytes, std::size_t size) {
+  ssize_t received;
+  do received = ::recv(socket, bytes, size, MSG_WAITALL);
+  while (received < 0 && errno == EINTR);
+  return received == static_cast<ssize_t>(size);
 }
 
-int write(const google::protobuf::Message& message, std::ostream& answer) {
-  if (!message.SerializeToOstream(&answer) || !answer.flush())
-    throw std::runtime_error("the answer cannot be written");
-  return 0;
+bool send(int socket, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const auto sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno != EINTR) return false;
+    if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
+  }
+  return true;
 }
 
-}  // namespace
-
-int answer_check(std::istream& question, std::ostream& answer) {
-  const auto start = read(question);
+std::string check(const v1::WorkerOrder::Start& start) {
   const std::filesystem::path folder = start.directory();
   const auto checked =
       casting::check(translate::to_core(start.case_(), folder / jobs::attachments_folder),
                      {start.faulty_keys().begin(), start.faulty_keys().end()});
-  return write(translate::to_proto(checked), answer);
+  return translate::to_proto(checked).SerializeAsString();
 }
 
-int answer_frame(std::istream& question, std::ostream& answer) {
-  const std::filesystem::path folder = read(question).directory();
+std::string last_frame(const v1::WorkerOrder::Start& start) {
+  const std::filesystem::path folder = start.directory();
   const results::ResultReader reader(folder / "results.h5");
   const auto frame = reader.last_frame();
   if (!frame) throw std::runtime_error("the results hold no frame");
-  return write(translate::to_proto(*frame, reader.header()), answer);
+  return translate::to_proto(*frame, reader.header()).SerializeAsString();
+}
+
+std::string answer(jobs::Question question, const std::string& text) {
+  v1::WorkerOrder::Start start;
+  if (!start.ParseFromString(text)) throw std::runtime_error("the question cannot be read");
+  if (question == jobs::Question::check) return check(start);
+  if (question == jobs::Question::frame) return last_frame(start);
+  throw std::runtime_error("there is no such question");
+}
+
+/// @return whether the answer, or why there is none, could be sent
+bool answer_next(int socket, jobs::Question question, const std::string& text) {
+  std::uint32_t outcome = 0;
+  std::string said;
+  try {
+    said = answer(question, text);
+  } catch (const std::exception& error) {
+    outcome = 1;
+    said = error.what();
+  }
+  const std::array<std::uint32_t, 2> head{outcome, static_cast<std::uint32_t>(said.size())};
+  return send(socket, {reinterpret_cast<const char*>(head.data()), sizeof head}) &&
+         send(socket, said);
+}
+
+}  // namespace
+
+int serve_checks(int socket) {
+  std::array<std::uint32_t, 2> head;
+  while (receive(socket, head.data(), sizeof head)) {
+    std::string text(head[1], '\0');
+    if (!receive(socket, text.data(), text.size())) return exit_link_broken;
+    if (!answer_next(socket, static_cast<jobs::Question>(head[0]), text)) return exit_link_broken;
+  }
+  return exit_closed;
 }
 
 }  // namespace dccast::worker

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <iosfwd>
-
 namespace dccast::worker {
 
-/// The questions the daemon does not answer in its own process. @return the exit code
-/// @throws std::exception  the question cannot be read, or a result file not
-int answer_check(std::istream& question, std::ostream& answer);
-int answer_frame(std::istream& question, std::ostream& answer);
+/// Answers the daemon's questions over a socket until it is closed: server/jobs/checker.hpp says
+/// how they are written. What a question throws becomes its answer. @return the exit code
+int serve_checks(int socket);
 
 }  // namespace dccast::worker

@@ -88,8 +88,11 @@ int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   try {
-    if (argc == 2 && ::strcmp(argv[1], "--check") == 0) return answer_check(std::cin, std::cout);
-    if (argc == 2 && ::strcmp(argv[1], "--frame") == 0) return answer_frame(std::cin, std::cout);
+    if (argc == 2 && ::strcmp(argv[1], "--serve-checks") == 0) {
+      // A closed socket ends it between two questions, this one that never ends.
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      return serve_checks(STDIN_FILENO);
+    }
     if (argc == 2 && ::strcmp(argv[1], "--wait") == 0) return run_job_of_daemon();
     return refuse_to_run_alone();
   } catch (const std::exception& error) {

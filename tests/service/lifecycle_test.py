@@ -60,6 +60,54 @@ class Lifecycle(ServiceTest):
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.QueryResult,
                      service_pb2.QueryResultRequest(id=job.id, frame=True), timeout=10)
 
+    def test_results_of_a_job_that_failed(self):
+        """They hold everything up to the failure."""
+        job = self.client.submit(fake_case("steps=10 fail_at=4 partial=1"))
+        job = self.client.until_state(job.id, job_pb2.FAILED)
+        content = b"".join(chunk.data for chunk in self.client.fetch(job.id))
+        self.assertEqual(hashlib.sha256(content).hexdigest(), job.artifacts[0].sha256)
+        self.assertEqual(len(content.splitlines()), 4)
+
+    def test_a_history_in_pages(self):
+        job = self.client.submit(fake_case("steps=60"))
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        pages = self.client.pages(job.id, page_size=7)
+        self.assertEqual([len(page.steps) for page in pages], [7] * 8 + [4])
+        self.assertEqual([step.step for page in pages for step in page.steps],
+                         list(range(1, 61)))
+        self.assertEqual([page.HasField("case") for page in pages], [True] + [False] * 8)
+        for token in ("yesterday", "1", "1.", "-1.2", "1.2.3"):
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.QueryResult,
+                                 service_pb2.QueryResultRequest(id=job.id, page_token=token),
+                                 timeout=10)
+            self.assertIn("page_token", error.details())
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.QueryResult,
+                     service_pb2.QueryResultRequest(id=job.id, page_size=-1), timeout=10)
+
+    def test_a_page_of_a_history_is_bounded_in_bytes(self):
+        job = self.client.submit(fake_case("steps=12000 checkpoint=100000"))
+        self.client.until_state(job.id, job_pb2.SUCCEEDED, seconds=60)
+        pages = self.client.pages(job.id)
+        self.assertGreater(len(pages), 1)
+        self.assertLess(max(page.ByteSize() for page in pages), 1.1 * 2**20)
+        self.assertEqual([step.step for page in pages for step in page.steps],
+                         list(range(1, 12001)))
+
+    def test_a_page_that_the_run_went_back_behind(self):
+        job = self.client.submit(fake_case("steps=30 checkpoint=10 crash_once_at=18 sleep_ms=30"))
+        self.client.until_step(job.id, 12)
+        query = self.client.stub.QueryResult
+        stays = query(service_pb2.QueryResultRequest(id=job.id, page_size=5), timeout=10)
+        goes = query(service_pb2.QueryResultRequest(id=job.id, page_size=11), timeout=10)
+        self.assertEqual(len(goes.steps), 11)
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        rest = query(service_pb2.QueryResultRequest(
+            id=job.id, page_token=stays.next_page_token), timeout=10)
+        self.assertEqual([step.step for step in rest.steps], list(range(6, 31)))
+        error = self.refused(grpc.StatusCode.ABORTED, query, service_pb2.QueryResultRequest(
+            id=job.id, page_token=goes.next_page_token), timeout=10)
+        self.assertIn("begin again", error.details())
+
     def test_cancel_while_running_and_again(self):
         job = self.client.submit(fake_case("steps=10000 sleep_ms=5"))
         self.client.until_step(job.id, 3)
@@ -202,6 +250,8 @@ class Lifecycle(ServiceTest):
         info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
         self.assertEqual(info.workers, 2)
         self.assertIn("gRPC", info.build)
+        self.assertEqual((info.maximum_nodes, info.maximum_steps), (400000, 1000000))
+        self.assertGreater(info.maximum_memory_bytes, 1e8)
         alloys = self.client.stub.ListAlloys(service_pb2.ListAlloysRequest(), timeout=10).alloys
         self.assertIn("paper", [alloy.card for alloy in alloys])
 

@@ -1,8 +1,11 @@
 #!/usr/bin/python3
 """What is not right is refused with a remedy, and the daemon goes on."""
 import os
+import signal
 import socket
+import sqlite3
 import subprocess
+import time
 
 import grpc
 
@@ -143,8 +146,9 @@ class Refusal(ServiceTest):
             call = self.client.channel.unary_unary(
                 f"/dccast.v1.SimulationService/{method}", request_serializer=lambda b: b,
                 response_deserializer=lambda b: b)
-            with self.assertRaises(grpc.RpcError):
-                call(b"\xff\xff\xff\x07nonsense", timeout=10)
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, call,
+                                 b"\xff\xff\xff\x07nonsense", timeout=10)
+            self.assertIn("cannot be read", error.details())
 
     def test_the_worker_link_is_not_public(self):
         call = self.client.channel.stream_stream("/dccast.v1.WorkerLink/Run")
@@ -155,6 +159,158 @@ class Refusal(ServiceTest):
             # Hello {job_id: "a", token: "b"}, by hand: a caller who knows no token.
             hello = b"\x0a\x06\x0a\x01a\x12\x01b"
             self.refused(grpc.StatusCode.PERMISSION_DENIED, call, iter([hello]), timeout=10)
+
+
+class Checks(ServiceTest):
+    """What one check costs the others."""
+    settings = {"checkers": 1, "maximum_waiting_checks": 2, "check_timeout": "20 s"}
+
+    def validate(self, title):
+        return self.client.stub.ValidateCase.future(
+            service_pb2.ValidateCaseRequest(case=fake_case(title)), timeout=30)
+
+    def test_a_checker_is_kept(self):
+        before = self.daemon.checker_processes()
+        self.assertEqual(len(before), 1)
+        for i in range(5):
+            self.client.submit(fake_case(f"steps=1 number={i}"))
+        self.assertEqual(self.daemon.checker_processes(), before)
+
+    def test_a_checker_that_is_killed_costs_one_answer_that_can_be_asked_again(self):
+        idle, = self.daemon.checker_processes()
+        check = self.validate("check_ms=15000")
+        time.sleep(1)
+        os.kill(idle, signal.SIGKILL)
+        error = self.refused(grpc.StatusCode.UNAVAILABLE, check.result)
+        self.assertIn("try again", error.details())
+        self.client.submit(fake_case("steps=1"))
+
+    def test_more_checks_than_may_wait(self):
+        checks = [self.validate("check_ms=1500") for _ in range(6)]
+        begin = time.monotonic()
+        self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=5)
+        self.assertLess(time.monotonic() - begin, 1.0)
+        errors = [check.exception() for check in checks]
+        refused = [error for error in errors if error is not None]
+        self.assertIn(len(refused), (3, 4))  # the first may not have been begun when others came
+        for error in refused:
+            self.assertEqual(error.code(), grpc.StatusCode.RESOURCE_EXHAUSTED)
+            self.assertIn("try again", error.details())
+
+    def test_a_check_nobody_waits_for_is_stopped(self):
+        check = self.validate("check_ms=15000")
+        time.sleep(0.5)
+        check.cancel()
+        begin = time.monotonic()
+        self.client.submit(fake_case("steps=1"))  # there is one checker: it is free again
+        self.assertLess(time.monotonic() - begin, 5)
+
+    def test_a_check_that_was_cancelled_before_its_turn_is_not_begun(self):
+        first = self.validate("check_ms=2000")
+        time.sleep(0.3)
+        begin = time.monotonic()
+        self.validate("check_ms=15000").cancel()
+        self.client.submit(fake_case("steps=1"))
+        self.assertLess(time.monotonic() - begin, 8)
+        self.assertEqual(len(first.result().faults), 0)
+
+
+class SlowChecks(ServiceTest):
+    settings = {"check_timeout": "0.3 s"}
+
+    def test_a_check_beyond_its_time(self):
+        error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit,
+                             fake_case("check_ms=15000"))
+        self.assertIn("check_timeout", error.details())
+        self.assertIn("try again", error.details())
+
+
+class Ceilings(ServiceTest):
+    settings = {"maximum_nodes": 1000, "maximum_steps": 50, "maximum_memory": "1 MB"}
+
+    def test_a_case_may_not_permit_itself_more_than_the_daemon_does(self):
+        case = fake_case("steps=51 nodes=1001 memory=1100000")
+        case.limits.maximum_nodes = 10000000
+        case.limits.maximum_steps = 100000000
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(case=case),
+                                                timeout=10)
+        self.assertEqual([fault.field for fault in checked.faults], ["mesh", "time", "mesh"])
+        self.assertEqual([fault.permitted for fault in checked.faults],
+                         ["at most 1000", "at most 50", "at most 0.001 GB"])
+        for fault in checked.faults:
+            self.assertTrue(fault.value and fault.remedy)
+        self.assertFalse(checked.HasField("estimate"))
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+        self.client.submit(fake_case("steps=50 nodes=1000 memory=1000000"))
+        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        self.assertEqual((info.maximum_nodes, info.maximum_steps, info.maximum_memory_bytes),
+                         (1000, 50, 1e6))
+
+
+class OldStore(ServiceTest):
+    """A store that was filled, or damaged, by something else than this daemon."""
+
+    def store(self):
+        return os.path.join(self.folder, "data", "jobs.sqlite")
+
+    def ended_jobs(self, number):
+        ids = [self.client.submit(fake_case(f"steps=1 number={i}")).id for i in range(number)]
+        for job_id in ids:
+            self.client.until_state(job_id, job_pb2.SUCCEEDED)
+        return ids
+
+    def test_a_list_of_large_titles(self):
+        ids = self.ended_jobs(5)
+        self.daemon.terminate()
+        with sqlite3.connect(self.store()) as store:
+            store.execute("UPDATE job SET title = ?", ("é" * 2500000,))
+        store.close()
+        self.restart()
+        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        self.assertEqual({job.id for job in listed.jobs}, set(ids))
+        self.assertLess(listed.ByteSize(), 2**20)
+
+    def test_a_list_is_cut_by_bytes(self):
+        ids = self.ended_jobs(30)
+        self.daemon.terminate()
+        failure = job_pb2.Failure(message="x" * 1000000, residual_history=[1.0] * 100000)
+        with sqlite3.connect(self.store()) as store:
+            store.execute("UPDATE job SET failure = ?, state = ?",
+                          (failure.SerializeToString(), job_pb2.FAILED))
+        store.close()
+        self.restart()
+        seen, token = [], ""
+        while True:
+            page = self.client.stub.ListJobs(
+                service_pb2.ListJobsRequest(page_token=token), timeout=10)
+            self.assertLess(page.ByteSize(), 1.1 * 2**20)
+            seen += [job.id for job in page.jobs]
+            token = page.next_page_token
+            if not token:
+                break
+        self.assertEqual(sorted(seen), sorted(ids))
+
+    def test_a_damaged_page(self):
+        job_id, = self.ended_jobs(1)
+        self.daemon.terminate()
+        with open(self.store(), "r+b") as file:
+            content = file.read()
+            for page in range(4096, len(content), 4096):
+                # "corner", the monitor, stands in the two cases of the job only.
+                if b"\x0a\x06corner" in content[page:page + 4096]:
+                    file.seek(page)
+                    file.write(b"\xff" * 64)
+        try:
+            self.restart()
+        except RuntimeError as error:  # found when it was opened
+            self.assertIn("dccastd check", str(error))
+            return
+        error = self.refused(grpc.StatusCode.DATA_LOSS, self.client.stub.QueryResult,
+                             service_pb2.QueryResultRequest(id=job_id), timeout=10)
+        self.assertIn("dccastd check --repair", error.details())
+        self.assertIn("jobs.sqlite", error.details())
+        self.assertNotIn("SELECT", error.details())
+        self.assertIn("SELECT", self.daemon.said())
 
 
 class CommandLine(ServiceTest):
@@ -173,7 +329,16 @@ class CommandLine(ServiceTest):
                                 "data_directory=other", "--set",
                                 f"worker_program={self.daemon.settings['worker_program']}")
         self.assertEqual(ended.returncode, 4)
-        self.assertIn("cannot listen", ended.stderr)
+        self.assertIn("cannot listen on " + self.daemon.address, ended.stderr)
+        self.assertIn("in use", ended.stderr)
+        self.assertEqual(len(ended.stderr.splitlines()), 1, ended.stderr)
+
+    def test_a_port_that_is_none(self):
+        for port in ("65536", "99999", "-1", "", "7117x"):
+            ended = self.run_daemon("--set", f"listen=127.0.0.1:{port}")
+            self.assertEqual(ended.returncode, 2)
+            self.assertIn(f"listen = 127.0.0.1:{port}", ended.stderr)
+            self.assertIn("0 to 65535", ended.stderr)
 
     def test_settings_with_faults(self):
         ended = self.run_daemon("--set", "workers=-1", "--set", "wrokers=2")

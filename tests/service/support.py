@@ -22,8 +22,9 @@ TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 class Daemon:
     """One dccastd; its folder outlives it, so that it can be started again on it."""
 
-    def __init__(self, folder, worker="dccast-worker-fake", **settings):
+    def __init__(self, folder, worker="dccast-worker-fake", before_exec=None, **settings):
         self.folder = folder
+        self.before_exec = before_exec  # called in its process, e.g. to limit it
         self.port_file = os.path.join(folder, "port")
         self.settings = {"listen": "127.0.0.1:0", "port_file": self.port_file,
                          "data_directory": os.path.join(folder, "data"),
@@ -40,7 +41,8 @@ class Daemon:
         if os.path.exists(self.port_file):
             os.remove(self.port_file)
         self.log = open(os.path.join(self.folder, "daemon.log"), "ab")
-        self.process = subprocess.Popen(self.command(), stderr=self.log)
+        self.process = subprocess.Popen(self.command(), stderr=self.log,
+                                        preexec_fn=self.before_exec)
         until(lambda: os.path.exists(self.port_file) or self.process.poll() is not None, 15)
         if self.process.poll() is not None:
             raise RuntimeError(f"dccastd ended with {self.process.returncode}:\n{self.said()}")
@@ -70,7 +72,14 @@ class Daemon:
         return self.process is not None and self.process.poll() is None
 
     def worker_processes(self):
-        """Process ids of this daemon's workers."""
+        """Process ids of this daemon's workers that run jobs."""
+        return [process for process in self.children() if not is_checker(process)]
+
+    def checker_processes(self):
+        """Process ids of this daemon's workers that check cases."""
+        return [process for process in self.children() if is_checker(process)]
+
+    def children(self):
         found = []
         for name in os.listdir("/proc"):
             if not name.isdigit():
@@ -83,6 +92,14 @@ class Daemon:
             except OSError:
                 pass  # it ended while we looked
         return found
+
+
+def is_checker(process):
+    try:
+        with open(f"/proc/{process}/cmdline", "rb") as file:
+            return b"--serve-checks" in file.read()
+    except OSError:
+        return False
 
 
 class Client:
@@ -108,9 +125,18 @@ class Client:
     def cancel(self, job_id, reason=""):
         return self.stub.CancelJob(service_pb2.CancelJobRequest(id=job_id, reason=reason), timeout=10)
 
+    def pages(self, job_id, page_size=0):
+        """All pages of a job's history."""
+        pages, token = [], ""
+        while True:
+            pages.append(self.stub.QueryResult(service_pb2.QueryResultRequest(
+                id=job_id, page_size=page_size, page_token=token), timeout=20))
+            token = pages[-1].next_page_token
+            if not token:
+                return pages
+
     def steps(self, job_id):
-        return list(self.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id),
-                                          timeout=20).steps)
+        return [step for page in self.pages(job_id) for step in page.steps]
 
     def fetch(self, job_id, artifact="", offset=0):
         return list(self.stub.FetchResult(service_pb2.FetchResultRequest(
@@ -152,10 +178,12 @@ class ServiceTest(unittest.TestCase):
     """A test with a daemon and a client; both are gone after it."""
     settings = {}
     worker = "dccast-worker-fake"
+    before_exec = None
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="dccast-service-")
-        self.daemon = Daemon(self.folder, self.worker, **self.settings).start()
+        self.daemon = Daemon(self.folder, self.worker, type(self).before_exec,
+                             **self.settings).start()
         self.clients = []
         self.client = self.new_client()
 
@@ -184,8 +212,8 @@ class ServiceTest(unittest.TestCase):
             if hasattr(result, "__next__"):
                 list(result)
         self.assertEqual(caught.exception.code(), code, caught.exception.details())
-        if code != grpc.StatusCode.UNIMPLEMENTED:  # gRPC's own, without words
-            self.assertTrue(caught.exception.details())
+        if code not in (grpc.StatusCode.UNIMPLEMENTED, grpc.StatusCode.UNAVAILABLE):
+            self.assertTrue(caught.exception.details())  # those two may be gRPC's own
         return caught.exception
 
     def sound_events(self, events):

@@ -99,15 +99,16 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   const Script script(casting_case.title);
   CheckedCase checked;
   if (script.word("check") == "crash") std::abort();
+  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("check_ms", 0)));
   if (script.word("check") == "fault") {
     checked.faults.add("monitor[0].y", 7.0, "is outside the slab", "0 to 0.1 m", "move it");
     checked.faults.add("limits.maximum_steps", 10.0, "the case has 145 steps", "at least 145", "");
   }
-  checked.estimate = {.nodes = 1,
+  checked.estimate = {.nodes = script.number("nodes", 1),
                       .elements = 1,
                       .steps = script.number("steps", 20),
                       .solver_seconds = 0.0,
-                      .memory_bytes = 0.0};
+                      .memory_bytes = static_cast<double>(script.number("memory", 0))};
   return checked;
 }
 
@@ -123,7 +124,8 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
     advance(state);
     if (state.step == script.number("crash_at", -1)) std::abort();
     if (!resumed && state.step == script.number("crash_once_at", -1)) std::abort();
-    if (state.step == script.number("fail_at", -1))
+    if (state.step == script.number("fail_at", -1)) {
+      if (script.number("partial", 0) != 0) write_results(directory.path, script, state.step);
       return {RunEnd::failed,
               {{FailureKind::solve_failed,
                 "did not converge",
@@ -131,6 +133,7 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
                 1e-3,
                 {},
                 {1.0, 0.5}}}};
+    }
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
     const Order order = observer.on_step(report_of(state, steps, spent.count()));
     if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);

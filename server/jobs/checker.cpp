@@ -1,0 +1,177 @@
+#include "server/jobs/checker.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "server/jobs/process.hpp"
+#include "server/jobs/spawn.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+using Why = WorkerDidNotAnswer::Why;
+
+// How often a checker at work is looked at: a call that was cancelled keeps it no longer than this.
+constexpr int look_interval_ms = 20;
+// A frame of the largest mesh that is permitted takes a tenth of this; more is no answer.
+constexpr std::uint32_t largest_answer = 1u << 30;
+
+/// Waits until a child that has closed its link is gone. A program may close that some time before
+/// its end.
+void let_it_end(pid_t process) {
+  for (int i = 0; i < 100; ++i) {
+    siginfo_t ended{};
+    if (::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOWAIT | WNOHANG) != 0 ||
+        ended.si_pid == process)
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+/// Waits for the end of a child. @return its status; nothing when it is not ours to wait for
+std::optional<int> collect(pid_t process) {
+  int status = 0;
+  pid_t collected;
+  do collected = ::waitpid(process, &status, 0);
+  while (collected < 0 && errno == EINTR);
+  if (collected != process) return std::nullopt;
+  return status;
+}
+
+/// Its end of the socket is the program's standard input; what libraries print goes to our log.
+int spawn_checker(const std::filesystem::path& program, int socket, pid_t* process) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  const int error =
+      spawn(program, {program, "--serve-checks"}, worker_environment(), actions, process);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+[[noreturn]] void fail_to_start(const std::filesystem::path& program, int error) {
+  throw WorkerDidNotAnswer(Why::not_started,
+                           "cannot start " + program.string() + ": " + ::strerror(error));
+}
+
+std::string megabytes(std::int64_t bytes) {
+  return std::to_string(bytes / 1000000) + " MB";
+}
+
+}  // namespace
+
+Checker::Checker(const std::filesystem::path& worker_program, std::int64_t largest_bytes)
+    : name_(worker_program.filename().string() + " --serve-checks"), largest_bytes_(largest_bytes) {
+  std::array<int, 2> ends;
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    fail_to_start(worker_program, errno);
+  socket_ = FileDescriptor(ends[0]);
+  const FileDescriptor theirs(ends[1]);
+  if (const int error = spawn_checker(worker_program, theirs.get(), &process_)) {
+    process_ = 0;
+    fail_to_start(worker_program, error);
+  }
+}
+
+Checker::~Checker() {
+  if (process_ == 0) return;
+  ::kill(process_, SIGKILL);
+  collect(process_);
+}
+
+std::string Checker::ask(Question question, std::string_view text, const Patience& patience) {
+  std::array<std::uint32_t, 2> head{static_cast<std::uint32_t>(question),
+                                    static_cast<std::uint32_t>(text.size())};
+  send({reinterpret_cast<const char*>(head.data()), sizeof head}, patience);
+  send(text, patience);
+  std::string bytes(sizeof head, '\0');
+  receive(bytes, patience);
+  ::memcpy(head.data(), bytes.data(), sizeof head);
+  if (head[0] > 1 || head[1] > largest_answer)
+    throw WorkerDidNotAnswer(Why::died, name_ + " answered what is no answer");
+  bytes.resize(head[1]);
+  receive(bytes, patience);
+  ++answers_;
+  if (head[0] != 0) throw WorkerDidNotAnswer(Why::refused, bytes);
+  return bytes;
+}
+
+bool Checker::waits() const {
+  pollfd look{socket_.get(), POLLIN, 0};
+  return ::poll(&look, 1, 0) == 0;  // it says nothing unasked: anything readable is its end
+}
+
+std::int64_t Checker::resident_bytes() const {
+  std::ifstream file("/proc/" + std::to_string(process_) + "/statm");
+  std::int64_t all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * ::sysconf(_SC_PAGESIZE);
+}
+
+void Checker::wait_until(short events, const Patience& patience) const {
+  pollfd look{socket_.get(), events, 0};
+  for (;;) {
+    if (::poll(&look, 1, look_interval_ms) > 0) return;
+    if (patience.called_off())
+      throw WorkerDidNotAnswer(Why::called_off, "nobody waits for this answer any more");
+    if (std::chrono::steady_clock::now() > patience.deadline)
+      throw WorkerDidNotAnswer(Why::too_slow, name_ + " took longer than it may");
+    if (resident_bytes() > largest_bytes_)
+      throw WorkerDidNotAnswer(Why::too_large,
+                               name_ + " took more than " + megabytes(largest_bytes_));
+  }
+}
+
+void Checker::send(std::string_view bytes, const Patience& patience) {
+  while (!bytes.empty()) {
+    const auto sent =
+        ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent >= 0)
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    else if (errno == EAGAIN)
+      wait_until(POLLOUT, patience);
+    else if (errno != EINTR)
+      report_death();
+  }
+}
+
+void Checker::receive(std::string& bytes, const Patience& patience) {
+  std::size_t received = 0;
+  while (received < bytes.size()) {
+    const auto size =
+        ::recv(socket_.get(), bytes.data() + received, bytes.size() - received, MSG_DONTWAIT);
+    if (size > 0)
+      received += static_cast<std::size_t>(size);
+    else if (size < 0 && errno == EAGAIN)
+      wait_until(POLLIN, patience);
+    else if (size == 0 || errno != EINTR)
+      report_death();
+  }
+}
+
+void Checker::report_death() {
+  let_it_end(process_);
+  ::kill(process_, SIGKILL);
+  const auto status = collect(std::exchange(process_, 0));
+  if (!status) throw WorkerDidNotAnswer(Why::died, name_ + " has ended, how is not known");
+  const bool by_signal = WIFSIGNALED(*status);
+  const bool killed = by_signal && (WTERMSIG(*status) == SIGKILL || WTERMSIG(*status) == SIGTERM);
+  throw WorkerDidNotAnswer(killed ? Why::killed : Why::died,
+                           name_ + " ended with " + describe_exit(*status));
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <sys/types.h>
+
+#include "server/jobs/durable_file.hpp"
+
+namespace dccast::jobs {
+
+/// What the daemon does not answer in its own process. Each is asked with a serialised
+/// WorkerOrder.Start and answered with a serialised message.
+enum class Question : std::uint32_t {
+  check = 1,  ///< a ValidateCaseResponse on its case
+  frame = 2,  ///< the last Frame of the results in its directory
+};
+
+/// A question got no answer.
+class WorkerDidNotAnswer : public std::runtime_error {
+public:
+  enum class Why {
+    not_started,  ///< the program cannot be started, or not now
+    died,         ///< the question brought it down
+    killed,       ///< somebody killed it, e.g. the system when memory ran out
+    refused,      ///< it says itself why it cannot answer, or its answer cannot be read
+    too_slow,     ///< past the deadline; it was killed
+    too_large,    ///< it took more memory than it may; it was killed
+    called_off,   ///< nobody waits for the answer any more; it was killed
+  };
+  WorkerDidNotAnswer(Why why, const std::string& what) : std::runtime_error(what), why_(why) {}
+  Why why() const { return why_; }
+
+private:
+  Why why_;
+};
+
+/// How long a question may take and who still wants its answer.
+struct Patience {
+  std::chrono::steady_clock::time_point deadline;
+  std::function<bool()> called_off = [] { return false; };
+};
+
+/// One process of the worker program that answers question after question: a mesh or a result file
+/// that brings it down or keeps it busy for ever costs one answer, not the daemon.
+///
+/// Both ends speak over a socket: a question is its number and its length, 4 bytes each in the
+/// machine's order, then as many bytes; an answer is 0 (answered) or 1 (the text says why not) and
+/// its length, then as many bytes.
+class Checker {
+public:
+  /// @param largest_bytes  of memory that it may take for one answer
+  /// @throws WorkerDidNotAnswer  it cannot be started
+  Checker(const std::filesystem::path& worker_program, std::int64_t largest_bytes);
+  Checker(const Checker&) = delete;
+  /// Kills the process.
+  ~Checker();
+
+  /// @throws WorkerDidNotAnswer  save for `refused`, this checker must not be asked again then
+  std::string ask(Question question, std::string_view text, const Patience& patience);
+
+  /// Whether nothing has happened to it while it waited.
+  bool waits() const;
+  int answers() const { return answers_; }
+  std::int64_t resident_bytes() const;
+
+private:
+  void wait_until(short events, const Patience& patience) const;
+  void send(std::string_view bytes, const Patience& patience);
+  void receive(std::string& bytes, const Patience& patience);
+  [[noreturn]] void report_death();
+
+  std::string name_;
+  std::int64_t largest_bytes_;
+  FileDescriptor socket_;
+  pid_t process_ = 0;  ///< 0: collected
+  int answers_ = 0;
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,30 @@
+#include "server/service/call.hpp"
+
+#include <grpcpp/server_context.h>
+
+#include <algorithm>
+
+namespace dccast::service {
+
+Call call_of(grpc::CallbackServerContext& context, LocalUsers& users) {
+  return {.caller = users.name_of(context.peer()),
+          .role = Role::admin,
+          .deadline = context.deadline(),
+          .cancelled = [&context] { return context.IsCancelled(); }};
+}
+
+std::optional<grpc::Status> no_longer_wanted(const Call& call) {
+  if (call.cancelled()) return grpc::Status(grpc::StatusCode::CANCELLED, "the caller has left");
+  if (std::chrono::system_clock::now() < call.deadline) return std::nullopt;
+  return grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
+                      "the call waited until its deadline; try again");
+}
+
+jobs::Patience patience(const Call& call, std::chrono::milliseconds most) {
+  const auto left = call.deadline - std::chrono::system_clock::now();
+  return {
+      .deadline = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, most),
+      .called_off = call.cancelled};
+}
+
+}  // namespace dccast::service

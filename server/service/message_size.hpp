@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::service {
+
+/// What an answer that could go on without end is cut to [bytes]. A client's gRPC takes 4 MiB
+/// unless told otherwise.
+inline constexpr std::size_t page_bytes = 1 << 20;
+
+/// Cuts what a job says about itself until it is fit for an answer with others: first its title to
+/// 1 KiB, then the monitors of its last step, the residuals and the texts of its failure. Cases of
+/// today are bounded by the schema; those in a store of an earlier version may hold anything.
+void fit_into_list(v1::Job& job);
+
+}  // namespace dccast::service
