@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,6 +66,20 @@ struct CheckpointPolicy {
   double every_seconds = 30.0;  ///< of wall time; 0: none by time
 };
 
+enum class WhenLost {
+  stop,   ///< the run fails
+  go_on,  ///< every later step is marked
+};
+
+/// Limits of the model; how they were chosen stands in docs/validity.md.
+struct Validity {
+  WhenLost when_lost = WhenLost::stop;
+  double maximum_liquid_pressure_error = 0.15;  ///< relative; of the prestressed liquid only
+  double maximum_rotation = 10.0 * std::numbers::pi / 180.0;  ///< [rad]
+  double maximum_slip = 0.02;                                 ///< [m]
+  double minimum_shell = 0.0;                                 ///< [m]; 0: any solid path
+};
+
 struct Limits {
   std::int64_t maximum_nodes = 400000;
   std::int64_t maximum_steps = 200000;
@@ -83,6 +98,7 @@ struct Case {
   std::vector<Monitor> monitors;
   OutputOptions output;
   CheckpointPolicy checkpoint;
+  Validity validity;
   Limits limits;
   /// The case in the form it was submitted (JSON), kept in the result file for provenance.
   std::string source_json;

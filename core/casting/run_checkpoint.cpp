@@ -106,6 +106,7 @@ Sections to_sections(const RunState& state, const std::string& fingerprint) {
   s.set("heat/temperature_c", state.heat.temperature);
   s.set("heat/liquid_fraction", state.heat.liquid_fraction);
   write_slab(state.slab, s);
+  write_validity(state.validity, s);
   write_failures(state.failures, s);
   return s;
 }
@@ -124,6 +125,7 @@ bool from_sections(const Sections& s, const std::string& fingerprint, RunState& 
     state.heat.temperature = s.reals("heat/temperature_c");
     state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
     read_slab(s, state.slab);
+    state.validity = read_validity(s);
     state.failures = read_failures(s);
     return true;
   } catch (const std::out_of_range&) {

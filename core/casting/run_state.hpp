@@ -5,6 +5,7 @@
 
 #include "core/casting/case.hpp"
 #include "core/casting/run_failure.hpp"
+#include "core/casting/validity/validity_state.hpp"
 #include "core/mechanics/slab_state.hpp"
 #include "core/results/sections.hpp"
 #include "core/thermal/heat_solver.hpp"
@@ -24,6 +25,7 @@ struct RunState {
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
   mechanics::SlabState<2> slab;
+  ValidityState validity;
 };
 
 /// A state as the sections of a checkpoint, and back.

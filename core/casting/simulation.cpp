@@ -64,9 +64,17 @@ RunFailure failure_of(const SolveFailed& error) {
           error.time_step(),         {},           error.residual_history()};
 }
 
-results::RunSummary summary_of(const RunFailures& failures) {
-  if (failures.empty()) return {};
-  return {name_of(failures.front().kind), in_words(failures)};
+results::RunSummary summary_of(const RunState& state) {
+  results::RunSummary summary;
+  if (!state.failures.empty())
+    summary = {name_of(state.failures.front().kind), in_words(state.failures)};
+  summary.validity_lost = state.validity.lost;
+  return summary;
+}
+
+RunFailure failure_of(const ValidityLoss& loss, double time_step) {
+  return {failure_kind(loss.kind).value(),        loss.message, loss.time, time_step,
+          {loss.place.begin(), loss.place.end()}, {}};
 }
 
 /// Decides when a checkpoint is due: by steps, or by the wall clock.
@@ -94,6 +102,7 @@ public:
         observer_(observer),
         run_(c),
         clock_(c.checkpoint),
+        when_lost_(c.validity.when_lost),
         header_(header_of(c)),
         files_{directory.path / journal_name, directory.path / results_name} {}
 
@@ -136,6 +145,7 @@ private:
     writer_.emplace(std::move(*resumed.writer));
     run_.restore(state);
     observer_.on_resumed(state.step, state.time);
+    if (state.validity.lost) observer_.on_validity_lost(*state.validity.lost);
   }
 
   /// Stores and reports a step. @return the outcome when the run ends here by order
@@ -144,6 +154,7 @@ private:
     if (std::string fault = failed_check(report); !fault.empty())
       run_.fail(
           {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
+    note_lost_validity(report);
     if (run_.frame_is_due() || over()) {
       writer_->append(run_.take_frame());
       writer_->flush();
@@ -155,6 +166,14 @@ private:
     if (!stop) return std::nullopt;
     writer_->wait();
     return RunOutcome{RunEnd::stopped, {}};
+  }
+
+  /// In the step that loses it.
+  void note_lost_validity(const results::StepReport& report) {
+    const auto& lost = run_.state().validity.lost;
+    if (!lost || lost->time != report.time) return;
+    if (when_lost_ == WhenLost::stop) run_.fail(failure_of(*lost, report.time_step));
+    observer_.on_validity_lost(*lost);
   }
 
   /// Whether a failure of a step has ended the run before its time.
@@ -170,7 +189,7 @@ private:
   RunOutcome conclude() {
     const RunFailures& failures = run_.state().failures;
     try {
-      writer_->publish(summary_of(failures));
+      writer_->publish(summary_of(run_.state()));
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
@@ -203,6 +222,7 @@ private:
   StepObserver& observer_;
   SlabRun<Element> run_;
   CheckpointClock clock_;
+  WhenLost when_lost_;
   results::RunHeader header_;
   results::RunFiles files_;
   std::optional<results::ResultWriter> writer_;

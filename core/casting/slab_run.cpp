@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "core/casting/monitors.hpp"
+#include "core/casting/validity/motion.hpp"
 #include "core/mesh/gmsh_reader.hpp"
 
 namespace dccast::casting {
@@ -45,7 +46,7 @@ SlabRun<Element>::SlabRun(const Case& c)
     : case_(c), schedule_(c), control_(c.time.minimum_step), mesh_(c), heat_(c, mesh_.mesh()),
       mechanics_(material::MechanicalProperties(c.alloy), c.mechanics.options),
       initial_level_(largest(mesh_.mesh(), 1)),
-      face_length_(fem::is_ring<Element> ? largest(mesh_.mesh(), 0) : 1.0) {
+      face_length_(fem::is_ring<Element> ? largest(mesh_.mesh(), 0) : 1.0), validity_(c) {
   mechanics_.set_mesh(mesh_.mesh());
   state_.time = schedule_.begin();
   state_.next_frame = state_.time;
@@ -215,15 +216,7 @@ results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed
   r.energy_balance_error = accepted.heat.balance.error;
   r.wall_heat_flux = (accepted.heat.balance.side + accepted.heat.balance.bottom) /
                      (accepted.time_step * face_length_);
-  if (state_.slab.started) {
-    const mechanics::SlabChecks& checks = mechanics_.checks();
-    r.equilibrium_residual = checks.equilibrium_residual;
-    r.complementarity_error = checks.complementarity_error;
-    r.bottom_reaction = checks.bottom_reaction / face_length_;
-    r.weight = checks.weight / face_length_;
-    r.contact_length = checks.contact_length;
-    r.liquid_pressure_error = checks.liquid_pressure_error;
-  }
+  if (state_.slab.started) report_mechanics(r);
   const double level = metal_level();
   r.sump_depth = sump_depth(mesh(), state_.heat.temperature, level, case_.alloy.coherency);
   r.mould_exit_temperature =
@@ -240,6 +233,37 @@ results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed
   r.solver_seconds = state_.solver_seconds;
   r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
   return r;
+}
+
+template <class Element>
+void SlabRun<Element>::report_mechanics(results::StepReport& r) {
+  const mechanics::SlabChecks& checks = mechanics_.checks();
+  r.equilibrium_residual = checks.equilibrium_residual;
+  r.complementarity_error = checks.complementarity_error;
+  r.bottom_reaction = checks.bottom_reaction / face_length_;
+  r.weight = checks.weight / face_length_;
+  r.contact_length = checks.contact_length;
+  r.liquid_pressure_error = checks.liquid_pressure_error;
+  const SolidMotion motion =
+      validity_.judge({state_.time, mesh(), state_.slab, state_.heat.temperature,
+                       mesh().elements() - growing_elements(), liquid_pressure_error()},
+                      state_.validity);
+  r.maximum_rotation = motion.rotation;
+  r.bottom_slip = motion.slip;
+  r.beyond_validity = state_.validity.lost.has_value();
+}
+
+template <class Element>
+Extreme SlabRun<Element>::liquid_pressure_error() const {
+  const mechanics::SlabChecks& checks = mechanics_.checks();
+  if (checks.worst_liquid < 0) return {};
+  return {checks.liquid_pressure_error, centroid(mesh(), checks.worst_liquid)};
+}
+
+/// Elements of the row that stretches with the metal level; none once the metal stands.
+template <class Element>
+int SlabRun<Element>::growing_elements() const {
+  return mesh_.grows() ? mesh().elements() / mesh_.built_in()->rows() : 0;
 }
 
 template class SlabRun<fem::P1Triangle>;

@@ -11,6 +11,7 @@
 #include "core/casting/heat_source.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/casting/step_control.hpp"
+#include "core/casting/validity/validity.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "core/results/frame.hpp"
@@ -76,6 +77,9 @@ private:
   std::vector<double> bottom_gap() const;
   double metal_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
+  void report_mechanics(results::StepReport& report);
+  Extreme liquid_pressure_error() const;
+  int growing_elements() const;
 
   Case case_;
   CastingSchedule schedule_;
@@ -85,6 +89,7 @@ private:
   mechanics::SlabMechanics<Element> mechanics_;
   double initial_level_;
   double face_length_;  ///< that heat and forces of a step stand for: 1 m, of a billet [m/rad]
+  ValidityJudge validity_;
   RunState state_;
 };
 

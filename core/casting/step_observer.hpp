@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "core/results/step_report.hpp"
+#include "core/results/validity_loss.hpp"
 
 namespace dccast::casting {
 
@@ -20,6 +21,9 @@ public:
   virtual Order on_step(const results::StepReport& report) = 0;
   /// The run went on from a checkpoint; steps after `step` are reported (again).
   virtual void on_resumed(std::int64_t step, double time) = 0;
+  /// The model is no longer valid: the step reported next and all later ones are marked. Said once,
+  /// and again after a resumption. Who only collects steps has their marks.
+  virtual void on_validity_lost(const results::ValidityLoss&) {}
   virtual void on_message(std::string_view text) = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "core/material/mechanical_properties.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dccast::material {
@@ -13,6 +14,10 @@ double MechanicalProperties::bulk_modulus(double temperature) const {
 
 double MechanicalProperties::shear_modulus(double temperature) const {
   return card_.young_modulus(temperature) / (2.0 * (1.0 + card_.poisson_ratio(temperature)));
+}
+
+double MechanicalProperties::kappa(double temperature) const {
+  return creep_.kappa(std::min(temperature, card_.liquidus));
 }
 
 double MechanicalProperties::thermal_stretch(double temperature) const {

@@ -6,6 +6,10 @@
 namespace dccast::material {
 
 /// What mechanics asks of an alloy at a temperature [°C].
+///
+/// Outside its range a table of the card is held at its end. Creep, a formula, is held at the liquidus:
+/// Arrhenius' factor would go on growing in metal that is no longer solid, which the paper's law says
+/// nothing of. It shows with `liquid = "solid"` alone; a liquid element has no creep.
 class MechanicalProperties {
 public:
   explicit MechanicalProperties(const AlloyCard& card);
@@ -21,6 +25,8 @@ public:
   /// thermal strain between two temperatures, exactly, through the mushy interval as well.
   double thermal_stretch(double temperature) const;
   const NortonHoff& creep() const { return creep_; }
+  /// kappa(T) of the creep law, above the liquidus that of the liquidus [Pa^-(q-1)/s].
+  double kappa(double temperature) const;
   double coherency() const { return card_.coherency; }  ///< [°C]
   double liquidus() const { return card_.liquidus; }    ///< [°C]
   double solidus() const { return card_.solidus; }      ///< [°C]

@@ -172,12 +172,11 @@ void SlabMechanics<Element>::start(State& state, std::span<const double> tempera
 }
 
 /// Birth of solid: strain counts from the total strain of this moment, thermal strain from the
-/// coherency temperature, stress from minus the metallostatic pressure.
+/// temperature `at`, stress from minus the metallostatic pressure.
 template <class Element>
-void SlabMechanics<Element>::be_born(State& state, int e, double metal_level) const {
+void SlabMechanics<Element>::be_born(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
                           std::max(0.0, metal_level - centroid_height(e));
-  const double at = properties_.coherency();
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
   state.solid[std::size_t(e)] = 1;
   for (std::size_t q = 0; q < points; ++q) {
@@ -202,10 +201,13 @@ void SlabMechanics<Element>::melt(State& state, int e) const {
 
 template <class Element>
 void SlabMechanics<Element>::set_phases(State& state, const SlabStepInput& input) const {
-  if (options_.liquid == Liquid::solid) return;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const bool solid = element_temperature(e, input.temperature) < properties_.coherency();
-    if (solid && state.solid[std::size_t(e)] == 0) be_born(state, e, input.metal_level);
+    const double t = element_temperature(e, input.temperature);
+    const bool at_once = options_.liquid == Liquid::solid;
+    const bool solid = at_once || t < properties_.coherency();
+    if (solid && state.solid[std::size_t(e)] == 0) {
+      be_born(state, e, input.metal_level, at_once ? t : properties_.coherency());
+    }
     if (!solid && state.solid[std::size_t(e)] != 0) melt(state, e);
   }
 }
@@ -230,7 +232,7 @@ void SlabMechanics<Element>::set_materials(const State& state, const SlabStepInp
       const double t = element_temperature(e, input.temperature);
       problem_.bulk[i] = properties_.bulk_modulus(t);
       problem_.shear[i] = properties_.shear_modulus(t);
-      problem_.kappa[i] = properties_.creep().kappa(t);
+      problem_.kappa[i] = properties_.kappa(t);
       problem_.thermal[i] = properties_.thermal_stretch(t);
     } else {
       problem_.bulk[i] = lambda_liquid + 2.0 / 3.0 * mu_liquid;
@@ -326,17 +328,18 @@ void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknown
   state.displacement = std::move(unknowns.displacement);
   if (options_.contact) state.contact = std::move(unknowns.contact);
   state.contact_multiplier = std::move(unknowns.contact_multiplier);
-  checks_.liquid_pressure_error = liquid_pressure_error(state, input.metal_level);
+  check_liquid_pressure(state, input.metal_level);
 }
 
 template <class Element>
-double SlabMechanics<Element>::liquid_pressure_error(const State& state, double metal_level) const {
+void SlabMechanics<Element>::check_liquid_pressure(const State& state, double metal_level) {
   std::vector<char> of_solid(std::size_t(mesh_->nodes()), 0);
   for (int e = 0; e < mesh_->elements(); ++e) {
     if (state.solid[std::size_t(e)] == 0) continue;
     for (std::size_t i = 0; i < nodes; ++i) of_solid[std::size_t(mesh_->nodes_of(e)[i])] = 1;
   }
-  double difference = 0.0, scale = 0.0;
+  double difference = 0.0, scale = 0.0, worst = 0.0;
+  checks_.worst_liquid = -1;
   for (int e = 0; e < mesh_->elements(); ++e) {
     if (state.solid[std::size_t(e)] != 0) continue;
     const int* node = mesh_->nodes_of(e);
@@ -346,10 +349,15 @@ double SlabMechanics<Element>::liquid_pressure_error(const State& state, double 
     const double exact = -properties_.liquid_density() * options_.gravity *
                          (metal_level - centroid_height(e));
     const double error = state.pressure[std::size_t(e) * points] - exact;
-    difference += geometry_.cell(e).volume * error * error;
+    const double share = geometry_.cell(e).volume * error * error;
+    if (share > worst) {
+      worst = share;
+      checks_.worst_liquid = e;
+    }
+    difference += share;
     scale += geometry_.cell(e).volume * exact * exact;
   }
-  return scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
+  checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
 }
 
 template class SlabMechanics<fem::P1Triangle>;

@@ -27,6 +27,7 @@ struct SlabChecks {
   /// Root mean square error of the pressure in the liquid along its front against rho_l g depth,
   /// relative; zero without liquid.
   double liquid_pressure_error = 0.0;
+  int worst_liquid = -1;  ///< element with the largest share in that error; -1 without one
 };
 
 /// The slab as a mechanical body (paper sections 2.2 and 3.4): which elements carry stress, what
@@ -74,14 +75,14 @@ private:
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
   Tensor strain(int e, std::size_t point, std::span<const double> u) const;
-  void be_born(State& state, int e, double metal_level) const;
+  void be_born(State& state, int e, double metal_level, double at) const;
   void melt(State& state, int e) const;
   void set_phases(State& state, const SlabStepInput& input) const;
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);
   void set_supports(State& state, std::span<const double> temperature);
   void finish(State& state, StepUnknowns<Element>& unknowns, const SlabStepInput& input);
-  double liquid_pressure_error(const State& state, double metal_level) const;
+  void check_liquid_pressure(const State& state, double metal_level);
 
   material::MechanicalProperties properties_;
   Options options_;

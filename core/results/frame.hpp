@@ -2,8 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "core/results/validity_loss.hpp"
 
 namespace dccast::results {
 
@@ -74,6 +77,7 @@ struct RunHeader {
 struct RunSummary {
   std::string outcome = "succeeded";  ///< "succeeded", or the kind of failure: SCHEMA.md
   std::string message;                ///< the cause where it did not succeed, and what followed it
+  std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< nothing while all is an answer
 };
 
 }  // namespace dccast::results

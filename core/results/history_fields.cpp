@@ -29,6 +29,12 @@ const std::array fields{
                  &R::energy_balance_error},
     HistoryField{"liquid_pressure_error", "1",
                  "relative error of the pressure on the liquidus front", &R::liquid_pressure_error},
+    HistoryField{"maximum_rotation_rad", "rad", "largest turn of a solid element since it solidified",
+                 &R::maximum_rotation},
+    HistoryField{"bottom_slip_m", "m", "slide of the butt over the block beyond thermal contraction",
+                 &R::bottom_slip},
+    HistoryField{"beyond_validity", "1", "1 from the step on that left the model's limits",
+                 &R::beyond_validity},
     HistoryField{"wall_heat_flux_w_per_m", "W/m", "heat out of side and bottom",
                  &R::wall_heat_flux},
     HistoryField{"bottom_reaction_n_per_m", "N/m", "upward force of the bottom block",
@@ -61,12 +67,15 @@ void set_real(const HistoryField& field, StepReport& report, double value) {
 
 std::int64_t integer_value(const HistoryField& field, const StepReport& report) {
   if (const auto* member = std::get_if<int StepReport::*>(&field.member)) return report.**member;
+  if (const auto* flag = std::get_if<bool StepReport::*>(&field.member)) return report.**flag ? 1 : 0;
   return report.*std::get<std::int64_t StepReport::*>(field.member);
 }
 
 void set_integer(const HistoryField& field, StepReport& report, std::int64_t value) {
   if (const auto* member = std::get_if<int StepReport::*>(&field.member))
     report.** member = static_cast<int>(value);
+  else if (const auto* flag = std::get_if<bool StepReport::*>(&field.member))
+    report.** flag = value != 0;
   else
     report.*std::get<std::int64_t StepReport::*>(field.member) = value;
 }

@@ -13,7 +13,9 @@ struct HistoryField {
   const char* name;  ///< dataset below /history
   const char* unit;
   const char* meaning;
-  std::variant<double StepReport::*, int StepReport::*, std::int64_t StepReport::*> member;
+  std::variant<double StepReport::*, int StepReport::*, std::int64_t StepReport::*,
+               bool StepReport::*>
+      member;
 
   bool real() const { return member.index() == 0; }
 };
@@ -25,7 +27,7 @@ std::span<const HistoryField> history_fields();
 /// The value of a real field. @pre field.real()
 double real_value(const HistoryField& field, const StepReport& report);
 void set_real(const HistoryField& field, StepReport& report, double value);
-/// The value of an integer field. @pre !field.real()
+/// The value of an integer field, 0 or 1 of a flag. @pre !field.real()
 std::int64_t integer_value(const HistoryField& field, const StepReport& report);
 void set_integer(const HistoryField& field, StepReport& report, std::int64_t value);
 

@@ -100,6 +100,19 @@ void write_history(File& file, const std::vector<StepReport>& steps, std::size_t
              "(step, monitor, x and y)");
 }
 
+void write_validity_loss(File& file, const ValidityLoss& loss) {
+  const char* group = "/validity_loss";
+  file.create_group(group);
+  file.write_attribute(group, "kind", loss.kind);
+  file.write_attribute(group, "message", loss.message);
+  file.write_attribute(group, "time_s", loss.time);
+  file.write_attribute(group, "x_m", loss.place[0]);
+  file.write_attribute(group, "y_m", loss.place[1]);
+  file.write_attribute(group, "value", loss.value);
+  file.write_attribute(group, "limit", loss.limit);
+  file.write_attribute(group, "unit", loss.unit);
+}
+
 }  // namespace
 
 ResultFileBuilder::ResultFileBuilder(std::filesystem::path journal,
@@ -139,6 +152,7 @@ void ResultFileBuilder::finish(const RunSummary& summary) {
   write_history(file_, steps_, monitors_);
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);
+  if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);
   file_.write_attribute("/frames", "count", static_cast<std::int64_t>(frames_.size()));
   file_.close();
 }

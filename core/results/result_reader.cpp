@@ -46,6 +46,7 @@ int columns_of(const File& file, const std::string& object) {
 
 void read_field(const File& file, const HistoryField& field, std::vector<StepReport>& steps) {
   const std::string object = history_dataset(field.name);
+  if (!file.has(object)) return;  // of a program that did not know it yet
   if (field.real()) {
     const auto values = file.read_reals(object);
     for (std::size_t i = 0; i < steps.size(); ++i) set_real(field, steps[i], values.at(i));
@@ -53,6 +54,18 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
     const auto values = file.read_integers(object);
     for (std::size_t i = 0; i < steps.size(); ++i) set_integer(field, steps[i], values.at(i));
   }
+}
+
+std::optional<ValidityLoss> validity_loss_of(const File& file) {
+  const char* group = "/validity_loss";
+  if (!file.has(group)) return std::nullopt;
+  return ValidityLoss{file.text_attribute(group, "kind"),
+                      file.text_attribute(group, "message"),
+                      file.real_attribute(group, "time_s"),
+                      {file.real_attribute(group, "x_m"), file.real_attribute(group, "y_m")},
+                      file.real_attribute(group, "value"),
+                      file.real_attribute(group, "limit"),
+                      file.text_attribute(group, "unit")};
 }
 
 }  // namespace
@@ -83,7 +96,8 @@ RunHeader ResultReader::header() const {
 }
 
 RunSummary ResultReader::summary() const {
-  return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message")};
+  return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message"),
+          validity_loss_of(*file_)};
 }
 
 std::vector<StepReport> ResultReader::history() const {

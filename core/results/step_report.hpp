@@ -36,6 +36,9 @@ struct StepReport {
   double complementarity_error = 0.0;
   double constitutive_residual = 0.0;
   double liquid_pressure_error = 0.0;
+  bool beyond_validity = false;
+  double maximum_rotation = 0.0;
+  double bottom_slip = 0.0;
 };
 
 }  // namespace dccast::results

@@ -206,6 +206,17 @@ casting::TimeControl time_control(const v1::TimeControl& from) {
   return to;
 }
 
+casting::Validity validity(const v1::Validity& from) {
+  casting::Validity to;
+  if (from.when_lost() == v1::Validity::CONTINUE) to.when_lost = casting::WhenLost::go_on;
+  if (from.has_maximum_liquid_pressure_error())
+    to.maximum_liquid_pressure_error = from.maximum_liquid_pressure_error();
+  if (from.has_maximum_rotation_rad()) to.maximum_rotation = from.maximum_rotation_rad();
+  if (from.has_maximum_slip_m()) to.maximum_slip = from.maximum_slip_m();
+  if (from.has_minimum_shell_m()) to.minimum_shell = from.minimum_shell_m();
+  return to;
+}
+
 void small_tables(const v1::Case& from, casting::Case& to) {
   if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
   if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
@@ -239,6 +250,7 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.thermal = thermal_options(complete.thermal(), attachments);
   to.mechanics = mechanics_case(complete.mechanics());
   to.time = time_control(complete.time());
+  to.validity = validity(complete.validity());
   small_tables(complete, to);
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;

@@ -1,5 +1,8 @@
 #include "server/translate/step_to_proto.hpp"
 
+#include <algorithm>
+#include <cctype>
+
 namespace dccast::translate {
 
 namespace {
@@ -34,6 +37,16 @@ v1::Failure::Kind to_proto(casting::FailureKind kind) {
   return v1::Failure::INTERNAL;
 }
 
+/// By its name in results.h5, which is that of the schema in lower case.
+v1::Failure::Kind kind_named(std::string name) {
+  std::ranges::transform(name, name.begin(), [](char c) {
+    return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  });
+  v1::Failure::Kind kind = v1::Failure::KIND_UNSPECIFIED;
+  v1::Failure::Kind_Parse(name, &kind);
+  return kind;
+}
+
 }  // namespace
 
 v1::StepReport to_proto(const results::StepReport& report,
@@ -65,6 +78,9 @@ v1::StepReport to_proto(const results::StepReport& report,
   to.set_complementarity_error(report.complementarity_error);
   to.set_constitutive_residual(report.constitutive_residual);
   to.set_liquid_pressure_error(report.liquid_pressure_error);
+  to.set_beyond_validity(report.beyond_validity);
+  to.set_maximum_rotation_rad(report.maximum_rotation);
+  to.set_bottom_slip_m(report.bottom_slip);
   return to;
 }
 
@@ -81,6 +97,18 @@ v1::Failure to_proto(const casting::RunFailures& failures) {
   for (std::size_t i = 1; i < failures.size(); ++i)
     to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
                           failures[i].message);
+  return to;
+}
+
+v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
+  v1::ValidityLoss to;
+  to.set_kind(kind_named(loss.kind));
+  to.set_message(loss.message);
+  to.set_time_s(loss.time);
+  to.mutable_place_m()->Add(loss.place.begin(), loss.place.end());
+  to.set_value(loss.value);
+  to.set_limit(loss.limit);
+  to.set_unit(loss.unit);
   return to;
 }
 

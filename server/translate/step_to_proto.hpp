@@ -15,4 +15,6 @@ v1::StepReport to_proto(const results::StepReport& report,
 /// @param failures  of a run, the cause first; at least one
 v1::Failure to_proto(const casting::RunFailures& failures);
 
+v1::ValidityLoss to_proto(const results::ValidityLoss& loss);
+
 }  // namespace dccast::translate

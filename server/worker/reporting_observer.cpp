@@ -20,6 +20,12 @@ void ReportingObserver::on_resumed(std::int64_t step, double time) {
   link_.send(std::move(message));
 }
 
+void ReportingObserver::on_validity_lost(const results::ValidityLoss& loss) {
+  v1::WorkerMessage message;
+  *message.mutable_validity_lost() = translate::to_proto(loss);
+  link_.send(std::move(message));
+}
+
 void ReportingObserver::on_message(std::string_view text) {
   v1::WorkerMessage message;
   message.mutable_message()->set_level(v1::JobEvent::Message::INFO);

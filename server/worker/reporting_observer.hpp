@@ -15,6 +15,7 @@ public:
       : link_(link), monitors_(monitors) {}
   casting::Order on_step(const results::StepReport& report) override;
   void on_resumed(std::int64_t step, double time) override;
+  void on_validity_lost(const results::ValidityLoss& loss) override;
   void on_message(std::string_view text) override;
 
 private:

@@ -18,6 +18,14 @@ TEST(MechanicalProperties, ElasticConstantsOfTheHotMetalAreThoseOfTheTable) {
   EXPECT_DOUBLE_EQ(paper.shear_modulus(20.0), 67e9 / (2.0 * 1.3134));
 }
 
+/// As with the tables, what lies above the liquidus is not extrapolated: Arrhenius' factor would be
+/// 12 times larger at 780 °C.
+TEST(MechanicalProperties, CreepAboveTheLiquidusIsThatOfTheLiquidus) {
+  EXPECT_EQ(paper.kappa(780.0), paper.kappa(649.0));
+  EXPECT_EQ(paper.kappa(649.0), paper.creep().kappa(649.0));
+  EXPECT_LT(paper.kappa(640.0), paper.kappa(649.0));
+}
+
 /// numerics 1.11: -4.33 % from the liquidus to 20 °C, -2.64 % of it in the mushy interval.
 TEST(MechanicalProperties, ThermalStretchHasTheClosedForm) {
   EXPECT_EQ(paper.thermal_stretch(649.0), 1.0);

@@ -133,5 +133,41 @@ TYPED_TEST(BirthOf, WithoutALiquidAllIsSolidFromTheStart) {
   EXPECT_THAT(bench.state.solid, Each(1));
 }
 
+TYPED_TEST(BirthOf, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
+  Options options = balanced_to(hydrostatic);
+  options.liquid = Liquid::solid;
+  SlabBench<TypeParam> bench(options);
+  bench.start(molten);
+  bench.step(molten);
+  const int per_row = this->elements() / bench.slab.rows();
+  const int first_moved = this->elements() - per_row;
+  bench.slab.grow_to(0.14);
+  bench.mechanics.follow_growth(bench.state, bench.slab.mesh(), bench.slab.nodes_per_row(),
+                                first_moved);
+  bench.step(molten);
+  EXPECT_THAT(bench.state.solid, Each(1));
+  for (int e = 0; e < bench.slab.mesh().elements(); ++e) {
+    EXPECT_LE(bench.state.pressure[std::size_t(e) * TypeParam::points], 0.0) << "it rests in itself";
+  }
+}
+
+/// Metal that is called solid at 780 °C creeps as at its liquidus, not twelve times as fast.
+TYPED_TEST(BirthOf, WithoutALiquidCreepIsHeldAtTheLiquidus) {
+  const auto creep_at = [](double temperature) {
+    Options options = balanced_to(hydrostatic);
+    options.liquid = Liquid::solid;
+    SlabBench<TypeParam> bench(options);
+    const auto uniform = [=](double, double) { return temperature; };
+    bench.start(uniform);
+    bench.step(uniform);
+    double largest = 0.0;
+    for (const auto& v : bench.state.viscoplastic) largest = std::max(largest, v.norm());
+    return largest;
+  };
+  const double at_liquidus = creep_at(649.0);
+  EXPECT_GT(at_liquidus, 0.0);
+  EXPECT_NEAR(creep_at(780.0), at_liquidus, 1e-6 * at_liquidus);
+}
+
 }  // namespace
 }  // namespace dccast::mechanics

@@ -30,6 +30,18 @@ TEST(ResultFile, ReturnsHeaderAndSummary) {
   EXPECT_EQ(reader.header(), sample_header());
   EXPECT_EQ(reader.summary().outcome, "check_failed");
   EXPECT_EQ(reader.summary().message, "the energy balance");
+  EXPECT_FALSE(reader.summary().validity_lost);
+}
+
+TEST(ResultFile, TellsWhenTheModelWasLeft) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+  RunSummary summary;
+  summary.validity_lost = {"motion_too_large", "it slid", 1.0 / 3.0, {0.1, 0.2}, 0.03, 0.02, "m"};
+  writer.publish(summary);
+  const RunSummary read = ResultReader(folder / "r.h5").summary();
+  EXPECT_EQ(read.outcome, "succeeded");
+  EXPECT_EQ(read.validity_lost, summary.validity_lost);
 }
 
 TEST(ResultFile, ReturnsEveryFieldOfEveryStep) {

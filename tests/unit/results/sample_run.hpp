@@ -54,6 +54,9 @@ inline StepReport sample_step(std::int64_t step) {
   report.monitor_displacement = {{std::sin(s), std::cos(s)}, {std::exp(-s), std::sqrt(s)}};
   report.equilibrium_residual = 1e-7 / (1.0 + s);
   report.wall_heat_flux = 7e5 + s / 7.0;
+  report.maximum_rotation = 0.01 * std::sqrt(s);
+  report.bottom_slip = 1e-4 / (1.0 + s);
+  report.beyond_validity = step > 290;
   report.solver_seconds = 0.25;
   report.nodes = 6 + 2 * step;
   report.elements = 4;

@@ -31,6 +31,12 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   from.mutable_cooling()->set_top(v1::Cooling::INSULATED);
   from.mutable_cooling()->add_zone()->set_to_m(0.04);
   from.mutable_limits()->set_maximum_steps(7);
+  v1::Validity& validity = *from.mutable_validity();
+  validity.set_when_lost(v1::Validity::CONTINUE);
+  validity.set_maximum_liquid_pressure_error(0.5);
+  validity.set_maximum_rotation_rad(0.25);
+  validity.set_maximum_slip_m(0.03);
+  validity.set_minimum_shell_m(0.004);
   auto* monitor = from.add_monitor();
   monitor->set_name("corner");
   monitor->set_x_m(0.25);
@@ -49,6 +55,11 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   EXPECT_EQ(to.cooling.top, thermal::Top::insulated);
   EXPECT_EQ(to.cooling.zones.at(0).to, 0.04);
   EXPECT_EQ(to.limits.maximum_steps, 7);
+  EXPECT_EQ(to.validity.when_lost, casting::WhenLost::go_on);
+  EXPECT_EQ(to.validity.maximum_liquid_pressure_error, 0.5);
+  EXPECT_EQ(to.validity.maximum_rotation, 0.25);
+  EXPECT_EQ(to.validity.maximum_slip, 0.03);
+  EXPECT_EQ(to.validity.minimum_shell, 0.004);
   EXPECT_EQ(to.monitors.at(0).name, "corner");
   EXPECT_NE(to.source_json.find("\"half_width_m\":0.25"), std::string::npos) << to.source_json;
 }

@@ -24,6 +24,35 @@ TEST(StepToProto, NamesTheMonitors) {
   EXPECT_EQ(to.liquid_pressure_error(), 7.0);
 }
 
+TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
+  results::StepReport report;
+  report.beyond_validity = true;
+  report.maximum_rotation = 0.1;
+  report.bottom_slip = 0.02;
+  const auto to = to_proto(report, {});
+  EXPECT_TRUE(to.beyond_validity());
+  EXPECT_EQ(to.maximum_rotation_rad(), 0.1);
+  EXPECT_EQ(to.bottom_slip_m(), 0.02);
+}
+
+TEST(ValidityLossToProto, KeepsEveryField) {
+  for (const auto& [name, kind] :
+       {std::pair{"shell_melted_through", v1::Failure::SHELL_MELTED_THROUGH},
+        std::pair{"motion_too_large", v1::Failure::MOTION_TOO_LARGE},
+        std::pair{"liquid_pressure_lost", v1::Failure::LIQUID_PRESSURE_LOST}}) {
+    const auto to =
+        to_proto(results::ValidityLoss{name, "it slid", 166.0, {0.2, 0.1}, 0.1, 0.02, "m"});
+    EXPECT_EQ(to.kind(), kind);
+    EXPECT_EQ(to.message(), "it slid");
+    EXPECT_EQ(to.time_s(), 166.0);
+    ASSERT_EQ(to.place_m_size(), 2);
+    EXPECT_EQ(to.place_m(1), 0.1);
+    EXPECT_EQ(to.value(), 0.1);
+    EXPECT_EQ(to.limit(), 0.02);
+    EXPECT_EQ(to.unit(), "m");
+  }
+}
+
 TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {
   using casting::FailureKind;
   const auto to = to_proto({{FailureKind::shell_melted_through, "m", 1.0, 2.0, {0.2, 0.1}, {}},

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <array>
+
+namespace dccast::casting {
+
+/// The worst value of a field over the slab and where it stands, in the undeformed slab [m].
+struct Extreme {
+  double value = 0.0;
+  std::array<double, 2> place{};
+};
+
+}  // namespace dccast::casting

@@ -1,0 +1,129 @@
+#include "core/casting/validity/validity.hpp"
+
+#include <cstdio>
+#include <numbers>
+
+#include "core/casting/run_failure.hpp"
+#include "core/casting/validity/motion.hpp"
+#include "core/casting/validity/shell.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr double millimetres = 1e3;
+constexpr double percent = 100.0;
+
+constexpr const char* no_answer = "what follows is not an answer";
+
+template <class... Values>
+std::string sentence(const char* format, Values... values) {
+  char text[400];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+}  // namespace
+
+ValidityJudge::ValidityJudge(const Case& c)
+    : limits_(c.validity), properties_(c.alloy),
+      // A ring is held by its hoops, whatever becomes of the shell below its axis.
+      judges_shell_(c.section.kind == mesh::SectionKind::plane_strain &&
+                    c.mechanics.options.liquid != mechanics::Liquid::solid),
+      // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
+      // use it; who chooses it knows.
+      judges_pressure_(c.mechanics.options.liquid == mechanics::Liquid::prestressed),
+      solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
+                                                                          : c.alloy.coherency) {}
+
+SolidMotion ValidityJudge::judge(const JudgedStep& step, ValidityState& state) const {
+  const Extreme turned = largest_rotation(step.mesh, step.slab.solid, step.slab.displacement,
+                                          step.growing, state.when_liquid);
+  const Extreme slid = largest_slip(step.mesh, step.slab.solid, step.slab.displacement,
+                                    step.temperature, properties_, solid_below_);
+  if (!state.lost) state.lost = shell(step, state);
+  if (!state.lost) state.lost = rotation(step, turned);
+  if (!state.lost) state.lost = slip(step, slid);
+  if (!state.lost) state.lost = liquid_pressure(step);
+  return {turned.value, slid.value};
+}
+
+std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
+                                                 ValidityState& state) const {
+  if (!judges_shell_) return std::nullopt;
+  const auto shell = thinnest_shell(step.mesh, step.slab.solid);
+  if (!shell) return std::nullopt;
+  const double limit = limits_.minimum_shell;
+  const bool stands = shell->value > 0.0 && shell->value >= limit;
+  state.shell_stood |= stands;
+  if (stands || !state.shell_stood) return std::nullopt;
+  std::string message = sentence("at t = %.6g s the shell over the bottom block ", step.time);
+  message += shell->value <= 0.0
+                 ? sentence("has melted through %.4g m from the symmetry plane: no solid path joins "
+                            "the plane and the cooled faces any more",
+                            shell->place[0])
+                 : sentence("is %.3g mm thick %.4g m from the symmetry plane, less than "
+                            "validity.minimum_shell = %.3g mm",
+                            millimetres * shell->value, shell->place[0], millimetres * limit);
+  return ValidityLoss{name_of(FailureKind::shell_melted_through),
+                      message + "; " + no_answer,
+                      step.time,
+                      shell->place,
+                      shell->value,
+                      limit,
+                      "m"};
+}
+
+std::optional<ValidityLoss> ValidityJudge::rotation(const JudgedStep& step,
+                                                    const Extreme& found) const {
+  if (found.value <= limits_.maximum_rotation) return std::nullopt;
+  return ValidityLoss{
+      name_of(FailureKind::motion_too_large),
+      sentence("at t = %.6g s the solid at (%.4g, %.4g) m has turned by %.3g degrees; small strains "
+               "hold to validity.maximum_rotation = %.3g degrees; %s",
+               step.time, found.place[0], found.place[1], degrees * found.value,
+               degrees * limits_.maximum_rotation, no_answer),
+      step.time,
+      found.place,
+      found.value,
+      limits_.maximum_rotation,
+      "rad"};
+}
+
+std::optional<ValidityLoss> ValidityJudge::slip(const JudgedStep& step,
+                                                const Extreme& found) const {
+  if (found.value <= limits_.maximum_slip) return std::nullopt;
+  return ValidityLoss{
+      name_of(FailureKind::motion_too_large),
+      sentence("at t = %.6g s the butt %.4g m from the symmetry plane has slid %.3g mm over the bottom "
+               "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
+               step.time, found.place[0], millimetres * found.value,
+               millimetres * limits_.maximum_slip, no_answer),
+      step.time,
+      found.place,
+      found.value,
+      limits_.maximum_slip,
+      "m"};
+}
+
+std::optional<ValidityLoss> ValidityJudge::liquid_pressure(const JudgedStep& step) const {
+  const Extreme& found = step.liquid_pressure_error;
+  if (!judges_pressure_ || found.value <= limits_.maximum_liquid_pressure_error) {
+    return std::nullopt;
+  }
+  return ValidityLoss{
+      name_of(FailureKind::liquid_pressure_lost),
+      sentence("at t = %.6g s the pressure of the liquid on its front is off by %.3g %% of the "
+               "hydrostatic one, most at (%.4g, %.4g) m, more than "
+               "validity.maximum_liquid_pressure_error = %.3g %%; %s",
+               step.time, percent * found.value, found.place[0], found.place[1],
+               percent * limits_.maximum_liquid_pressure_error, no_answer),
+      step.time,
+      found.place,
+      found.value,
+      limits_.maximum_liquid_pressure_error,
+      "1"};
+}
+
+}  // namespace dccast::casting

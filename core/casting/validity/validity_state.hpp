@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/results/sections.hpp"
+#include "core/results/validity_loss.hpp"
+
+namespace dccast::casting {
+
+using results::ValidityLoss;
+
+/// What judging a step needs to know of the steps before it; a part of RunState.
+struct ValidityState {
+  bool shell_stood = false;          ///< there was a shell to melt through
+  std::vector<double> when_liquid;   ///< (element) see largest_rotation() [rad]
+  std::optional<ValidityLoss> lost;  ///< the first loss is kept
+};
+
+/// The state as sections of a checkpoint, and back.
+void write_validity(const ValidityState& state, results::Sections& sections);
+/// @throws std::out_of_range  a section is missing
+ValidityState read_validity(const results::Sections& sections);
+
+}  // namespace dccast::casting
