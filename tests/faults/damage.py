@@ -117,7 +117,7 @@ class Damage(Fault):
             if self.begin(scene, count):
                 count.add(judge(scene, seconds=20, torn=torn or ()))
         finally:
-            scene.__exit__()
+            scene.clear_away()
         return count
 
     def begin(self, scene, count):
@@ -229,7 +229,7 @@ class FlipResults(Damage):
             scene.come_back()
             self.fetch(scene, there.ended[0], count)
         finally:
-            scene.__exit__()
+            scene.clear_away()
         return count
 
     @staticmethod

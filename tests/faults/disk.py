@@ -1,5 +1,7 @@
 """A disk that refuses for a while: full, read-only, failing; and too few descriptors."""
+import ctypes
 import errno
+import functools
 import os
 import resource
 import subprocess
@@ -110,6 +112,8 @@ class SmallDisk(Fault):
     seconds = 40.0
 
     def attempt(self, chance, most):
+        if not mounts_of_our_own():
+            return Count(notes=["not tried: only root can mount a disk"])
         folder = tempfile.mkdtemp(prefix="dccast-faults-disk-")
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", folder],
                                  capture_output=True, text=True, check=False)
@@ -134,6 +138,15 @@ class SmallDisk(Fault):
             os.remove(ballast)
             count.add(judge(scene, seconds=40))
         return count
+
+
+@functools.cache
+def mounts_of_our_own():
+    """From now on what this process mounts is seen by it and its children alone, and goes with them."""
+    new_mount_namespace = 0x00020000  # CLONE_NEWNS
+    if ctypes.CDLL(None).unshare(new_mount_namespace) != 0:
+        return False
+    return subprocess.run(["mount", "--make-rprivate", "/"], check=False).returncode == 0
 
 
 def fill(folder):

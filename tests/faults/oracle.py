@@ -192,24 +192,24 @@ def judge_events(client, job, count, torn):
         count.found("wrong", f"job {job.id}: its events end {len(ends)} times")
     fault = fault_of_steps(events)
     if fault and not (torn and says_damage(events)):
-        count.found(*fault[:1], f"job {job.id}: {fault[1]}")
+        count.found(fault[0], f"job {job.id}: {fault[1]}")
 
 
 def fault_of_steps(events):
     """Follows the steps through every resumption. Returns what is wrong first, or None."""
-    last, again = 0, 0
+    last, just_started = 0, False
     for event in events:
         if event.HasField("resumed"):
             if event.resumed.step > last:
                 return "lost", f"resumed after step {event.resumed.step}, but told only {last}"
             last = event.resumed.step
         elif event.HasField("state_change"):
-            again = event.state_change.state == job_pb2.RUNNING
+            just_started = event.state_change.state == job_pb2.RUNNING
         elif event.HasField("step"):
             step = event.step.step
-            if step == 1 and again:  # begun anew
+            if step == 1 and just_started:  # begun anew
                 last = 0
-            again = False
+            just_started = False
             if step > last + 1:
                 return "lost", f"steps {last + 1} to {step - 1} are missing"
             if step <= last:

@@ -8,6 +8,7 @@
 import argparse
 import importlib
 import os
+import signal
 import sys
 import time
 
@@ -86,6 +87,7 @@ def tried(fault, seed, long):
 
 def main():
     options = arguments()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))  # so that everything is cleared away
     set_up_imports(options.bin)
     from table import Row, write_table
     rows = []

@@ -46,10 +46,17 @@ class Scene:
             prepare(self)
 
     def __enter__(self):
-        self.come_back()
+        try:
+            self.come_back()
+        except BaseException:
+            self.clear_away()
+            raise
         return self
 
     def __exit__(self, *_):
+        self.clear_away()
+
+    def clear_away(self):
         self.stop_everything()
         shutil.rmtree(self.folder, ignore_errors=True)
 
