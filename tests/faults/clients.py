@@ -8,15 +8,16 @@ import time
 
 import grpc
 
-from cases import FAKE, REAL, coarse, fake
+from cases import REAL, coarse, fake
 from dccast.v1 import case_pb2, service_pb2
 from fault import Fault
-from oracle import Count, all_jobs, judge, must
-from scene import Scene, limit, signal_process
+from oracle import all_jobs, must
+from scene import limit, pause, signal_process
 
 SERVICE = "/dccast.v1.SimulationService/"
 METHODS = ("ValidateCase", "SubmitJob", "GetJob", "ListJobs", "WatchJob", "CancelJob", "PauseJob",
            "ResumeJob", "DeleteJob", "FetchResult", "QueryResult", "ListAlloys", "GetServerInfo")
+MOST_MEMORY = 400e6  # bytes of a daemon that took texts of megabytes
 ANSWER = 2.0     # seconds within which a status is answered, on a machine that does other things too
 # An answer that blames the service, or that says nothing a client can act on.
 NO_ANSWERS = (grpc.StatusCode.INTERNAL, grpc.StatusCode.UNKNOWN, grpc.StatusCode.UNIMPLEMENTED)
@@ -25,26 +26,31 @@ NO_ANSWERS = (grpc.StatusCode.INTERNAL, grpc.StatusCode.UNKNOWN, grpc.StatusCode
 class IdleConnections(Fault):
     """1,100 idle connections at a limit of 1,024 descriptors, while jobs are submitted and run"""
     short, long = 1, 5
+    patience = 20.0
     connections = 1100
+    settings = {"through": ("prlimit", "--nofile=1024:1024")}
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
+    def begin(self, scene):
         limit(os.getpid(), resource.RLIMIT_NOFILE, 4096)
-        with Scene(chance, FAKE, through=("prlimit", "--nofile=1024:1024")) as scene:
-            scene.submit(fake("steps=20"))  # connects
-            idle = self.connect(scene)
-            try:
-                for _ in range(5):
-                    scene.submit(fake("steps=20"))
-                self.judge_refusals(scene, count)
-                must(count, lambda: scene.info(ANSWER).version, "no status beside idle connections", 5)
-                self.wait_a_while(scene)
-            finally:
-                for connection in idle:
-                    connection.close()
-            count.add(judge(scene, seconds=20))
-            self.judge_attempts(scene, count)
-        return count
+        scene.submit(fake("steps=20"))  # connects, before the others
+
+    def disturb(self, scene, count):
+        idle = self.connect(scene)
+        try:
+            for _ in range(5):
+                scene.submit(fake("steps=20"))
+            judge_refusals(scene, count)
+            must(count, lambda: scene.info(ANSWER).version, "no status beside idle connections", 5)
+            self.wait_a_while(scene)
+        finally:
+            for connection in idle:
+                connection.close()
+
+    def look_back(self, scene, count):
+        for job_id in scene.acknowledged:
+            attempts = scene.client.job(job_id).attempts
+            if attempts > 1:
+                count.found("wrong", f"job {job_id} was started {attempts} times")
 
     def connect(self, scene):
         host, port = scene.daemon.address.rsplit(":", 1)
@@ -63,42 +69,28 @@ class IdleConnections(Fault):
         while time.monotonic() < end and not all(map(scene.ended, scene.acknowledged)):
             time.sleep(0.1)
 
-    @staticmethod
-    def judge_refusals(scene, count):
-        for expected in scene.unsure:
-            if expected.refusal.code() in NO_ANSWERS:
-                count.found("wrong", f"a submission gets {expected.refusal.code().name}: "
-                            + expected.refusal.details())
-
-    @staticmethod
-    def judge_attempts(scene, count):
-        for job_id in scene.acknowledged:
-            attempts = scene.client.job(job_id).attempts
-            if attempts > 1:
-                count.found("wrong", f"job {job_id} was started {attempts} times")
-
 
 class HeavyChecks(Fault):
     """16 checks of cases with 100,000 monitors at once, while the status is asked for"""
     short, long = 1, 3
     checks, monitors = 16, 100000
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with Scene(chance, REAL) as scene:
-            scene.submit(coarse())
-            heavy = case_pb2.Case()
-            heavy.CopyFrom(coarse())
-            for number in range(self.monitors):
-                heavy.monitor.add(name=f"m{number}", x_m=0.1, y_m=0.0)
-            stub = scene.connected().stub
-            calls = [stub.ValidateCase.future(service_pb2.ValidateCaseRequest(case=heavy), timeout=30)
-                     for _ in range(self.checks)]
-            self.ask_for_status(scene, calls, count)
-            for call in calls:
-                call.cancel()
-            count.add(judge(scene, seconds=30))
-        return count
+    worker = REAL
+
+    def begin(self, scene):
+        scene.submit(coarse())
+
+    def disturb(self, scene, count):
+        heavy = case_pb2.Case()
+        heavy.CopyFrom(coarse())
+        for number in range(self.monitors):
+            heavy.monitor.add(name=f"m{number}", x_m=0.1, y_m=0.0)
+        stub = scene.connected().stub
+        calls = [stub.ValidateCase.future(service_pb2.ValidateCaseRequest(case=heavy), timeout=30)
+                 for _ in range(self.checks)]
+        self.ask_for_status(scene, calls, count)
+        for call in calls:
+            call.cancel()
 
     @staticmethod
     def ask_for_status(scene, calls, count):
@@ -120,33 +112,32 @@ class OversizeStrings(Fault):
     """Titles, names and ids of many megabytes; lists and other clients must not suffer"""
     short, long = 5, 30
 
-    def attempt(self, chance, most):
-        count = Count()
-        with Scene(chance, FAKE) as scene:
-            scene.submit(fake("steps=20"))
-            for number in range(min(most, 5)):
-                self.send_one(scene, chance, number, count)
-                count.tried += 1
-            must(count, lambda: all_jobs(scene.connected()), "the jobs cannot be listed", ANSWER)
-            self.judge_memory(scene, count)
-            count.add(judge(scene, seconds=20))
-        return count
+    at_once = 5
+    patience = 20.0
 
-    def send_one(self, scene, chance, number, count):
-        many = "x" * chance.randrange(2 << 20, 6 << 20)
-        case = fake("steps=20")
-        rest = {}
-        if number == 0:
+    def begin(self, scene):
+        scene.submit(fake("steps=20"))
+        self.kinds = ["title", "monitor", "alloy", "request_id", "study"]
+
+    def disturb(self, scene, count):
+        many = "x" * scene.chance.randrange(2 << 20, 6 << 20)
+        kind = self.kinds.pop()
+        case, rest = fake("steps=20"), {}
+        if kind == "title":
             case.title = many
-        elif number == 1:
+        elif kind == "monitor":
             case.monitor[0].name = many
-        elif number == 2:
+        elif kind == "alloy":
             case.alloy.card = many
-        elif number == 3:
-            rest["request_id"] = many
         else:
-            rest["study"] = many
+            rest[kind] = many
         self.must_be_refused(scene, case, rest, count)
+
+    def look(self, scene, count):
+        must(count, lambda: all_jobs(scene.connected()), "the jobs cannot be listed", ANSWER)
+        peak = memory_of(scene.daemon.process.pid, "VmHWM")
+        if peak > MOST_MEMORY:
+            count.found("wrong", f"the daemon took {peak / 1e6:.0f} MB")
 
     @staticmethod
     def must_be_refused(scene, case, rest, count):
@@ -158,43 +149,35 @@ class OversizeStrings(Fault):
                 count.found("wrong", f"it is refused with {error.code().name} and "
                             f"{len(error.details())} bytes of words")
 
-    @staticmethod
-    def judge_memory(scene, count):
-        peak = memory_of(scene.daemon.process.pid, "VmHWM")
-        if peak > 400e6:
-            count.found("wrong", f"the daemon took {peak / 1e6:.0f} MB")
-
 
 class MalformedMessages(Fault):
     """Random bytes and mutated messages to every call; each gets an answer with words"""
     short, long = 300, 4000
     seconds = 8.0
 
-    def attempt(self, chance, most):
-        count = Count()
-        with Scene(chance, FAKE) as scene:
-            scene.submit(fake("steps=20"))
-            sound = service_pb2.SubmitJobRequest(case=fake("steps=3")).SerializeToString()
-            for _ in range(min(most, 300)):
-                self.send_one(scene, chance, sound, count)
-                count.tried += 1
-                if not scene.daemon.running():
-                    count.found("wrong", "the daemon has died")
-                    break
-            self.forget_accepted(scene)
-            count.add(judge(scene, seconds=30))
-        return count
+    at_once = 300
+    patience = 30.0
 
-    def send_one(self, scene, chance, sound, count):
-        method = chance.choice(METHODS)
-        body = mutated(chance, sound) if method == "SubmitJob" else chance.randbytes(
-            chance.randrange(1, 200))
+    def begin(self, scene):
+        scene.submit(fake("steps=20"))
+        self.sound = service_pb2.SubmitJobRequest(case=fake("steps=3")).SerializeToString()
+
+    def disturb(self, scene, count):
+        method = scene.chance.choice(METHODS)
+        body = (mutated(scene.chance, self.sound) if method == "SubmitJob"
+                else scene.chance.randbytes(scene.chance.randrange(1, 200)))
         call = scene.client.channel.unary_stream(SERVICE + method)
         try:
             list(call(body, timeout=10))
         except grpc.RpcError as error:
             if error.code() in NO_ANSWERS or not error.details():
                 count.found("wrong", f"{method} answers {error.code().name} \"{error.details()}\"")
+
+    def look(self, scene, count):
+        if not scene.daemon.running():
+            count.found("wrong", "the daemon has died")
+            scene.come_back()
+        self.forget_accepted(scene)
 
     @staticmethod
     def forget_accepted(scene):
@@ -210,37 +193,41 @@ class KillCheck(Fault):
     short, long = 3, 40
     seconds = 15.0
 
-    def attempt(self, chance, most):
-        count = Count()
-        with Scene(chance, REAL, workers=1) as scene:
-            for _ in range(min(most, 5)):
-                count.tried += self.kill_one(scene, chance)
-            for expected in scene.unsure:
-                if expected.refusal.code() != grpc.StatusCode.UNAVAILABLE:
-                    count.found("wrong", f"a killed check gives {expected.refusal.code().name}: "
-                                + expected.refusal.details())
-            count.add(judge(scene, seconds=30))
-        return count
+    at_once = 5
+    patience = 30.0
+    worker = REAL
+    settings = {"workers": 1}
 
-    @staticmethod
-    def kill_one(scene, chance):
-        """Returns 1 when a check was killed while a submission was on its way."""
-        killed = []
-        done = threading.Event()
-
-        def kill():
-            time.sleep(chance.uniform(0.0, 0.01))
-            while not done.is_set() and not killed:
-                job_workers = scene.job_workers()
-                for worker in scene.workers():
-                    if worker not in job_workers and signal_process(worker, signal.SIGKILL):
-                        killed.append(worker)
-        killer = threading.Thread(target=kill)
+    def disturb(self, scene, count):
+        """Kills the first process that is no job's worker while a submission is on its way."""
+        answered = threading.Event()
+        killer = threading.Thread(target=self.kill, args=(scene, answered))
         killer.start()
         scene.submit(coarse())
-        done.set()
+        answered.set()
         killer.join()
-        return 1
+
+    @staticmethod
+    def kill(scene, answered):
+        pause(scene.chance, 0.01)
+        while not answered.is_set():
+            job_workers = scene.job_workers()
+            for worker in scene.workers():
+                if worker not in job_workers and signal_process(worker, signal.SIGKILL):
+                    return
+
+    def look(self, scene, count):
+        for expected in scene.unsure:
+            if expected.refusal.code() != grpc.StatusCode.UNAVAILABLE:
+                count.found("wrong", f"a killed check gives {expected.refusal.code().name}: "
+                            + expected.refusal.details())
+
+
+def judge_refusals(scene, count):
+    for expected in scene.unsure:
+        if expected.refusal.code() in NO_ANSWERS:
+            count.found("wrong", f"a submission gets {expected.refusal.code().name}: "
+                        + expected.refusal.details())
 
 
 def mutated(chance, message):

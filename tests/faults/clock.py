@@ -3,7 +3,7 @@ import os
 
 from cases import REAL, coarse, failing_check
 from fault import Fault
-from oracle import Count, judge, undisturbed
+from oracle import undisturbed
 from scene import Scene, pause
 from support import BIN
 
@@ -11,21 +11,20 @@ from support import BIN
 class ClockJumps(Fault):
     """The wall clock of daemon and workers jumps by up to a year, back and forth, while they run"""
     short, long = 2, 20
+    at_once = 4
     year = 365 * 86400
 
-    def attempt(self, chance, most):
-        count = Count()
-        life = undisturbed(REAL, coarse()).seconds
-        with Scene(chance, REAL, prepare=self.preload) as scene:
-            scene.submit(coarse())
-            scene.submit(failing_check())
-            for _ in range(min(most, 4)):
-                pause(chance, life / 3)
-                self.jump(chance.randint(-self.year, self.year))
-                scene.submit(coarse())
-                count.tried += 1
-            count.add(judge(scene))
-        return count
+    def scene(self, chance):
+        return Scene(chance, REAL, prepare=self.preload)
+
+    def begin(self, scene):
+        scene.submit(coarse())
+        scene.submit(failing_check())
+
+    def disturb(self, scene, count):
+        pause(scene.chance, undisturbed(REAL, coarse()).seconds / 3)
+        self.jump(scene.chance.randint(-self.year, self.year))
+        scene.submit(coarse())
 
     def preload(self, scene):
         self.clock = os.path.join(scene.folder, "clock")

@@ -105,8 +105,8 @@ class Damage(Fault):
     """A copy of a template, damaged, started, repaired where it asks for it, and judged."""
     short, long = 2, 60
     seconds = 12.0
+    patience = 20.0
     kill = True
-    worker = FAKE
 
     def attempt(self, chance, most):
         count = Count(tried=1)
@@ -114,14 +114,17 @@ class Damage(Fault):
         scene = there.copy(chance)
         try:
             torn = self.damage(chance, scene, there)
-            if self.begin(scene, count):
-                count.add(judge(scene, seconds=20, torn=torn or ()))
+            if self.start(scene, count):
+                self.judge(scene, there, count, torn or ())
         finally:
             scene.clear_away()
         return count
 
-    def begin(self, scene, count):
+    def start(self, scene, count):
         return begin_or_repair(scene, count)
+
+    def judge(self, scene, there, count, torn):
+        count.add(judge(scene, self.patience, torn))
 
     def damage(self, chance, scene, there):
         """Returns ids of jobs whose event log was hit, if any was."""
@@ -220,17 +223,11 @@ class FlipResults(Damage):
     short, long = 2, 20
     worker = REAL
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        there = template(self.worker, self.kill)
-        scene = there.copy(chance)
-        try:
-            flip_a_bit(chance, scene.data("jobs", there.ended[0], "results.h5"))
-            scene.come_back()
-            self.fetch(scene, there.ended[0], count)
-        finally:
-            scene.clear_away()
-        return count
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs", there.ended[0], "results.h5"))
+
+    def judge(self, scene, there, count, torn):
+        self.fetch(scene, there.ended[0], count)
 
     @staticmethod
     def fetch(scene, job_id, count):

@@ -10,11 +10,11 @@ import tempfile
 import grpc
 
 from cases import FAKE, fake
-from dccast.v1 import job_pb2
+from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
-from oracle import Count, judge, must
+from oracle import Count, must
 from scene import Scene, limit, pause
-from support import BIN, TERMINAL
+from support import BIN
 
 HELD = 10.0  # seconds until the queue must be seen to be held
 RUNNING = "steps=60 checkpoint=7 sleep_ms=20"
@@ -72,18 +72,18 @@ class Refusal(Fault):
     """One job runs and 20 wait while the disk refuses; then it is well again."""
     short, long = 1, 12
     seconds = 40.0
+    patience = 40.0
     error, calls = 0, WRITES
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with FailingDisk(chance) as scene:
-            waiting = queue_up(scene)
-            pause(chance, 0.3)
-            scene.fail(self.error, self.calls)
-            must_be_held(scene, count, waiting)
-            scene.heal()
-            count.add(judge(scene, seconds=40))
-        return count
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        waiting = queue_up(scene)
+        pause(scene.chance, 0.3)
+        scene.fail(self.error, self.calls)
+        must_be_held(scene, count, waiting)
+        scene.heal()
 
 
 class DiskFull(Refusal):
@@ -110,34 +110,33 @@ class SmallDisk(Fault):
     """A small tmpfs filled to the last byte while 1 job runs and 20 wait; later emptied (root only)"""
     short, long = 1, 10
     seconds = 40.0
+    patience = 40.0
 
     def attempt(self, chance, most):
         if not mounts_of_our_own():
             return Count(notes=["not tried: only root can mount a disk"])
-        folder = tempfile.mkdtemp(prefix="dccast-faults-disk-")
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", folder],
+        self.disk = tempfile.mkdtemp(prefix="dccast-faults-disk-")
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", self.disk],
                                  capture_output=True, text=True, check=False)
-        if mounted.returncode != 0:
-            os.rmdir(folder)
-            return Count(notes=[f"not tried: {mounted.stderr.strip()}"])
         try:
-            return self.on(folder, chance)
+            if mounted.returncode != 0:
+                return Count(notes=[f"not tried: {mounted.stderr.strip()}"])
+            return super().attempt(chance, most)
         finally:
-            subprocess.run(["umount", "--lazy", folder], check=False)
-            os.rmdir(folder)
+            subprocess.run(["umount", "--lazy", self.disk], stderr=subprocess.DEVNULL, check=False)
+            os.rmdir(self.disk)
 
-    def on(self, folder, chance):
-        count = Count(tried=1)
-        within = os.path.join(folder, "scene")
-        os.mkdir(within)
-        with Scene(chance, FAKE, folder=within, workers=1, minimum_free="1 MB") as scene:
-            waiting = queue_up(scene)
-            pause(chance, 0.3)
-            ballast = fill(folder)
-            must_be_held(scene, count, waiting)
-            os.remove(ballast)
-            count.add(judge(scene, seconds=40))
-        return count
+    def scene(self, chance):
+        folder = os.path.join(self.disk, "scene")
+        os.mkdir(folder)
+        return Scene(chance, FAKE, folder=folder, workers=1, minimum_free="1 MB")
+
+    def disturb(self, scene, count):
+        waiting = queue_up(scene)
+        pause(scene.chance, 0.3)
+        ballast = fill(self.disk)
+        must_be_held(scene, count, waiting)
+        os.remove(ballast)
 
 
 @functools.cache
@@ -167,67 +166,63 @@ class LimitedDescriptors(Fault):
     """The running daemon gets no further descriptor while 1 job runs and 20 wait (RLIMIT_NOFILE)"""
     short, long = 1, 10
     seconds = 40.0
+    patience = 40.0
+    settings = {"workers": 1}
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with Scene(chance, FAKE, workers=1) as scene:
-            queue_up(scene)
-            process = scene.daemon.process.pid
-            before = limit(process, resource.RLIMIT_NOFILE, len(os.listdir(f"/proc/{process}/fd")))
-            pause(chance, 3.0)
-            limit(process, resource.RLIMIT_NOFILE, before)
-            count.add(judge(scene, seconds=40))
-            no_restart_counted(scene, count)
-        return count
+    def disturb(self, scene, count):
+        queue_up(scene)
+        process = scene.daemon.process.pid
+        before = limit(process, resource.RLIMIT_NOFILE, len(os.listdir(f"/proc/{process}/fd")))
+        pause(scene.chance, 3.0)
+        limit(process, resource.RLIMIT_NOFILE, before)
 
-
-def no_restart_counted(scene, count):
-    """The daemon's own lack is no loss of a worker."""
-    for job_id in scene.acknowledged:
-        if "died" in scene.client.job(job_id).failure.message:
-            count.found("wrong", f"job {job_id}: the daemon's lack was counted as a worker's death")
+    def look_back(self, scene, count):
+        """The daemon's own lack is no loss of a worker."""
+        for job_id in scene.acknowledged:
+            if "died" in scene.client.job(job_id).failure.message:
+                count.found("wrong", f"job {job_id}: the daemon's lack counts as a worker's death")
 
 
 class FailedStart(Fault):
     """The start of a waiting job fails with EROFS or EMFILE, a few times; then it can be started"""
     short, long = 2, 20
+    patience = 20.0
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        error, calls = chance.choice(((errno.EROFS, WRITES), (errno.EMFILE, "or")))
-        with FailingDisk(chance) as scene:
-            running = scene.submit(fake("steps=30 sleep_ms=10"))
-            waiting = scene.submit(fake(WAITING))
-            scene.fail(error, calls, chance.randint(1, 6), waiting)
-            must(count, lambda: scene.ended(running), "the running job does not end", 20)
-            pause(chance, 1.0)
-            scene.heal()
-            count.add(judge(scene, seconds=20))
-        return count
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        error, calls = scene.chance.choice(((errno.EROFS, WRITES), (errno.EMFILE, "or")))
+        running = scene.submit(fake("steps=30 sleep_ms=10"))
+        waiting = scene.submit(fake(WAITING))
+        scene.fail(error, calls, scene.chance.randint(1, 6), waiting)
+        must(count, lambda: scene.ended(running), "the running job does not end", 20)
+        pause(scene.chance, 1.0)
+        scene.heal()
 
 
 class FailedOrder(Fault):
     """What a cancel and a pause have in common: their first write fails, a later one does not."""
+    short, long = 2, 20
+    at_once = 2
+    patience = 8.0
     wanted = job_pb2.CANCELLED
 
     def order(self, scene, job_id):
         raise NotImplementedError
 
-    def attempt(self, chance, most):
-        count = Count()
-        with FailingDisk(chance) as scene:
-            running = scene.submit(fake("steps=2000 sleep_ms=10 checkpoint=50"), self.wanted)
-            waiting = scene.submit(fake("steps=2000 sleep_ms=10"), self.wanted)
-            left = scene.submit(fake(WAITING))
-            scene.client.until_step(running, 3)
-            for job_id in (waiting, running):
-                count.tried += 1
-                self.order_against_a_failing_disk(scene, job_id, count)
-            must(count, lambda: scene.client.job(running).state == self.wanted,
-                 "the order never reaches the worker", 8)
-            must(count, lambda: scene.ended(left), "a slot is gone", 8)
-            count.add(judge(scene, seconds=5))
-        return count
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def begin(self, scene):
+        running = scene.submit(fake("steps=2000 sleep_ms=10 checkpoint=50"), self.wanted)
+        waiting = scene.submit(fake("steps=2000 sleep_ms=10"), self.wanted)
+        scene.submit(fake(WAITING))
+        scene.client.until_step(running, 3)
+        scene.to_order = [running, waiting]
+
+    def disturb(self, scene, count):
+        self.order_against_a_failing_disk(scene, scene.to_order.pop(), count)
 
     def order_against_a_failing_disk(self, scene, job_id, count):
         scene.fail(errno.ENOSPC, "won", 4, "jobs.sqlite")
@@ -246,7 +241,6 @@ class FailedOrder(Fault):
 
 class CancelWriteFails(FailedOrder):
     """A cancel whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
-    short, long = 2, 20
 
     def order(self, scene, job_id):
         scene.client.cancel(job_id)
@@ -254,32 +248,28 @@ class CancelWriteFails(FailedOrder):
 
 class PauseWriteFails(FailedOrder):
     """A pause whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
-    short, long = 2, 20
     wanted = job_pb2.PAUSED
 
     def order(self, scene, job_id):
-        from dccast.v1 import service_pb2
         scene.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
 
 
 class RefusedCancel(Fault):
     """A cancel of a waiting job that fails and is not tried again: the job must not be forgotten"""
     short, long = 1, 10
+    patience = 15.0
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with FailingDisk(chance) as scene:
-            running = scene.submit(fake("steps=40 sleep_ms=10"))
-            waiting = scene.submit(fake(WAITING))
-            scene.client.until_step(running, 3)
-            scene.fail(errno.ENOSPC, "won", 4, chance.choice(("jobs.sqlite", waiting)))
-            try:
-                scene.client.cancel(waiting)
-                scene.acknowledged[waiting].state = job_pb2.CANCELLED
-            except grpc.RpcError:
-                pass  # not accepted: it runs on
-            scene.heal()
-            must(count, lambda: scene.client.job(waiting).state in TERMINAL,
-                 "a waiting job is forgotten", 15)
-            count.add(judge(scene, seconds=5))
-        return count
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        running = scene.submit(fake("steps=40 sleep_ms=10"))
+        waiting = scene.submit(fake(WAITING))
+        scene.client.until_step(running, 3)
+        scene.fail(errno.ENOSPC, "won", 4, scene.chance.choice(("jobs.sqlite", waiting)))
+        try:
+            scene.client.cancel(waiting)
+            scene.acknowledged[waiting].state = job_pb2.CANCELLED
+        except grpc.RpcError:
+            pass  # not accepted: it runs on
+        scene.heal()

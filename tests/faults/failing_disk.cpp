@@ -18,13 +18,14 @@
 namespace {
 
 struct Order {
-  int error = 0;              // what the calls give
-  char calls[16] = "";        // which ones, see README.md
-  long times = -1;            // how often in each process; -1: always
-  char part[PATH_MAX] = "";   // of the path; "-": any below the folder
+  int error = 0;             // what the calls give
+  char calls[16] = "";       // which ones, see README.md
+  long times = -1;           // how often in each process; -1: always
+  char part[PATH_MAX] = "";  // of the path; "-": any below the folder
 };
 
-/// Reads a small file without any call that is replaced below. @return bytes, 0 when it is not there
+/// Reads a small file without any call that is replaced below. @return bytes, 0 when it is not
+/// there
 std::size_t read_raw(const char* path, char* text, std::size_t size, ino_t& inode) {
   const long file = ::syscall(SYS_openat, AT_FDCWD, path, O_RDONLY | O_CLOEXEC, 0);
   if (file < 0) return 0;
@@ -97,24 +98,24 @@ Function next(const char* name) {
 // NOLINTBEGIN: the names and shapes are those of the C library.
 #define DCCAST_REPLACED extern "C" __attribute__((visibility("default")))
 
-#define DCCAST_OPEN(name)                                              \
-  DCCAST_REPLACED int name(const char* path, int flags, ...) {         \
-    va_list rest;                                                      \
-    va_start(rest, flags);                                             \
-    const mode_t mode = (flags & O_CREAT) ? va_arg(rest, mode_t) : 0;  \
-    va_end(rest);                                                      \
-    if (open_fails(path, flags)) return -1;                            \
+#define DCCAST_OPEN(name)                                                 \
+  DCCAST_REPLACED int name(const char* path, int flags, ...) {            \
+    va_list rest;                                                         \
+    va_start(rest, flags);                                                \
+    const mode_t mode = (flags & O_CREAT) ? va_arg(rest, mode_t) : 0;     \
+    va_end(rest);                                                         \
+    if (open_fails(path, flags)) return -1;                               \
     static const auto real = next<int (*)(const char*, int, ...)>(#name); \
-    return real(path, flags, mode);                                    \
+    return real(path, flags, mode);                                       \
   }
 DCCAST_OPEN(open)
 DCCAST_OPEN(open64)
 
-#define DCCAST_WRITE(name, Offset)                                                    \
-  DCCAST_REPLACED ssize_t name(int file, const void* bytes, size_t size, Offset at) { \
-    if (fails('w', file)) return -1;                                                  \
+#define DCCAST_WRITE(name, Offset)                                                       \
+  DCCAST_REPLACED ssize_t name(int file, const void* bytes, size_t size, Offset at) {    \
+    if (fails('w', file)) return -1;                                                     \
     static const auto real = next<ssize_t (*)(int, const void*, size_t, Offset)>(#name); \
-    return real(file, bytes, size, at);                                               \
+    return real(file, bytes, size, at);                                                  \
   }
 DCCAST_WRITE(pwrite, off_t)
 DCCAST_WRITE(pwrite64, off64_t)
@@ -131,11 +132,11 @@ DCCAST_REPLACED ssize_t writev(int file, const struct iovec* parts, int count) {
   return real(file, parts, count);
 }
 
-#define DCCAST_SYNC(name)                            \
-  DCCAST_REPLACED int name(int file) {               \
-    if (fails('s', file)) return -1;                 \
+#define DCCAST_SYNC(name)                               \
+  DCCAST_REPLACED int name(int file) {                  \
+    if (fails('s', file)) return -1;                    \
     static const auto real = next<int (*)(int)>(#name); \
-    return real(file);                               \
+    return real(file);                                  \
   }
 DCCAST_SYNC(fsync)
 DCCAST_SYNC(fdatasync)

@@ -4,30 +4,26 @@ import signal
 import subprocess
 import threading
 
-from cases import COARSE, FAKE, REAL, coarse, failing_check, fake, shipped
+from cases import COARSE, REAL, coarse, failing_check, fake, shipped
 from fault import Fault
-from oracle import Count, judge, undisturbed
-from scene import TIED, Scene, pause, signal_process
+from oracle import undisturbed
+from scene import TIED, pause, signal_process
 
 TINY = ("steps=3", "steps=25 checkpoint=7")
-PATIENT = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
 
 
 class Kill(Fault):
     """Keeps real castings running and kills at random instants of their life."""
-    kills_in_one_scene = 6
+    at_once = 6
     seconds = 30.0
+    worker = REAL
+    settings = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
 
-    def attempt(self, chance, most):
-        count = Count()
+    def disturb(self, scene, count):
         life = undisturbed(REAL, coarse()).seconds
-        with Scene(chance, REAL, **PATIENT) as scene:
-            while count.tried < min(most, self.kills_in_one_scene):
-                self.keep_busy(scene)
-                pause(chance, life)
-                count.tried += self.kill(scene)
-            count.add(judge(scene))
-        return count
+        self.keep_busy(scene)
+        pause(scene.chance, life)
+        return self.kill(scene)
 
     @staticmethod
     def keep_busy(scene):
@@ -36,35 +32,34 @@ class Kill(Fault):
             scene.submit(scene.chance.choice((coarse, failing_check))())
 
     def kill(self, scene):
-        """Returns how many were killed: 0 when there was nobody at this instant."""
+        """Returns False when there was nobody at this instant."""
         raise NotImplementedError
 
 
 class KillWorker(Kill):
-    """kill -9 of a worker in the middle of a real casting."""
+    """kill -9 of a worker in the middle of a real casting"""
     short, long = 5, 70
 
     def kill(self, scene):
         workers = scene.job_workers()
-        return int(bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL))
+        return bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL)
 
 
 class KillDaemon(Kill):
-    """kill -9 of the daemon while real castings run; started again."""
+    """kill -9 of the daemon while real castings run; started again"""
     short, long = 4, 60
 
     def kill(self, scene):
         scene.kill_daemon()
         scene.come_back()
-        return 1
 
 
 class KillEverything(Kill):
-    """kill -9 of workers, client and daemon at once; daemon started again."""
+    """kill -9 of workers, client and daemon at once; daemon started again"""
     short, long = 3, 40
 
     def kill(self, scene):
-        client = submitting_client(scene, case_file(scene))
+        client = submitting_client(scene)
         pause(scene.chance, 0.05)
         for worker in scene.job_workers():
             signal_process(worker, signal.SIGKILL)
@@ -73,43 +68,28 @@ class KillEverything(Kill):
         scene.kill_daemon()
         scene.come_back()
         scene.send_again()
-        return 1
 
 
 class KillClient(Fault):
-    """kill -9 of the command line client while it submits and watches; the same request again."""
+    """kill -9 of the command line client while it submits and watches; the same request again"""
     short, long = 5, 40
-    seconds = 15.0
+    at_once = 5
+    worker = REAL
 
-    def attempt(self, chance, most):
-        count = Count()
-        with Scene(chance, REAL) as scene:
-            for _ in range(min(most, 5)):
-                client = submitting_client(scene, case_file(scene))
-                pause(chance, 0.4)
-                end(client)
-                count.tried += 1
-                scene.send_again()
-            count.add(judge(scene))
-        return count
+    def disturb(self, scene, count):
+        client = submitting_client(scene)
+        pause(scene.chance, 0.4)
+        end(client)
+        scene.send_again()
 
 
 class KillUnderLoad(Fault):
-    """kill -9 of the daemon while a client submits one job after another, tiny ones."""
+    """kill -9 of the daemon while a client submits one tiny job after another"""
     short, long = 3, 30
-    seconds = 20.0
+    at_once = 3
     jobs = 15  # for each kill
 
-    def attempt(self, chance, most):
-        count = Count()
-        with Scene(chance, FAKE) as scene:
-            for _ in range(min(most, 3)):
-                self.submit_and_kill(scene)
-                count.tried += 1
-            count.add(judge(scene))
-        return count
-
-    def submit_and_kill(self, scene):
+    def disturb(self, scene, count):
         killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
                                  scene.daemon.process.send_signal, (signal.SIGKILL,))
         killed.start()
@@ -121,18 +101,12 @@ class KillUnderLoad(Fault):
         scene.send_again()
 
 
-def case_file(scene):
-    """Writes the coarse case for the command line client. Returns its path."""
-    path = os.path.join(scene.folder, "case.toml")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(shipped(*COARSE))
-    return path
-
-
-def submitting_client(scene, path):
+def submitting_client(scene):
     """The real client with a request_id of its own; whether it was heard, nobody knows."""
     expected = scene.next_request(coarse(), None)
-    expected.file = path
+    expected.file = os.path.join(scene.folder, "case.toml")
+    with open(expected.file, "w", encoding="utf-8") as file:
+        file.write(shipped(*COARSE))
     scene.unsure.append(expected)
     return subprocess.Popen([*TIED, *scene.submit_command(expected), "--watch"],
                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

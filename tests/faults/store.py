@@ -3,11 +3,10 @@ import os
 import shutil
 import subprocess
 
-from cases import FAKE, fake
+from cases import fake
 from damage import OLD_STORE, Damage
 from fault import Fault
-from oracle import Count, judge
-from scene import Scene, pause
+from scene import pause
 
 STORE = ("jobs.sqlite", "jobs.sqlite-wal", "jobs.sqlite-shm")
 
@@ -53,12 +52,15 @@ class StoreFromOldBackup(StoreDamage):
         remove_store(scene)
         os.replace(scene.data(OLD_STORE), scene.data("jobs.sqlite"))
 
-    def begin(self, scene, count):
+    def start(self, scene, count):
         """What the daemon puts aside as unknown comes back by the documented command."""
-        if not super().begin(scene, count):
+        if not super().start(scene, count):
             return False
         scene.kill_daemon()
-        scene.state_command("check", "--repair")
+        try:
+            scene.state_command("check", "--repair")
+        except RuntimeError as failed:
+            count.found("wrong", str(failed))
         scene.come_back()
         return True
 
@@ -67,34 +69,30 @@ class FolderRestored(Fault):
     """The whole folder lost; restored from a backup that was made while jobs ended, ran and waited"""
     short, long = 1, 20
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with Scene(chance, FAKE) as scene:
-            for _ in range(8):
-                scene.submit(fake(chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
-            pause(chance, 0.5)
-            backup = os.path.join(scene.folder, "backup")
-            scene.state_command("backup", "--to", backup)
-            scene.kill_daemon()
-            shutil.rmtree(scene.data())
-            scene.state_command("restore", "--from", backup)
-            scene.come_back()
-            count.add(judge(scene))
-        return count
+    def begin(self, scene):
+        for _ in range(8):
+            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
+        pause(scene.chance, 0.5)
+
+    def disturb(self, scene, count):
+        backup = os.path.join(scene.folder, "backup")
+        scene.state_command("backup", "--to", backup)
+        scene.kill_daemon()
+        shutil.rmtree(scene.data())
+        scene.state_command("restore", "--from", backup)
+        scene.come_back()
 
 
 class TwoDaemons(Fault):
     """A second daemon on the folder of a running one: it must leave, with a reason"""
     short, long = 1, 10
 
-    def attempt(self, chance, most):
-        count = Count(tried=1)
-        with Scene(chance, FAKE) as scene:
-            for _ in range(4):
-                scene.submit(fake("steps=40 sleep_ms=5"))
-            second = subprocess.run(scene.daemon.command(), capture_output=True, text=True,
-                                    timeout=20, check=False)
-            if second.returncode != 4 or "another dccastd" not in second.stderr:
-                count.found("wrong", f"the second ended with {second.returncode}: {second.stderr}")
-            count.add(judge(scene))
-        return count
+    def begin(self, scene):
+        for _ in range(4):
+            scene.submit(fake("steps=40 sleep_ms=5"))
+
+    def disturb(self, scene, count):
+        second = subprocess.run(scene.daemon.command(), capture_output=True, text=True, timeout=20,
+                                check=False)
+        if second.returncode != 4 or "another dccastd" not in second.stderr:
+            count.found("wrong", f"the second ended with {second.returncode}: {second.stderr}")
