@@ -1,0 +1,241 @@
+"""Flipped bits in every file of a state folder. Damage is told; what it did not hit is as it was."""
+import atexit
+import contextlib
+import functools
+import os
+import shutil
+import sqlite3
+import subprocess
+import tempfile
+
+from cases import FAKE, REAL, coarse, failing_check, fake
+from fault import Fault
+from oracle import Count, judge
+from scene import Scene
+from support import BIN
+
+OLD_STORE = "jobs.sqlite.old"  # a backup made on the way
+CHECKPOINT_VERSION = 8  # first byte of the version in the file: core/results/CHECKPOINT.md
+
+
+class Template:
+    """A state folder with ended, running and waiting jobs, whose daemon is gone; copied for each try."""
+
+    def __init__(self, worker, kill):
+        self.worker = worker
+        self.folder = tempfile.mkdtemp(prefix="dccast-faults-template-")
+        atexit.register(shutil.rmtree, self.folder, ignore_errors=True)
+        # A folder of the daemon's, not the scene's own, which goes with it.
+        with Scene(None, worker, workers=1) as scene:
+            self.fill(scene)
+            scene.kill_daemon() if kill else scene.daemon.terminate()
+            shutil.copytree(scene.data(), self.folder, dirs_exist_ok=True, ignore=sockets)
+            self.acknowledged = dict(scene.acknowledged)
+
+    def fill(self, scene):
+        if self.worker == REAL:
+            self.ended = [scene.submit(coarse())]
+            scene.wait_until_ended()
+            self.running = scene.submit(failing_check())
+            self.waiting = [scene.submit(coarse())]
+            scene.client.until_step(self.running, 60)
+            return
+        self.ended = [scene.submit(fake("steps=30 checkpoint=7")) for _ in range(3)]
+        back_up(scene.data("jobs.sqlite"), scene.data(OLD_STORE))
+        scene.wait_until_ended()
+        self.running = scene.submit(fake("steps=60 checkpoint=7 sleep_ms=20"))
+        self.waiting = [scene.submit(fake("steps=20")) for _ in range(3)]
+        scene.client.until_step(self.running, 16)
+
+    def copy(self, chance):
+        """A scene on a copy, not yet begun."""
+        def put_in_place(scene):
+            shutil.copytree(self.folder, scene.data())
+            scene.acknowledged = dict(self.acknowledged)
+        return Scene(chance, self.worker, prepare=put_in_place, workers=2)
+
+
+def back_up(store, target):
+    """As an administrator does it, with SQLite's own means, while the daemon runs."""
+    with contextlib.closing(sqlite3.connect(store)) as source, \
+         contextlib.closing(sqlite3.connect(target)) as copy:
+        source.backup(copy)
+
+
+def sockets(folder, names):
+    return [name for name in names if name.endswith(".sock")]
+
+
+@functools.cache
+def template(worker=FAKE, kill=True):
+    return Template(worker, kill)
+
+
+def flip_a_bit(chance, path, first=0, end=None):
+    """One bit of the file, of its bytes from `first` to before `end`. Returns where."""
+    size = os.path.getsize(path)
+    at = chance.randrange(first, min(end or size, size))
+    with open(path, "r+b") as file:
+        file.seek(at)
+        byte = file.read(1)[0] ^ 1 << chance.randrange(8)
+        file.seek(at)
+        file.write(bytes([byte]))
+    return at
+
+
+def begin_or_repair(scene, count):
+    """Starts the daemon; where it refuses, does what it says is the remedy. Returns whether it runs."""
+    try:
+        scene.come_back()
+        return True
+    except RuntimeError as refused:
+        if "dccastd check --repair" not in str(refused):
+            count.found("wrong", f"it refuses to start without a remedy: {refused}")
+    try:
+        scene.state_command("check", "--repair")
+        scene.come_back()
+        return True
+    except RuntimeError as refused:
+        for job_id in scene.acknowledged:
+            count.found("lost", f"job {job_id}: it does not start again: {refused}")
+        return False
+
+
+class Damage(Fault):
+    """A copy of a template, damaged, started, repaired where it asks for it, and judged."""
+    short, long = 2, 60
+    seconds = 12.0
+    patience = 20.0
+    kill = True
+
+    def attempt(self, chance, most):
+        count = Count(tried=1)
+        there = template(self.worker, self.kill)
+        scene = there.copy(chance)
+        try:
+            torn = self.damage(chance, scene, there)
+            if self.start(scene, count):
+                self.judge(scene, there, count, torn or ())
+        finally:
+            scene.clear_away()
+        return count
+
+    def start(self, scene, count):
+        return begin_or_repair(scene, count)
+
+    def judge(self, scene, there, count, torn):
+        count.add(judge(scene, self.patience, torn))
+
+    def damage(self, chance, scene, there):
+        """Returns ids of jobs whose event log was hit, if any was."""
+        raise NotImplementedError
+
+
+class FlipEventLog(Damage):
+    """One bit flipped in the event log of an ended, running or waiting job, anywhere"""
+
+    def damage(self, chance, scene, there):
+        job_id = chance.choice(list(scene.acknowledged))
+        flip_a_bit(chance, scene.data("jobs", job_id, "events.log"))
+        return [job_id]
+
+
+class FlipStore(Damage):
+    """One bit flipped in jobs.sqlite after an orderly stop, anywhere"""
+    kill = False
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs.sqlite"))
+
+
+class FlipWalHeader(Damage):
+    """One bit flipped in the header of jobs.sqlite-wal after kill -9"""
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs.sqlite-wal"), end=32)
+
+
+class FlipWalPage(Damage):
+    """One bit flipped in the pages of jobs.sqlite-wal after kill -9"""
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs.sqlite-wal"), first=32)
+
+
+class FlipJournal(Damage):
+    """One bit flipped in journal.bin of a real casting that was killed on its way"""
+    worker = REAL
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs", there.running, "journal.bin"))
+
+
+class FlipCheckpoint(Damage):
+    """One bit flipped in checkpoint.bin of a real casting that was killed on its way"""
+    worker = REAL
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs", there.running, "checkpoint.bin"))
+
+
+class OtherCheckpointVersion(Damage):
+    """checkpoint.bin of another version of the program, in a real casting that was killed on its way"""
+    short, long = 1, 10
+    worker = REAL
+
+    def damage(self, chance, scene, there):
+        path = scene.data("jobs", there.running, "checkpoint.bin")
+        with open(path, "r+b") as file:
+            file.seek(CHECKPOINT_VERSION)
+            file.write(bytes([chance.randrange(2, 256)]))
+
+
+class TruncateFile(Damage):
+    """journal.bin, checkpoint.bin or events.log of a killed real casting cut short anywhere"""
+    short, long = 2, 30
+    worker = REAL
+
+    def damage(self, chance, scene, there):
+        name = chance.choice(("journal.bin", "checkpoint.bin", "events.log"))
+        path = scene.data("jobs", there.running, name)
+        os.truncate(path, chance.randrange(os.path.getsize(path)))
+        return [there.running] if name == "events.log" else []
+
+
+class FlipAnyFile(Damage):
+    """One bit flipped in any file of the state folder but results and texts for people"""
+    short, long = 3, 120
+    seconds = 20.0
+    worker = REAL
+    left_out = ("results.h5", "results.xdmf", "worker.log", "lock", OLD_STORE)
+
+    def damage(self, chance, scene, there):
+        files = sorted(os.path.join(folder, name) for folder, _, names in os.walk(scene.data())
+                       for name in names if name not in self.left_out)
+        path = chance.choice([path for path in files if os.path.getsize(path) > 0])
+        flip_a_bit(chance, path)
+        folder, name = os.path.split(path)
+        return [os.path.basename(folder)] if name == "events.log" else []
+
+
+class FlipResults(Damage):
+    """One bit flipped in results.h5; the command line client must not take it for the result"""
+    short, long = 2, 20
+    worker = REAL
+
+    def damage(self, chance, scene, there):
+        flip_a_bit(chance, scene.data("jobs", there.ended[0], "results.h5"))
+
+    def judge(self, scene, there, count, torn):
+        self.fetch(scene, there.ended[0], count)
+
+    @staticmethod
+    def fetch(scene, job_id, count):
+        target = os.path.join(scene.folder, "fetched.h5")
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", scene.daemon.address,
+                                "fetch", job_id, "-o", target], capture_output=True, text=True,
+                               timeout=60, check=False)
+        if ended.returncode == 0 or os.path.exists(target):
+            count.found("wrong", "a damaged result was fetched as if it were sound")
+        elif not ended.stderr.strip():
+            count.found("wrong", "fetch failed without a word")

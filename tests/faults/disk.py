@@ -1,0 +1,275 @@
+"""A disk that refuses for a while: full, read-only, failing; and too few descriptors."""
+import ctypes
+import errno
+import functools
+import os
+import resource
+import subprocess
+import tempfile
+
+import grpc
+
+from cases import FAKE, fake
+from dccast.v1 import job_pb2, service_pb2
+from fault import Fault
+from oracle import Count, must
+from scene import Scene, limit, pause
+from support import BIN
+
+HELD = 10.0  # seconds until the queue must be seen to be held
+RUNNING = "steps=60 checkpoint=7 sleep_ms=20"
+WAITING = "steps=3"
+WRITES = "wson"  # write, sync, open for writing, rename: see README.md
+
+
+class FailingDisk(Scene):
+    """A scene on whose folder calls fail while an order to do so stands."""
+
+    def __init__(self, chance, **settings):
+        super().__init__(chance, FAKE, prepare=self.preload,
+                         **{"workers": 1, "minimum_free": "0 bytes", **settings})
+
+    def preload(self, _):
+        self.order = os.path.join(self.folder, "order")
+        self.daemon.through = (
+            "env", f"LD_PRELOAD={os.path.join(BIN, 'failing_disk.so')}",
+            f"DCCAST_FAULT_FILE={self.order}", f"DCCAST_FAULT_FOLDER={self.data()}")
+
+    def fail(self, error, calls=WRITES, times=-1, part="-"):
+        """From now on these calls fail so often in each process, on paths with this part."""
+        with open(self.order + ".next", "w", encoding="ascii") as file:
+            file.write(f"{error} {calls} {times} {part}")
+        os.rename(self.order + ".next", self.order)
+
+    def heal(self):
+        if os.path.exists(self.order):
+            os.remove(self.order)
+
+
+def queue_up(scene, waiting=20):
+    """One job that runs, others behind it. Returns the id of the last."""
+    running = scene.submit(fake(RUNNING))
+    for _ in range(waiting):
+        last = scene.submit(fake(WAITING))
+    scene.client.until_step(running, 5)
+    return last
+
+
+def must_be_held(scene, count, waiting):
+    """Clients see why nothing starts, and a submission is refused, not lost."""
+    must(count, lambda: scene.info().storage_fault, "GetServerInfo does not say that the queue is held",
+         HELD)
+    must(count, lambda: scene.client.job(waiting).held, "a waiting job does not say why it waits", 2)
+    scene.submit(fake(WAITING))
+    for expected in scene.unsure:
+        if expected.refusal.code() not in (grpc.StatusCode.RESOURCE_EXHAUSTED,
+                                           grpc.StatusCode.UNAVAILABLE):
+            count.found("wrong", f"a submission gets {expected.refusal.code().name}: "
+                        + expected.refusal.details())
+
+
+class Refusal(Fault):
+    """One job runs and 20 wait while the disk refuses; then it is well again."""
+    short, long = 1, 12
+    seconds = 40.0
+    patience = 40.0
+    error, calls = 0, WRITES
+
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        waiting = queue_up(scene)
+        pause(scene.chance, 0.3)
+        scene.fail(self.error, self.calls)
+        must_be_held(scene, count, waiting)
+        scene.heal()
+
+
+class DiskFull(Refusal):
+    """ENOSPC from every write while 1 job runs and 20 wait; later there is space again"""
+    error, calls = errno.ENOSPC, "won"
+
+
+class DiskReadOnly(Refusal):
+    """EROFS from every write and open while 1 job runs and 20 wait; later it can be written again"""
+    error = errno.EROFS
+
+
+class DiskFails(Refusal):
+    """EIO from every write and sync while 1 job runs and 20 wait; later they work again"""
+    error, calls = errno.EIO, "ws"
+
+
+class SyncFails(Refusal):
+    """EIO from every fsync and nothing else while 1 job runs and 20 wait"""
+    error, calls = errno.EIO, "s"
+
+
+class SmallDisk(Fault):
+    """A small tmpfs filled to the last byte while 1 job runs and 20 wait; later emptied (root only)"""
+    short, long = 1, 10
+    seconds = 40.0
+    patience = 40.0
+
+    def attempt(self, chance, most):
+        if not mounts_of_our_own():
+            return Count(notes=["not tried: only root can mount a disk"])
+        self.disk = tempfile.mkdtemp(prefix="dccast-faults-disk-")
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", self.disk],
+                                 capture_output=True, text=True, check=False)
+        try:
+            if mounted.returncode != 0:
+                return Count(notes=[f"not tried: {mounted.stderr.strip()}"])
+            return super().attempt(chance, most)
+        finally:
+            subprocess.run(["umount", "--lazy", self.disk], stderr=subprocess.DEVNULL, check=False)
+            os.rmdir(self.disk)
+
+    def scene(self, chance):
+        folder = os.path.join(self.disk, "scene")
+        os.mkdir(folder)
+        return Scene(chance, FAKE, folder=folder, workers=1, minimum_free="1 MB")
+
+    def disturb(self, scene, count):
+        waiting = queue_up(scene)
+        pause(scene.chance, 0.3)
+        ballast = fill(self.disk)
+        must_be_held(scene, count, waiting)
+        os.remove(ballast)
+
+
+@functools.cache
+def mounts_of_our_own():
+    """From now on what this process mounts is seen by it and its children alone, and goes with them."""
+    new_mount_namespace = 0x00020000  # CLONE_NEWNS
+    if ctypes.CDLL(None).unshare(new_mount_namespace) != 0:
+        return False
+    return subprocess.run(["mount", "--make-rprivate", "/"], check=False).returncode == 0
+
+
+def fill(folder):
+    """Takes all the space. Returns the file that has it."""
+    path = os.path.join(folder, "ballast")
+    with open(path, "wb", buffering=0) as file:
+        for size in (1 << 20, 1 << 12, 1):
+            try:
+                while True:
+                    file.write(bytes(size))
+            except OSError as error:
+                if error.errno != errno.ENOSPC:
+                    raise
+    return path
+
+
+class LimitedDescriptors(Fault):
+    """The running daemon gets no further descriptor while 1 job runs and 20 wait (RLIMIT_NOFILE)"""
+    short, long = 1, 10
+    seconds = 40.0
+    patience = 40.0
+    settings = {"workers": 1}
+
+    def disturb(self, scene, count):
+        queue_up(scene)
+        process = scene.daemon.process.pid
+        before = limit(process, resource.RLIMIT_NOFILE, len(os.listdir(f"/proc/{process}/fd")))
+        pause(scene.chance, 3.0)
+        limit(process, resource.RLIMIT_NOFILE, before)
+
+    def look_back(self, scene, count):
+        """The daemon's own lack is no loss of a worker."""
+        for job_id in scene.acknowledged:
+            if "died" in scene.client.job(job_id).failure.message:
+                count.found("wrong", f"job {job_id}: the daemon's lack counts as a worker's death")
+
+
+class FailedStart(Fault):
+    """The start of a waiting job fails with EROFS or EMFILE, a few times; then it can be started"""
+    short, long = 2, 20
+    patience = 20.0
+
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        error, calls = scene.chance.choice(((errno.EROFS, WRITES), (errno.EMFILE, "or")))
+        running = scene.submit(fake("steps=30 sleep_ms=10"))
+        waiting = scene.submit(fake(WAITING))
+        scene.fail(error, calls, scene.chance.randint(1, 6), waiting)
+        must(count, lambda: scene.ended(running), "the running job does not end", 20)
+        pause(scene.chance, 1.0)
+        scene.heal()
+
+
+class FailedOrder(Fault):
+    """What a cancel and a pause have in common: their first write fails, a later one does not."""
+    short, long = 2, 20
+    at_once = 2
+    patience = 8.0
+    wanted = job_pb2.CANCELLED
+
+    def order(self, scene, job_id):
+        raise NotImplementedError
+
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def begin(self, scene):
+        running = scene.submit(fake("steps=2000 sleep_ms=10 checkpoint=50"), self.wanted)
+        waiting = scene.submit(fake("steps=2000 sleep_ms=10"), self.wanted)
+        scene.submit(fake(WAITING))
+        scene.client.until_step(running, 3)
+        scene.to_order = [running, waiting]
+
+    def disturb(self, scene, count):
+        self.order_against_a_failing_disk(scene, scene.to_order.pop(), count)
+
+    def order_against_a_failing_disk(self, scene, job_id, count):
+        scene.fail(errno.ENOSPC, "won", 4, "jobs.sqlite")
+        try:
+            self.order(scene, job_id)
+        except grpc.RpcError as error:
+            if error.code() == grpc.StatusCode.INTERNAL:
+                count.found("wrong", f"an order gets INTERNAL: {error.details()}")
+        scene.heal()
+        must(count, lambda: self.obeyed(scene, job_id), "an order is refused for ever", 8)
+
+    def obeyed(self, scene, job_id):
+        self.order(scene, job_id)
+        return True
+
+
+class CancelWriteFails(FailedOrder):
+    """A cancel whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
+
+    def order(self, scene, job_id):
+        scene.client.cancel(job_id)
+
+
+class PauseWriteFails(FailedOrder):
+    """A pause whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
+    wanted = job_pb2.PAUSED
+
+    def order(self, scene, job_id):
+        scene.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+
+
+class RefusedCancel(Fault):
+    """A cancel of a waiting job that fails and is not tried again: the job must not be forgotten"""
+    short, long = 1, 10
+    patience = 15.0
+
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        running = scene.submit(fake("steps=40 sleep_ms=10"))
+        waiting = scene.submit(fake(WAITING))
+        scene.client.until_step(running, 3)
+        scene.fail(errno.ENOSPC, "won", 4, scene.chance.choice(("jobs.sqlite", waiting)))
+        try:
+            scene.client.cancel(waiting)
+            scene.acknowledged[waiting].state = job_pb2.CANCELLED
+        except grpc.RpcError:
+            pass  # not accepted: it runs on
+        scene.heal()

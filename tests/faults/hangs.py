@@ -1,0 +1,113 @@
+"""Processes that are there and do nothing, or are told to leave: the watchdog and the ways out."""
+import os
+import signal
+
+from cases import FAKE, REAL, coarse, failing_check, fake
+from dccast.v1 import job_pb2
+from fault import Fault
+from oracle import must, undisturbed
+from scene import Scene, alive, pause, signal_process
+from support import BIN
+
+# Short times, and still long against a machine that does other things too.
+WATCHFUL = {"heartbeat_interval": "0.2 s", "heartbeat_timeout": "2 s",
+            "worker_hello_timeout": "2 s", "worker_restarts": 20}
+PATIENCE = 12.0  # seconds until the watchdog must have acted
+
+
+class TwoCastings(Fault):
+    """Two real castings, and something at a random instant of their life."""
+    worker = REAL
+
+    def begin(self, scene):
+        life = undisturbed(REAL, coarse()).seconds
+        scene.submit(coarse())
+        scene.submit(failing_check())
+        pause(scene.chance, life)
+
+
+class StopWorker(TwoCastings):
+    """SIGSTOP of a worker in the middle of a real casting: it hangs for ever"""
+    short, long = 2, 20
+    settings = WATCHFUL
+
+    def disturb(self, scene, count):
+        workers = scene.job_workers()
+        if not workers:
+            return self.begin(scene) or False
+        stopped = scene.chance.choice(workers)
+        signal_process(stopped, signal.SIGSTOP)
+        must(count, lambda: not alive(stopped), "a worker that hangs is not killed", PATIENCE)
+        signal_process(stopped, signal.SIGKILL)
+
+
+class SilentWorker(Fault):
+    """A worker program that sleeps instead of saying its first word, the first time for each job"""
+    short, long = 1, 5
+    patience = 30.0
+    sleeper = """#!/bin/sh
+case "$1" in --*) exec {worker} "$@";; esac
+mkdir {folder}/slept-$DCCAST_WORKER_JOB 2>/dev/null && exec sleep 60
+exec {worker} "$@"
+"""
+
+    def scene(self, chance):
+        return Scene(chance, FAKE, prepare=self.write_sleeper, **WATCHFUL)
+
+    def write_sleeper(self, scene):
+        path = os.path.join(scene.folder, "sleeper")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.sleeper.format(worker=os.path.join(BIN, FAKE), folder=scene.folder))
+        os.chmod(path, 0o700)
+        scene.daemon.settings["worker_program"] = path
+
+    def disturb(self, scene, count):
+        for _ in range(3):
+            scene.submit(fake("steps=20"))
+
+
+class StalledWorker(Fault):
+    """A worker that is alive and makes no step, ever: its job fails with that cause"""
+    short, long = 1, 5
+    patience = 10.0
+    settings = {**WATCHFUL, "worker_restarts": 1, "stall_timeout": "1 s"}
+
+    def disturb(self, scene, count):
+        stalled = scene.submit(fake("steps=5 sleep_ms=100000"), job_pb2.FAILED)
+        scene.submit(fake("steps=20"))
+        must(count, lambda: scene.ended(stalled), "a worker without a step keeps its slot", PATIENCE)
+
+
+class StopWorkerAndLeave(TwoCastings):
+    """SIGSTOP of a worker, then SIGTERM of the daemon; started again"""
+    short, long = 1, 10
+    settings = {**WATCHFUL, "stop_grace": "1 s"}
+
+    def disturb(self, scene, count):
+        for worker in scene.job_workers()[:1]:
+            signal_process(worker, signal.SIGSTOP)
+        leave_and_come_back(scene, count)
+
+
+class TellDaemon(TwoCastings):
+    """SIGTERM of the daemon while real castings run; started again"""
+    short, long = 2, 30
+
+    def disturb(self, scene, count):
+        leave_and_come_back(scene, count)
+
+
+class TellWorker(TwoCastings):
+    """SIGTERM of a worker in the middle of a real casting"""
+    short, long = 2, 30
+
+    def disturb(self, scene, count):
+        for worker in scene.job_workers()[:1]:
+            signal_process(worker, signal.SIGTERM)
+
+
+def leave_and_come_back(scene, count):
+    code = scene.kill_daemon(signal.SIGTERM)
+    if code != 0:
+        count.found("wrong", f"dccastd ended with {code} after SIGTERM")
+    scene.come_back()

@@ -1,0 +1,117 @@
+"""kill -9 at random instants: nothing acknowledged is lost, nothing is done twice."""
+import os
+import signal
+import subprocess
+import threading
+
+from cases import COARSE, REAL, coarse, failing_check, fake, shipped
+from fault import Fault
+from oracle import undisturbed
+from scene import TIED, pause, signal_process
+
+TINY = ("steps=3", "steps=25 checkpoint=7")
+
+
+class Kill(Fault):
+    """Keeps real castings running and kills at random instants of their life."""
+    at_once = 6
+    seconds = 30.0
+    worker = REAL
+    settings = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
+
+    def disturb(self, scene, count):
+        life = undisturbed(REAL, coarse()).seconds
+        self.keep_busy(scene)
+        pause(scene.chance, life)
+        return self.kill(scene)
+
+    @staticmethod
+    def keep_busy(scene):
+        unfinished = sum(not scene.ended(job_id) for job_id in scene.acknowledged)
+        for _ in range(2 - unfinished):
+            scene.submit(scene.chance.choice((coarse, failing_check))())
+
+    def kill(self, scene):
+        """Returns False when there was nobody at this instant."""
+        raise NotImplementedError
+
+
+class KillWorker(Kill):
+    """kill -9 of a worker in the middle of a real casting"""
+    short, long = 5, 70
+
+    def kill(self, scene):
+        workers = scene.job_workers()
+        return bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL)
+
+
+class KillDaemon(Kill):
+    """kill -9 of the daemon while real castings run; started again"""
+    short, long = 4, 60
+
+    def kill(self, scene):
+        scene.kill_daemon()
+        scene.come_back()
+
+
+class KillEverything(Kill):
+    """kill -9 of workers, client and daemon at once; daemon started again"""
+    short, long = 3, 40
+
+    def kill(self, scene):
+        client = submitting_client(scene)
+        pause(scene.chance, 0.05)
+        for worker in scene.job_workers():
+            signal_process(worker, signal.SIGKILL)
+        scene.daemon.process.send_signal(signal.SIGKILL)
+        end(client)
+        scene.kill_daemon()
+        scene.come_back()
+        scene.send_again()
+
+
+class KillClient(Fault):
+    """kill -9 of the command line client while it submits and watches; the same request again"""
+    short, long = 5, 40
+    at_once = 5
+    worker = REAL
+
+    def disturb(self, scene, count):
+        client = submitting_client(scene)
+        pause(scene.chance, 0.4)
+        end(client)
+        scene.send_again()
+
+
+class KillUnderLoad(Fault):
+    """kill -9 of the daemon while a client submits one tiny job after another"""
+    short, long = 3, 30
+    at_once = 3
+    jobs = 15  # for each kill
+
+    def disturb(self, scene, count):
+        killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
+                                 scene.daemon.process.send_signal, (signal.SIGKILL,))
+        killed.start()
+        for _ in range(self.jobs):
+            scene.submit(fake(scene.chance.choice(TINY)))
+        killed.join()
+        scene.kill_daemon()
+        scene.come_back()
+        scene.send_again()
+
+
+def submitting_client(scene):
+    """The real client with a request_id of its own; whether it was heard, nobody knows."""
+    expected = scene.next_request(coarse(), None)
+    expected.file = os.path.join(scene.folder, "case.toml")
+    with open(expected.file, "w", encoding="utf-8") as file:
+        file.write(shipped(*COARSE))
+    scene.unsure.append(expected)
+    return subprocess.Popen([*TIED, *scene.submit_command(expected), "--watch"],
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def end(process):
+    process.kill()
+    process.wait()

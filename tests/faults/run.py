@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+"""Breaks the real programs on purpose and counts what was lost. Exit code 0: nothing.
+
+    tests/faults/run.py --short                    what ./tests/run does, in parts
+    tests/faults/run.py --long --table             renews the table of docs/faults.md
+    tests/faults/run.py --long --only kill-worker --seed 7
+"""
+import argparse
+import importlib
+import os
+import signal
+import sys
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+BUILD = os.path.join(ROOT, "build", "release")
+FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--short", action="store_true", help="few tries of each fault (default)")
+    form.add_argument("--long", action="store_true", help="200 kills, dozens of each other fault")
+    parser.add_argument("--only", action="append", default=[], metavar="NAME",
+                        help="a fault or a family of faults; may be repeated")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bin", default=os.environ.get("DCCAST_BIN", os.path.join(BUILD, "bin")),
+                        help="folder of dccastd, dccast, dccast-worker and dccast-worker-fake")
+    parser.add_argument("--table", nargs="?", const=os.path.join(ROOT, "docs", "faults.md"),
+                        metavar="FILE", help="writes the table, between the marks of FILE if it "
+                        "has any; without FILE: docs/faults.md")
+    parser.add_argument("--list", action="store_true", help="names the faults and does nothing")
+    return parser.parse_args()
+
+
+def set_up_imports(programs):
+    """What tests/service shares, and Python's code of the .proto files beside the programs."""
+    os.environ["DCCAST_BIN"] = os.path.abspath(programs)
+    beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "tests", "service", "python")
+    built = beside if os.path.isdir(beside) else os.path.join(BUILD, "tests", "service", "python")
+    sys.path += [os.path.join(ROOT, "tests", "service"), built]
+
+
+def faults_of(family):
+    from fault import Fault
+    module = importlib.import_module(family)
+    return [thing for thing in vars(module).values()
+            if isinstance(thing, type) and issubclass(thing, Fault)
+            and thing.__module__ == family and "attempt" in dir(thing) and thing.__doc__
+            and not thing.__subclasses__()]
+
+
+def chosen(only):
+    unknown = set(only)
+    for family in FAMILIES:
+        for fault in faults_of(family):
+            if not only or family in only or fault.name() in only:
+                unknown -= {family, fault.name()}
+                yield family, fault
+    if unknown:
+        sys.exit(f"run.py: no such fault: {', '.join(sorted(unknown))}; see --list")
+
+
+def tried(fault, seed, long):
+    """Tries a fault as often as the form asks, or as its time permits."""
+    from oracle import Count
+    from scene import chance_of
+    row = Count()
+    wanted = fault.long if long else fault.short
+    end = time.monotonic() + fault.seconds * (8 if long else 1)
+    number = 0
+    while row.tried < wanted and (number == 0 or time.monotonic() < end):
+        number += 1
+        before = row.tried
+        try:
+            row.add(fault().attempt(chance_of(seed, fault.name(), number), wanted - row.tried))
+        except Exception as error:  # whatever it is, this try did not end well
+            row.add(Count(tried=1))
+            row.found("wrong", f"try {number}: {type(error).__name__}: {error}")
+        if row.tried == before:
+            break  # cannot be tried here; the notes say why
+    return row
+
+
+def main():
+    options = arguments()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))  # so that everything is cleared away
+    set_up_imports(options.bin)
+    from table import Row, write_table
+    rows = []
+    for family, fault in chosen(options.only):
+        if options.list:
+            print(f"{fault.name():28} {family:8} {fault.says()}")
+            continue
+        begin = time.monotonic()
+        count = tried(fault, options.seed, options.long)
+        rows.append(Row(family, fault, count, options))
+        print(f"{fault.name():28} tried {count.tried:4}  lost {count.lost:3}  duplicated "
+              f"{count.duplicated:3}  wrong {count.wrong:3}  {time.monotonic() - begin:6.1f} s",
+              flush=True)
+        for note in count.notes[:8]:
+            print(f"    {note}", flush=True)
+    if options.table and rows:
+        write_table(options.table, rows, options)
+    return 0 if all(row.count.clean() for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

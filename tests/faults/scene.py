@@ -1,0 +1,226 @@
+"""A daemon with a folder of its own, and the book of what it has acknowledged."""
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+
+import grpc
+
+from cases import FAKE
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, TERMINAL, Client, Daemon, until
+
+# Whatever the harness starts dies with it, also when the harness is killed.
+TIED = ("setpriv", "--pdeathsig", "KILL")
+
+
+class Daemons(Daemon):
+    """A daemon started through other programs, which set its limits and then become it."""
+    through = ()
+
+    def command(self):
+        return [*TIED, *self.through, *super().command()]
+
+
+class Scene:
+    """One try of a fault: begins with a running daemon, ends with nothing left of it."""
+
+    def __init__(self, chance, worker=FAKE, through=(), folder=None, prepare=None, **settings):
+        """prepare: called with the scene before the daemon starts, to set up what needs its folder."""
+        self.chance = chance
+        self.worker = worker
+        self.folder = folder or tempfile.mkdtemp(prefix="dccast-faults-")
+        self.daemon = Daemons(self.folder, worker, **{"stop_grace": "5 s", **settings})
+        self.daemon.through = through
+        self.acknowledged = {}  # id of a job -> Expected
+        self.unsure = []        # submissions whose answer never came
+        self.strangers = set()  # ids of jobs that came of nonsense, which nobody answers for
+        self.clients = []
+        self.numbers = 0
+        if prepare:
+            prepare(self)
+
+    def __enter__(self):
+        try:
+            self.come_back()
+        except BaseException:
+            self.clear_away()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        self.clear_away()
+
+    def clear_away(self):
+        self.stop_everything()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def stop_everything(self):
+        for client in self.clients:
+            client.close()
+        self.clients.clear()
+        if self.daemon.running():
+            workers = self.workers()
+            self.daemon.kill()
+            end_processes(workers)
+
+    def come_back(self):
+        """Starts the daemon on its folder and connects to it."""
+        self.daemon.start()
+        self.client = self.connected()
+
+    def connected(self):
+        self.clients.append(Client(self.daemon.address))
+        return self.clients[-1]
+
+    def data(self, *names):
+        return os.path.join(self.folder, "data", *names)
+
+    def workers(self):
+        return [(process, start_ticks(process)) for process in self.daemon.worker_processes()]
+
+    def job_workers(self):
+        """Workers that run a job, without those that only check cases."""
+        return [worker for worker in self.workers() if "--" not in command_line(worker[0])]
+
+    def kill_daemon(self, number=signal.SIGKILL):
+        """Returns its exit code; its workers are gone too."""
+        workers = self.workers()
+        self.daemon.process.send_signal(number)
+        code = self.daemon.wait()
+        until(lambda: not any(alive(worker) for worker in workers), 10)
+        return code
+
+    def next_request(self, case, state):
+        self.numbers += 1
+        return Expected(case, state, f"request-{self.numbers}")
+
+    def submit(self, case, state=None, **rest):
+        """Submits, and notes what came of it. Returns the job's id, or None without an answer.
+
+        state: what the job must end in; None for what an undisturbed run ends in.
+        """
+        return self.send(self.next_request(case, state), **rest)
+
+    def submit_command(self, expected):
+        """The command line client with this submission."""
+        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit",
+                "--request-id", expected.request_id, expected.file]
+
+    def send_by_client_program(self, expected):
+        ended = subprocess.run([*self.submit_command(expected), "--json"], capture_output=True,
+                               text=True, timeout=60, check=False)
+        if ended.returncode != 0:
+            raise RuntimeError(ended.stderr)
+        self.acknowledged[json.loads(ended.stdout)["id"]] = expected
+
+    def send(self, expected, **rest):
+        if expected.file:
+            return self.send_by_client_program(expected)
+        try:
+            job = self.client.submit(expected.case, request_id=expected.request_id, **rest)
+        except grpc.RpcError as error:
+            expected.refusal = error
+            self.unsure.append(expected)
+            return None
+        self.acknowledged[job.id] = expected
+        return job.id
+
+    def send_again(self):
+        """What every client does without an answer: the same request once more."""
+        unsure, self.unsure = self.unsure, []
+        for expected in unsure:
+            self.send(expected)
+
+    def wait_until_ended(self, seconds=60):
+        until(lambda: all(self.ended(job_id) for job_id in self.acknowledged), seconds)
+
+    def ended(self, job_id):
+        return self.client.job(job_id).state in TERMINAL
+
+    def running(self):
+        return [job_id for job_id in self.acknowledged
+                if self.client.job(job_id).state == job_pb2.RUNNING]
+
+    def info(self, timeout=5):
+        return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=timeout)
+
+    def state_command(self, *words):
+        """`dccastd check`, `backup` or `restore` of the folder; raises RuntimeError when it fails."""
+        ended = subprocess.run([os.path.join(BIN, "dccastd"), *words, "--set",
+                                f"data_directory={self.data()}"], capture_output=True, text=True,
+                               timeout=60, check=False)
+        if ended.returncode != 0:
+            raise RuntimeError(f"dccastd {words[0]} ended with {ended.returncode}: {ended.stdout}"
+                               + ended.stderr)
+
+
+class Expected:
+    """A job the daemon owes us."""
+
+    def __init__(self, case, state, request_id):
+        self.case = case
+        self.state = state
+        self.request_id = request_id
+        self.file = None     # of a submission by the command line client
+        self.refusal = None  # the error instead of an answer
+
+
+def command_line(process):
+    try:
+        with open(f"/proc/{process}/cmdline", encoding="utf-8", errors="replace") as file:
+            return file.read()
+    except OSError:
+        return ""
+
+
+def start_ticks(process):
+    """Tells a process from a later one with the same number; 0 when there is none."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+            return 0 if fields[0] == "Z" else int(fields[19])
+    except OSError:
+        return 0
+
+
+def alive(worker):
+    return worker[1] != 0 and start_ticks(worker[0]) == worker[1]
+
+
+def signal_process(worker, number):
+    """To this very process, or to none."""
+    if not alive(worker):
+        return False
+    try:
+        os.kill(worker[0], number)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def end_processes(workers):
+    for worker in workers:
+        signal_process(worker, signal.SIGKILL)
+
+
+def limit(process, which, soft):
+    """Sets a soft limit of a running process; returns the one before."""
+    before = resource.prlimit(process, which)
+    resource.prlimit(process, which, (soft, before[1]))
+    return before[0]
+
+
+def pause(chance, most):
+    """A random time, so that what follows happens at a random instant."""
+    time.sleep(chance.uniform(0.0, most))
+
+
+def chance_of(seed, name, number):
+    """The random numbers of one try: the same for the same seed, fault and number."""
+    return random.Random(f"{seed} {name} {number}")

@@ -1,0 +1,98 @@
+"""The job store is missing, empty or old, or the folder is restored: no result goes with it."""
+import os
+import shutil
+import subprocess
+
+from cases import fake
+from damage import OLD_STORE, Damage
+from fault import Fault
+from scene import pause
+
+STORE = ("jobs.sqlite", "jobs.sqlite-wal", "jobs.sqlite-shm")
+
+
+def remove_store(scene, names=STORE):
+    for name in names:
+        if os.path.exists(scene.data(name)):
+            os.remove(scene.data(name))
+
+
+class StoreDamage(Damage):
+    """The store of a copied template is replaced; its folders must survive it."""
+    short, long = 1, 10
+
+
+class StoreMissing(StoreDamage):
+    """jobs.sqlite and what belongs to it removed"""
+
+    def damage(self, chance, scene, there):
+        remove_store(scene)
+
+
+class StoreEmpty(StoreDamage):
+    """jobs.sqlite of 0 bytes"""
+
+    def damage(self, chance, scene, there):
+        remove_store(scene)
+        with open(scene.data("jobs.sqlite"), "wb"):
+            pass
+
+
+class StoreWithoutWal(StoreDamage):
+    """jobs.sqlite as it is on the disk after kill -9, restored without its -wal"""
+
+    def damage(self, chance, scene, there):
+        remove_store(scene, STORE[1:])
+
+
+class StoreFromOldBackup(StoreDamage):
+    """jobs.sqlite from a backup made before most of the jobs were submitted or had ended"""
+
+    def damage(self, chance, scene, there):
+        remove_store(scene)
+        os.replace(scene.data(OLD_STORE), scene.data("jobs.sqlite"))
+
+    def start(self, scene, count):
+        """What the daemon puts aside as unknown comes back by the documented command."""
+        if not super().start(scene, count):
+            return False
+        scene.kill_daemon()
+        try:
+            scene.state_command("check", "--repair")
+        except RuntimeError as failed:
+            count.found("wrong", str(failed))
+        scene.come_back()
+        return True
+
+
+class FolderRestored(Fault):
+    """The whole folder lost; restored from a backup that was made while jobs ended, ran and waited"""
+    short, long = 1, 20
+
+    def begin(self, scene):
+        for _ in range(8):
+            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
+        pause(scene.chance, 0.5)
+
+    def disturb(self, scene, count):
+        backup = os.path.join(scene.folder, "backup")
+        scene.state_command("backup", "--to", backup)
+        scene.kill_daemon()
+        shutil.rmtree(scene.data())
+        scene.state_command("restore", "--from", backup)
+        scene.come_back()
+
+
+class TwoDaemons(Fault):
+    """A second daemon on the folder of a running one: it must leave, with a reason"""
+    short, long = 1, 10
+
+    def begin(self, scene):
+        for _ in range(4):
+            scene.submit(fake("steps=40 sleep_ms=5"))
+
+    def disturb(self, scene, count):
+        second = subprocess.run(scene.daemon.command(), capture_output=True, text=True, timeout=20,
+                                check=False)
+        if second.returncode != 4 or "another dccastd" not in second.stderr:
+            count.found("wrong", f"the second ended with {second.returncode}: {second.stderr}")
