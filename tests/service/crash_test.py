@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """Whatever dies, an acknowledged job is kept, goes on, and its watchers miss nothing."""
 import os
+import resource
 import signal
 import subprocess
 import time
 
 import grpc
 
-from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, curve, fake_case, main, until
+from dccast.v1 import job_pb2, service_pb2
+from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main, until
 
 
 class Crash(ServiceTest):
@@ -145,12 +146,14 @@ class Crash(ServiceTest):
         self.assertEqual(self.client.job(job.id).state, job_pb2.CANCELLED)
         self.sound_events(list(self.client.watch(job.id)))
 
-    def test_folders_of_jobs_never_acknowledged_are_swept(self):
+    def test_folders_of_jobs_never_acknowledged_are_moved_aside(self):
         self.daemon.kill()
         orphan = os.path.join(self.folder, "data", "jobs", "0f2b9a4e-0000-4000-8000-000000000000")
         os.makedirs(orphan)
         self.restart()
         self.assertFalse(os.path.exists(orphan))
+        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        self.assertEqual(info.quarantined, 1)
 
     def test_two_daemons_on_one_folder(self):
         second = subprocess.run(self.daemon.command(), capture_output=True, text=True, timeout=20,
@@ -159,16 +162,26 @@ class Crash(ServiceTest):
         self.assertIn("another dccastd", second.stderr)
         self.assertTrue(self.client.stub is not None and self.daemon.running())
 
-    def test_disk_that_takes_no_more(self):
-        """A file size limit stands for the full disk: writes fail, the daemon says so and lives."""
-        self.daemon.terminate()
-        limit = ["prlimit", "--fsize=400000"]
-        self.daemon.command = lambda plain=self.daemon.command: limit + plain()
-        self.restart()
-        job = self.client.submit(fake_case("steps=1000000"))
-        self.client.until_state(job.id, job_pb2.FAILED, seconds=30)
-        self.assertEqual(self.client.job(job.id).failure.kind, job_pb2.Failure.STORAGE)
-        self.assertTrue(self.daemon.running())
+    def limit_file_size(self, size):
+        """No file of the daemon grows beyond this, as on a full disk."""
+        resource.prlimit(self.daemon.process.pid, resource.RLIMIT_FSIZE,
+                         (size, resource.RLIM_INFINITY))
+
+    def test_a_disk_that_takes_no_more_holds_the_queue(self):
+        jobs = [self.client.submit(fake_case("steps=150 sleep_ms=10")) for _ in range(6)]
+        self.client.until_step(jobs[0].id, 10)
+        self.limit_file_size(1)
+        until(lambda: all(self.client.job(job.id).held for job in jobs), 20)
+        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        self.assertTrue(info.storage_fault)
+        self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, fake_case("steps=1"))
+        self.limit_file_size(resource.RLIM_INFINITY)
+        for job in jobs:
+            self.assertEqual(self.client.until_state(job.id, *TERMINAL, seconds=60).state,
+                             job_pb2.SUCCEEDED)
+            self.assertEqual([step.step for step in self.client.steps(job.id)],
+                             list(range(1, 151)))
+            self.sound_events(list(self.client.watch(job.id)))
 
 
 if __name__ == "__main__":

@@ -72,8 +72,8 @@ class Daemon:
         return self.process is not None and self.process.poll() is None
 
     def worker_processes(self):
-        """Process ids of this daemon's workers that run jobs."""
-        return [process for process in self.children() if not is_checker(process)]
+        """Process ids of this daemon's workers that run jobs, without the one kept ready."""
+        return [process for process in self.children() if has_job(process)]
 
     def checker_processes(self):
         """Process ids of this daemon's workers that check cases."""
@@ -92,6 +92,14 @@ class Daemon:
             except OSError:
                 pass  # it ended while we looked
         return found
+
+
+def has_job(process):
+    """A worker speaks into the log of its job once it has one."""
+    try:
+        return os.readlink(f"/proc/{process}/fd/2").endswith("/worker.log")
+    except OSError:
+        return False  # it ended while we looked
 
 
 def is_checker(process):
