@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 
@@ -19,6 +20,19 @@ ReadOutcome refused(const std::string& name, Position position, const std::strin
   outcome.source.set("", position);
   outcome.faults.push_back(make_fault("", "", message, "", remedy));
   return outcome;
+}
+
+/// The stream up to its end, or to a little more than is accepted: that tells a file that is too
+/// large, whatever its size (or a device).
+std::string beginning_of(std::istream& stream) {
+  std::array<char, 65536> part;
+  std::string text;
+  while (text.size() <= maximum_file_bytes) {
+    stream.read(part.data(), part.size());
+    if (stream.gcount() == 0) break;
+    text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  return text;
 }
 
 /// The parser hands keys over in alphabetical order; people read a file from its top.
@@ -43,7 +57,8 @@ ReadOutcome read_text(std::string_view text, const std::string& name, Message& m
   } catch (const toml::parse_error& error) {
     const auto begin = error.source().begin;
     return refused(name, {static_cast<int>(begin.line), static_cast<int>(begin.column)},
-                   "not valid TOML: " + values::shortened(error.description(), longest_reason));
+                   std::string("not valid TOML: ")
+                       .append(values::shortened(error.description(), longest_reason)));
   }
   ReadOutcome outcome;
   outcome.source = SourceMap(name);
@@ -64,10 +79,7 @@ ReadOutcome read_file(const std::filesystem::path& file, Message& message) {
   if (std::filesystem::is_directory(file, error)) return refused(file.string(), {}, "is a folder");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return refused(file.string(), {}, "cannot be read");
-  // One byte more than is accepted tells a file that is too large, whatever its size (or a device).
-  std::string text(maximum_file_bytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string text = beginning_of(stream);
   if (text.size() > maximum_file_bytes)
     return refused(file.string(), {1, 1},
                    "larger than " + std::to_string(maximum_file_bytes >> 20) + " MiB",
