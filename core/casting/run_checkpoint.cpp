@@ -1,6 +1,7 @@
 #include <stdexcept>
 
 #include "core/casting/run_state.hpp"
+#include "core/results/checkpoint_file.hpp"
 
 namespace dccast::casting {
 
@@ -16,11 +17,15 @@ Sections::Reals flat(const Tensors& tensors) {
   return values;
 }
 
-Tensors tensors(const Sections::Reals& values) {
-  Tensors result(values.size() / SymmetricTensor<2>::components);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    result[i / SymmetricTensor<2>::components][i % SymmetricTensor<2>::components] = values[i];
-  }
+/// @throws std::out_of_range  the values are not whole tensors
+Tensors tensors(const Sections& s, const std::string& name) {
+  constexpr std::size_t components = SymmetricTensor<2>::components;
+  const Sections::Reals& values = s.reals(name);
+  if (values.size() % components != 0)
+    throw std::out_of_range("'" + name + "' is no whole tensors");
+  Tensors result(values.size() / components);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    result[i / components][i % components] = values[i];
   return result;
 }
 
@@ -28,7 +33,11 @@ Sections::Integers flags(const std::vector<char>& values) {
   return {values.begin(), values.end()};
 }
 
-std::vector<char> flags(const Sections::Integers& values) {
+/// @throws std::out_of_range  a value is neither 0 nor 1
+std::vector<char> flags(const Sections& s, const std::string& name) {
+  const Sections::Integers& values = s.integers(name);
+  for (const std::int64_t value : values)
+    if (value != 0 && value != 1) throw std::out_of_range("'" + name + "' has more than 0 and 1");
   return {values.begin(), values.end()};
 }
 
@@ -49,13 +58,13 @@ void write_slab(const mechanics::SlabState<2>& slab, Sections& s) {
 void read_slab(const Sections& s, mechanics::SlabState<2>& slab) {
   slab.started = s.integer("slab/started") != 0;
   slab.displacement = s.reals("slab/displacement_m");
-  slab.released = flags(s.integers("slab/released"));
-  slab.solid = flags(s.integers("slab/solid"));
-  slab.inelastic = tensors(s.reals("slab/inelastic_strain"));
-  slab.viscoplastic = tensors(s.reals("slab/viscoplastic_strain"));
-  slab.deviator = tensors(s.reals("slab/stress_deviator_pa"));
+  slab.released = flags(s, "slab/released");
+  slab.solid = flags(s, "slab/solid");
+  slab.inelastic = tensors(s, "slab/inelastic_strain");
+  slab.viscoplastic = tensors(s, "slab/viscoplastic_strain");
+  slab.deviator = tensors(s, "slab/stress_deviator_pa");
   slab.pressure = s.reals("slab/pressure_pa");
-  slab.contact = flags(s.integers("slab/contact"));
+  slab.contact = flags(s, "slab/contact");
   slab.contact_multiplier = s.reals("slab/contact_multiplier_pa");
   slab.reaction = s.reals("slab/reaction_n_per_m");
 }
@@ -90,11 +99,35 @@ RunFailures read_failures(const Sections& s) {
   return failures;
 }
 
+/// @throws std::out_of_range  a section is missing or not what it should be
+RunState state_of(const Sections& s) {
+  RunState state;
+  state.step = s.integer("step");
+  state.time = s.real("time_s");
+  state.cast_length = s.real("cast_length_m");
+  state.next_frame = s.real("next_frame_s");
+  state.step_limit = s.real("step_limit_s");
+  state.solver_seconds = s.real("solver_s");
+  state.row_heights = s.reals("row_heights_m");
+  state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
+  state.heat.temperature = s.reals("heat/temperature_c");
+  state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
+  read_slab(s, state.slab);
+  state.validity = read_validity(s);
+  state.failures = read_failures(s);
+  return state;
+}
+
+RestoredState of_other_version(const std::string& whose) {
+  return {std::nullopt, "it is of another version: " + whose, true};
+}
+
 }  // namespace
 
-Sections to_sections(const RunState& state, const std::string& fingerprint) {
+Sections to_sections(const RunState& state, const CheckpointOrigin& origin) {
   Sections s;
-  s.set("case", fingerprint);
+  s.set("solver", origin.solver);
+  s.set("case", origin.case_json);
   s.set_integer("step", state.step);
   s.set_real("time_s", state.time);
   s.set_real("cast_length_m", state.cast_length);
@@ -111,26 +144,23 @@ Sections to_sections(const RunState& state, const std::string& fingerprint) {
   return s;
 }
 
-bool from_sections(const Sections& s, const std::string& fingerprint, RunState& state) {
+RestoredState from_sections(const Sections& s, const CheckpointOrigin& origin) {
   try {
-    if (s.text("case") != fingerprint) return false;
-    state.step = s.integer("step");
-    state.time = s.real("time_s");
-    state.cast_length = s.real("cast_length_m");
-    state.next_frame = s.real("next_frame_s");
-    state.step_limit = s.real("step_limit_s");
-    state.solver_seconds = s.real("solver_s");
-    state.row_heights = s.reals("row_heights_m");
-    state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
-    state.heat.temperature = s.reals("heat/temperature_c");
-    state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
-    read_slab(s, state.slab);
-    state.validity = read_validity(s);
-    state.failures = read_failures(s);
-    return true;
-  } catch (const std::out_of_range&) {
-    return false;
+    if (!s.has("solver")) return of_other_version("one that did not name itself");
+    if (s.text("solver") != origin.solver)
+      return of_other_version(s.text("solver") + "; this is " + origin.solver);
+    if (s.text("case") != origin.case_json) return {std::nullopt, "it is of another case"};
+    return {state_of(s), ""};
+  } catch (const std::out_of_range& error) {
+    return {std::nullopt, std::string("it is incomplete: ") + error.what()};
   }
+}
+
+RestoredState read_state(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin) {
+  const results::CheckpointRead read = results::read_checkpoint(checkpoint);
+  if (read.other_format) return of_other_version(read.reason);
+  if (!read.content) return {std::nullopt, read.reason};
+  return from_sections(*read.content, origin);
 }
 
 }  // namespace dccast::casting

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/casting/case.hpp"
@@ -28,11 +31,24 @@ struct RunState {
   ValidityState validity;
 };
 
-/// A state as the sections of a checkpoint, and back.
-/// @param fingerprint  of the case: a checkpoint of another case is not taken
-results::Sections to_sections(const RunState& state, const std::string& fingerprint);
-/// @return false when the sections are not of this case or not complete
-bool from_sections(const results::Sections& sections, const std::string& fingerprint,
-                   RunState& state);
+/// What a run must have in common with a checkpoint to go on from it.
+struct CheckpointOrigin {
+  std::string solver;     ///< solver_identity()
+  std::string case_json;  ///< as in the results
+};
+
+/// A state out of a checkpoint, or why there is none.
+struct RestoredState {
+  std::optional<RunState> state;
+  std::string reason;          ///< in words; empty only with a state
+  bool other_version = false;  ///< the reason is that another solver wrote it
+};
+
+/// A state as the sections of a checkpoint, and back. The lengths of the arrays remain to be held
+/// against the mesh: SlabRun::misfit().
+results::Sections to_sections(const RunState& state, const CheckpointOrigin& origin);
+RestoredState from_sections(const results::Sections& sections, const CheckpointOrigin& origin);
+/// @throws results::StorageError  the file is there but cannot be read
+RestoredState read_state(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin);
 
 }  // namespace dccast::casting

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/casting/slab_run.hpp"
-#include "core/results/checkpoint_file.hpp"
+#include "core/casting/solver_identity.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {
@@ -108,7 +108,7 @@ public:
 
   RunOutcome drive() {
     try {
-      begin();
+      if (const auto refused = begin()) return *refused;
       while (!run_.finished() && !over()) {
         if (const auto end = after(run_.advance())) return *end;
       }
@@ -121,31 +121,59 @@ public:
   }
 
 private:
-  void begin() {
-    if (directory_.resume) resume();
-    if (writer_) return;
+  /// @return the outcome when the run is not to begin
+  std::optional<RunOutcome> begin() {
+    if (directory_.resume) {
+      if (auto refused = resume()) return refused;
+    }
+    if (!writer_) begin_anew();
+    return std::nullopt;
+  }
+
+  void begin_anew() {
+    std::filesystem::remove(checkpoint());  // it would be of another run than the journal
     writer_.emplace(results::ResultWriter::create(files_, header_));
     writer_->append(run_.take_frame());
     writer_->flush();
   }
 
-  void resume() {
-    const auto read = results::read_checkpoint(checkpoint());
-    RunState state;
-    if (!read.content || !from_sections(*read.content, header_.case_json, state)) {
-      observer_.on_message("no checkpoint to go on from (" + read.reason + "): the run begins anew");
-      return;
-    }
+  std::optional<RunOutcome> resume() {
+    RestoredState found = read_state(checkpoint(), origin());
+    if (found.other_version && directory_.other_version != OtherVersion::begin_anew)
+      return refused(found.reason);
+    std::string reason = found.state ? run_.misfit(*found.state) : found.reason;
+    if (reason.empty()) reason = go_on_from(*found.state);
+    if (!reason.empty())
+      observer_.on_message("no checkpoint to go on from (" + reason + "): the run begins anew");
+    return std::nullopt;
+  }
+
+  /// @return why not, where the journal does not reach the state
+  std::string go_on_from(const RunState& state) {
     auto resumed = results::ResultWriter::resume(files_, state.step);
-    if (!resumed.writer) {
-      observer_.on_message("the journal does not reach the checkpoint (" + resumed.reason +
-                           "): the run begins anew");
-      return;
-    }
+    if (!resumed.writer) return resumed.reason;
     writer_.emplace(std::move(*resumed.writer));
+    if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);
     run_.restore(state);
     observer_.on_resumed(state.step, state.time);
     if (state.validity.lost) observer_.on_validity_lost(*state.validity.lost);
+    return "";
+  }
+
+  void report_missed_steps(std::int64_t last_reported) {
+    writer_->visit_steps(last_reported, [this](const results::StepReport& report) {
+      observer_.on_missed_step(report);
+    });
+  }
+
+  /// The checkpoint stays where the run is to wait.
+  RunOutcome refused(const std::string& reason) {
+    const bool fails = directory_.other_version == OtherVersion::fail;
+    if (fails) remove_files();
+    RunFailure failure;
+    failure.kind = FailureKind::other_version;
+    failure.message = "no checkpoint to go on from (" + reason + ")";
+    return {fails ? RunEnd::failed : RunEnd::other_version, {failure}};
   }
 
   /// Stores and reports a step. @return the outcome when the run ends here by order
@@ -182,7 +210,7 @@ private:
   }
 
   void write_checkpoint() {
-    writer_->checkpoint(checkpoint(), to_sections(run_.state(), header_.case_json));
+    writer_->checkpoint(checkpoint(), to_sections(run_.state(), origin()));
     clock_.written();
   }
 
@@ -216,6 +244,7 @@ private:
     std::filesystem::remove(files_.journal, ignored);
   }
 
+  CheckpointOrigin origin() const { return {solver_identity(), header_.case_json}; }
   std::filesystem::path checkpoint() const { return directory_.path / checkpoint_name; }
 
   RunDirectory directory_;

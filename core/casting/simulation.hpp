@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "core/casting/case.hpp"
 #include "core/casting/run_failure.hpp"
@@ -8,11 +10,18 @@
 
 namespace dccast::casting {
 
-/// Where a run keeps its files: `checkpoint.bin`, `results.h5.part`, then `results.h5` and
-/// `results.xdmf`, which appear complete or not at all.
+/// What to do with a checkpoint that another version of the solver wrote: solver_identity().
+enum class OtherVersion { begin_anew, wait, fail };
+
+/// Where a run keeps its files: `checkpoint.bin`, `journal.bin` and `results.h5.part` while it goes
+/// on, then `results.h5` and `results.xdmf`, which appear complete or not at all.
 struct RunDirectory {
   std::filesystem::path path;
   bool resume = false;  ///< go on from the checkpoint if there is one that can be read
+  OtherVersion other_version = OtherVersion::begin_anew;
+  /// Last step that the observer has a report of. Those between it and the checkpoint are given to
+  /// StepObserver::on_missed_step; none, where this is absent.
+  std::optional<std::int64_t> last_reported_step = std::nullopt;
 };
 
 /// Runs one case to its end or to where the observer stops it. A disk that is full or a folder that

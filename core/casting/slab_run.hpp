@@ -54,7 +54,10 @@ public:
   const RunState& state() const { return state_; }
   /// Lists a failure of the step just made: part of the state, so that no resumption forgets it.
   void fail(RunFailure failure) { add_failure(state_.failures, std::move(failure)); }
-  /// Goes on from another state of the same case.
+  /// Why a state cannot be of this run: an array that does not fit the mesh, a time outside the
+  /// case; empty when it can. Asked of a run that has made no step.
+  std::string misfit(const RunState& state) const;
+  /// Goes on from another state of the same case, one without a misfit.
   void restore(const RunState& state);
 
   bool finished() const;

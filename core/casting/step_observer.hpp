@@ -19,6 +19,9 @@ class StepObserver {
 public:
   virtual ~StepObserver() = default;
   virtual Order on_step(const results::StepReport& report) = 0;
+  /// A step up to the checkpoint, whose report was lost on its way:
+  /// RunDirectory::last_reported_step. Comes before on_resumed(), is exact, and is stored already.
+  virtual void on_missed_step(const results::StepReport&) {}
   /// The run went on from a checkpoint; steps after `step` are reported (again).
   virtual void on_resumed(std::int64_t step, double time) = 0;
   /// The model is no longer valid: the step reported next and all later ones are marked. Said once,

@@ -22,11 +22,22 @@ struct Preamble {
 };
 static_assert(sizeof(Preamble) == 24);
 
+bool has_magic(const Preamble& preamble) {
+  return std::memcmp(preamble.magic, Preamble{}.magic, sizeof preamble.magic) == 0;
+}
+
+bool is_of_other_format(const Preamble& preamble) {
+  return has_magic(preamble) && preamble.version != current_version;
+}
+
+std::string format_in_words(std::uint32_t version) {
+  return "checkpoint format " + std::to_string(version) + "; this program reads format " +
+         std::to_string(current_version);
+}
+
 /// What is wrong with the bytes, or "".
 std::string fault_of(const Preamble& preamble, std::string_view content) {
-  if (std::memcmp(preamble.magic, Preamble{}.magic, sizeof preamble.magic) != 0)
-    return "not a checkpoint";
-  if (preamble.version != current_version) return "version";
+  if (!has_magic(preamble)) return "not a checkpoint";
   if (content.size() != preamble.size) return "truncated";
   if (crc32c(content.data(), content.size()) != preamble.checksum) return "checksum";
   return "";
@@ -49,6 +60,7 @@ CheckpointRead read_checkpoint(const std::filesystem::path& path) {
   Preamble preamble;
   if (bytes.size() < sizeof preamble) return {std::nullopt, "truncated"};
   std::memcpy(&preamble, bytes.data(), sizeof preamble);
+  if (is_of_other_format(preamble)) return {std::nullopt, format_in_words(preamble.version), true};
   const std::string_view body = std::string_view(bytes).substr(sizeof preamble);
   if (std::string fault = fault_of(preamble, body); !fault.empty())
     return {std::nullopt, std::move(fault)};

@@ -11,7 +11,9 @@ namespace dccast::results {
 /// What reading a checkpoint came to: the content, or why there is none.
 struct CheckpointRead {
   std::optional<Sections> content;
-  std::string reason;  ///< "", "missing", "truncated", "checksum", "version", "not a checkpoint"
+  /// "", "missing", "truncated", "checksum", "not a checkpoint", or which format it is of
+  std::string reason;
+  bool other_format = false;  ///< whole, perhaps, but of another version of CHECKPOINT.md
 };
 
 /// Writes a checkpoint so that after a crash there is the previous one or the whole new one.

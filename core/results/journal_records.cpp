@@ -94,6 +94,7 @@ Sections to_sections(const StepReport& report) {
   content.set("reals", std::move(reals));
   content.set("integers", std::move(integers));
   content.set("monitor_displacement", flat(report.monitor_displacement));
+  content.set_real("solver_s", report.solver_seconds);  // for a report sent again; not in results
   return content;
 }
 
@@ -108,6 +109,7 @@ StepReport step_of(const Sections& content) {
       set_integer(field, report, content.integers("integers").at(integer++));
   }
   report.monitor_displacement = points_of(content.reals("monitor_displacement"));
+  report.solver_seconds = content.real("solver_s");
   return report;
 }
 

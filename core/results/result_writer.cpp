@@ -24,20 +24,27 @@ struct Cut {
   bool begins_with_header = false;
 };
 
-/// @return  the cut; nothing when the file is no journal
-std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) {
+/// @throws std::out_of_range  the record lacks what its kind has
+std::int64_t step_number(const Record& record) {
+  if (record.kind == RecordKind::step) return step_of(record.content).step;
+  if (record.kind == RecordKind::frame) return frame_of(record.content).step;
+  return 0;
+}
+
+/// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
+std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
   const bool is_journal = visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
-    std::int64_t number = 0;
-    if (record.kind == RecordKind::step) number = step_of(record.content).step;
-    if (record.kind == RecordKind::frame) number = frame_of(record.content).step;
+    const std::int64_t number = step_number(record);
     if (number > step) return false;
     cut.last_step = std::max(cut.last_step, number);
     cut.size = record.end;
     return true;
   });
   return is_journal ? std::optional(cut) : std::nullopt;
+} catch (const std::out_of_range&) {
+  return std::nullopt;
 }
 
 /// @throws std::logic_error  an array of the frame has not the size of its mesh: a bug of the
@@ -141,6 +148,17 @@ ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step) {
   if (cut->last_step < step) return {std::nullopt, "the journal ends before the checkpoint"};
   return {ResultWriter(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size))),
           ""};
+}
+
+void ResultWriter::visit_steps(std::int64_t after,
+                               const std::function<void(const StepReport&)>& visit) const {
+  parts_->journal.write();
+  visit_journal(parts_->files.journal, [&](const Record& record) {
+    if (record.kind != RecordKind::step) return true;
+    const StepReport report = step_of(record.content);
+    if (report.step > after) visit(report);
+    return true;
+  });
 }
 
 void ResultWriter::append(const StepReport& report) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +45,9 @@ public:
   /// What is under way comes to its end first. Nothing but the journal stays of unpublished
   /// results.
   ~ResultWriter();
+
+  /// Calls `visit` with every step of the journal after step `after`, in their order.
+  void visit_steps(std::int64_t after, const std::function<void(const StepReport&)>& visit) const;
 
   void append(const StepReport& report);
   /// @param frame  of the last step appended, or of the initial state

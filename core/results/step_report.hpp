@@ -39,6 +39,7 @@ struct StepReport {
   bool beyond_validity = false;
   double maximum_rotation = 0.0;
   double bottom_slip = 0.0;
+  bool operator==(const StepReport&) const = default;
 };
 
 }  // namespace dccast::results

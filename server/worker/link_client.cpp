@@ -5,8 +5,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <utility>
 
@@ -18,10 +18,12 @@ constexpr std::size_t most_outgoing = 4096;
 constexpr int exit_daemon_gone = 70;
 constexpr std::chrono::seconds acknowledgement_time{30};
 
-volatile std::sig_atomic_t told_to_leave = 0;
+// Set by a signal handler, read by the thread of the run: only a lock-free atomic serves both.
+std::atomic<bool> told_to_leave = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void note_leave(int) {
-  told_to_leave = 1;
+  told_to_leave = true;
 }
 
 std::shared_ptr<grpc::Channel> channel_to(const std::string& address) {
@@ -44,8 +46,8 @@ LinkClient::~LinkClient() {
     closed_ = true;
   }
   changed_.notify_all();
+  context_.TryCancel();  // first: the sender may be waiting for a daemon that does not read
   if (sender_.joinable()) sender_.join();
-  context_.TryCancel();
   if (receiver_.joinable()) receiver_.join();
 }
 
@@ -58,7 +60,10 @@ std::optional<v1::WorkerOrder::Start> LinkClient::begin(const v1::WorkerMessage:
     std::cerr << "dccast-worker: " << stream_->Finish().error_message() << '\n';
     return std::nullopt;
   }
-  sender_ = std::thread([this] { run_sender(); });
+  const std::chrono::duration<double> heartbeat(order.start().heartbeat_interval_s());
+  sender_ = std::thread([this, interval = std::chrono::duration_cast<Clock::duration>(heartbeat)] {
+    run_sender(interval);
+  });
   receiver_ = std::thread([this] { run_receiver(); });
   return std::move(*order.mutable_start());
 }
@@ -86,21 +91,41 @@ bool LinkClient::finish(v1::WorkerMessage::Finished finished) {
   return acknowledged_;
 }
 
-void LinkClient::run_sender() {
-  for (;;) {
-    std::deque<v1::WorkerMessage> messages;
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return !outgoing_.empty() || closed_; });
-      if (outgoing_.empty()) break;
-      messages.swap(outgoing_);
+std::optional<std::deque<v1::WorkerMessage>> LinkClient::take_outgoing(Clock::time_point beat) {
+  std::deque<v1::WorkerMessage> messages;
+  std::unique_lock lock(mutex_);
+  const auto woken = [this] { return !outgoing_.empty() || closed_; };
+  if (beat == Clock::time_point::max())
+    changed_.wait(lock, woken);  // waiting until the end of time overflows in the library
+  else
+    changed_.wait_until(lock, beat, woken);
+  messages.swap(outgoing_);
+  if (messages.empty() && closed_) return std::nullopt;
+  lock.unlock();
+  changed_.notify_all();
+  return messages;
+}
+
+bool LinkClient::write(const std::deque<v1::WorkerMessage>& messages) {
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    grpc::WriteOptions options;
+    if (i + 1 < messages.size()) options.set_buffer_hint();  // a batch in one write
+    if (!stream_->Write(messages[i], options)) return false;
+  }
+  return true;
+}
+
+void LinkClient::run_sender(Clock::duration heartbeat) {
+  const bool beats = heartbeat > Clock::duration::zero();
+  auto beat = beats ? Clock::now() + heartbeat : Clock::time_point::max();
+  while (auto messages = take_outgoing(beat)) {
+    if (Clock::now() >= beat) {
+      messages->emplace_front().mutable_heartbeat();  // before a last word
+      beat = Clock::now() + heartbeat;
     }
-    changed_.notify_all();
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      grpc::WriteOptions options;
-      if (i + 1 < messages.size()) options.set_buffer_hint();  // a batch in one write
-      if (!stream_->Write(messages[i], options)) return;       // the receiver sees the end, too
-    }
+    if (!write(*messages)) return;  // the receiver sees the end, too
+    const bool last_word = !messages->empty() && messages->back().has_finished();
+    if (last_word) beat = Clock::time_point::max();
   }
   stream_->WritesDone();
 }

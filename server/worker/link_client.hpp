@@ -3,6 +3,7 @@
 #include <grpcpp/client_context.h>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
@@ -17,10 +18,13 @@
 namespace dccast::worker {
 
 /// The worker's end of the link to its daemon. A thread sends, a thread receives; the run itself
-/// only leaves messages here and looks at an atomic.
+/// only leaves messages here and looks at an atomic. The thread that sends also says at intervals
+/// that the process is alive, however long a step takes.
 class LinkClient {
 public:
   explicit LinkClient(const std::string& address);
+  /// Drops what is not sent yet: a daemon that does not read must not keep a worker. finish() is
+  /// what waits for it.
   ~LinkClient();
 
   /// Calls the daemon. @return what to run; nothing when the daemon is gone or refuses
@@ -33,8 +37,15 @@ public:
   bool finish(v1::WorkerMessage::Finished finished);
 
 private:
-  void run_sender();
+  using Clock = std::chrono::steady_clock;
+
+  /// @param heartbeat  interval; zero: none
+  void run_sender(Clock::duration heartbeat);
   void run_receiver();
+  /// Waits for messages, until `beat` at the longest; nothing once all is sent and the link closed.
+  std::optional<std::deque<v1::WorkerMessage>> take_outgoing(Clock::time_point beat);
+  /// @return whether the daemon can still be reached
+  bool write(const std::deque<v1::WorkerMessage>& messages);
 
   grpc::ClientContext context_;
   std::unique_ptr<v1::WorkerLink::Stub> stub_;

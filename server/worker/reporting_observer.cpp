@@ -6,11 +6,19 @@
 
 namespace dccast::worker {
 
-casting::Order ReportingObserver::on_step(const results::StepReport& report) {
+void ReportingObserver::send(const results::StepReport& report) {
   v1::WorkerMessage message;
   *message.mutable_step() = translate::to_proto(report, monitors_);
   link_.send(std::move(message));
+}
+
+casting::Order ReportingObserver::on_step(const results::StepReport& report) {
+  send(report);
   return link_.order();
+}
+
+void ReportingObserver::on_missed_step(const results::StepReport& report) {
+  send(report);
 }
 
 void ReportingObserver::on_resumed(std::int64_t step, double time) {

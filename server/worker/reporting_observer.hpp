@@ -14,11 +14,14 @@ public:
   ReportingObserver(LinkClient& link, const std::vector<casting::Monitor>& monitors)
       : link_(link), monitors_(monitors) {}
   casting::Order on_step(const results::StepReport& report) override;
+  void on_missed_step(const results::StepReport& report) override;
   void on_resumed(std::int64_t step, double time) override;
   void on_validity_lost(const results::ValidityLoss& loss) override;
   void on_message(std::string_view text) override;
 
 private:
+  void send(const results::StepReport& report);
+
   LinkClient& link_;
   const std::vector<casting::Monitor>& monitors_;
 };

@@ -77,13 +77,23 @@ Finished to_finished(const casting::RunOutcome& outcome, const fs::path& directo
   return finished;
 }
 
+casting::OtherVersion to_core(v1::OtherVersion what) {
+  if (what == v1::PAUSE) return casting::OtherVersion::wait;
+  return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
+}
+
+casting::RunDirectory directory_of(const v1::WorkerOrder::Start& start) {
+  return {.path = start.directory(),
+          .resume = start.resume(),
+          .other_version = to_core(start.other_version()),
+          .last_reported_step = start.last_reported_step()};
+}
+
 Finished run(const v1::WorkerOrder::Start& start, LinkClient& link) {
   const fs::path directory = start.directory();
   const auto casting_case = translate::to_core(start.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case.monitors);
-  const auto outcome =
-      casting::run(casting_case, {.path = directory, .resume = start.resume()}, observer);
-  return to_finished(outcome, directory);
+  return to_finished(casting::run(casting_case, directory_of(start), observer), directory);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // What it does stands in tests/support/fake_casting/README.md.
-#include <unistd.h>
+#include <signal.h>
 
 #include <chrono>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iomanip>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -112,37 +113,111 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   return checked;
 }
 
+namespace {
+
+/// Everything of one run that outlives a step.
+struct FakeRun {
+  const Script& script;
+  const RunDirectory& directory;
+  StepObserver& observer;
+  std::int64_t steps;
+  bool resumed = false;
+  State state{};
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+  results::StepReport report(const State& of) const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+    return report_of(of, steps, spent.count());
+  }
+  bool is(const char* word) const { return state.step == script.number(word, -1); }
+
+  std::optional<RunOutcome> resume();
+  void report_missed_steps() const;
+  void misbehave() const;
+  bool report_is_lost() const;
+  RunOutcome solve_failed() const;
+  std::optional<RunOutcome> step();
+};
+
+/// @return the outcome when the checkpoint is of "another version" and the run is not to begin
+std::optional<RunOutcome> FakeRun::resume() {
+  if (!directory.resume || !read_checkpoint(directory.path, state)) return std::nullopt;
+  if (script.number("other_version", 0) != 0) {
+    state = {};
+    const RunFailure failure{FailureKind::other_version, "another version wrote it", 0, 0, {}, {}};
+    if (directory.other_version == OtherVersion::wait)
+      return RunOutcome{RunEnd::other_version, {failure}};
+    if (directory.other_version == OtherVersion::fail) return RunOutcome{RunEnd::failed, {failure}};
+    observer.on_message(failure.message + ": the run begins anew");
+    std::filesystem::remove(directory.path / "checkpoint.bin");
+    return std::nullopt;
+  }
+  resumed = true;
+  report_missed_steps();
+  observer.on_resumed(state.step, static_cast<double>(state.step));
+  return std::nullopt;
+}
+
+void FakeRun::report_missed_steps() const {
+  if (!directory.last_reported_step) return;
+  for (State missed; missed.step < state.step;) {
+    advance(missed);
+    if (missed.step > *directory.last_reported_step) observer.on_missed_step(report(missed));
+  }
+}
+
+void FakeRun::misbehave() const {
+  if (is("crash_at")) std::abort();
+  if (resumed) return;
+  if (is("crash_once_at")) std::abort();
+  if (is("freeze_once_at")) ::raise(SIGSTOP);
+  while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+/// The reports just before a crash may not have left the process.
+bool FakeRun::report_is_lost() const {
+  const std::int64_t crash = script.number("crash_once_at", -1);
+  return !resumed && state.step < crash && state.step >= crash - script.number("lose", 0);
+}
+
+RunOutcome FakeRun::solve_failed() const {
+  if (script.number("partial", 0) != 0) write_results(directory.path, script, state.step);
+  RunFailure failure;
+  failure.message = "did not converge";
+  failure.time = static_cast<double>(state.step);
+  failure.time_step = 1e-3;
+  failure.residual_history = {1.0, 0.5};
+  return {RunEnd::failed, {failure}};
+}
+
+/// @return the outcome when the run ends with this step
+std::optional<RunOutcome> FakeRun::step() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));
+  advance(state);
+  misbehave();
+  if (is("fail_at")) return solve_failed();
+  const Order order = report_is_lost() ? Order::go_on : observer.on_step(report(state));
+  if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
+  if (script.number("deaf", 0) != 0 || order == Order::go_on) return std::nullopt;
+  if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, {}};
+  write_checkpoint(directory.path, state);
+  return RunOutcome{RunEnd::stopped, {}};
+}
+
+}  // namespace
+
 RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer) {
   const Script script(casting_case.title);
-  const std::int64_t steps = script.number("steps", 20);
-  const auto begin = std::chrono::steady_clock::now();
-  State state;
-  const bool resumed = directory.resume && read_checkpoint(directory.path, state);
-  if (resumed) observer.on_resumed(state.step, static_cast<double>(state.step));
-  while (state.step < steps) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));
-    advance(state);
-    if (state.step == script.number("crash_at", -1)) std::abort();
-    if (!resumed && state.step == script.number("crash_once_at", -1)) std::abort();
-    if (state.step == script.number("fail_at", -1)) {
-      if (script.number("partial", 0) != 0) write_results(directory.path, script, state.step);
-      return {RunEnd::failed,
-              {{FailureKind::solve_failed,
-                "did not converge",
-                static_cast<double>(state.step),
-                1e-3,
-                {},
-                {1.0, 0.5}}}};
-    }
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    const Order order = observer.on_step(report_of(state, steps, spent.count()));
-    if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
-    if (script.number("deaf", 0) != 0 || order == Order::go_on) continue;
-    if (order == Order::cancel) return {RunEnd::cancelled, {}};
-    write_checkpoint(directory.path, state);
-    return {RunEnd::stopped, {}};
+  FakeRun fake{script, directory, observer, script.number("steps", 20)};
+  if (const auto refused = fake.resume()) return *refused;
+  while (fake.state.step < fake.steps) {
+    const auto end = fake.step();
+    if (!end) continue;
+    if (end->end != RunEnd::stopped) std::filesystem::remove(directory.path / "checkpoint.bin");
+    return *end;
   }
-  write_results(directory.path, script, steps);
+  write_results(directory.path, script, fake.steps);
+  std::filesystem::remove(directory.path / "checkpoint.bin");
   return {};
 }
 

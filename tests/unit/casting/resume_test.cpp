@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+
+#include "core/casting/solver_identity.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
 namespace dccast::casting {
@@ -7,6 +13,7 @@ namespace {
 
 using testing::bytes_of;
 using testing::Recorder;
+using testing::same_but_for_the_clock;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -123,8 +130,106 @@ TEST_P(Resume, TakesNoCheckpointOfAnotherCase) {
   Recorder second;
   ASSERT_EQ(run(c, {folder / "", true}, second).end, RunEnd::succeeded);
   EXPECT_EQ(second.resumed_from, -1);
-  EXPECT_EQ(second.messages.size(), 1u);
+  EXPECT_EQ(second.messages,
+            std::vector<std::string>{
+                "no checkpoint to go on from (it is of another case): the run begins anew"});
   EXPECT_EQ(second.reports.front().step, 1);
+}
+
+/// A checkpoint after step 3 by a program that calls itself `solver`.
+void leave_checkpoint_of(const std::string& solver, const TemporaryFolder& folder) {
+  Recorder recorder;
+  recorder.act_after = 3;
+  recorder.then = Order::stop_at_checkpoint;
+  ASSERT_EQ(run(small_casting(), {folder / "", false}, recorder).end, RunEnd::stopped);
+  results::Sections content = *results::read_checkpoint(folder / "checkpoint.bin").content;
+  content.set("solver", solver);
+  results::write_checkpoint(folder / "checkpoint.bin", content);
+}
+
+TEST(CheckpointOfAnotherVersion, LetsTheRunBeginAnewAndSaysWhy) {
+  const TemporaryFolder folder;
+  leave_checkpoint_of("dccast 0.0.9", folder);
+  Recorder recorder;
+  ASSERT_EQ(run(small_casting(), {folder / "", true}, recorder).end, RunEnd::succeeded);
+  EXPECT_EQ(recorder.resumed_from, -1);
+  EXPECT_EQ(recorder.reports.front().step, 1);
+  ASSERT_EQ(recorder.messages.size(), 1u);
+  EXPECT_EQ(recorder.messages[0],
+            "no checkpoint to go on from (it is of another version: dccast 0.0.9; this is " +
+                solver_identity() + "): the run begins anew");
+}
+
+TEST(CheckpointOfAnotherVersion, WaitsUntilToldToBeginAnew) {
+  const TemporaryFolder folder;
+  leave_checkpoint_of("dccast 0.0.9", folder);
+  Recorder waiting, anew;
+  const RunOutcome outcome = run(small_casting(), {folder / "", true, OtherVersion::wait}, waiting);
+  EXPECT_EQ(outcome.end, RunEnd::other_version);
+  ASSERT_EQ(outcome.failures.size(), 1u);
+  EXPECT_EQ(outcome.failures[0].kind, FailureKind::other_version);
+  EXPECT_NE(outcome.failures[0].message.find("dccast 0.0.9"), std::string::npos);
+  EXPECT_TRUE(waiting.reports.empty());
+  EXPECT_TRUE(std::filesystem::exists(folder / "checkpoint.bin")) << "the version may come back";
+  anew.act_after = 2;
+  anew.die = true;
+  EXPECT_THROW(run(small_casting(), {folder / "", true, OtherVersion::begin_anew}, anew),
+               Recorder::Killed);
+  Recorder last;
+  EXPECT_EQ(run(small_casting(), {folder / "", true, OtherVersion::wait}, last).end,
+            RunEnd::succeeded)
+      << "begun anew once, it does not meet the old checkpoint again";
+}
+
+TEST(CheckpointOfAnotherVersion, FailsTheRunWhereTheCaseIsSo) {
+  const TemporaryFolder folder;
+  leave_checkpoint_of("dccast 0.0.9", folder);
+  Recorder recorder;
+  const RunOutcome outcome =
+      run(small_casting(), {folder / "", true, OtherVersion::fail}, recorder);
+  EXPECT_EQ(outcome.end, RunEnd::failed);
+  ASSERT_EQ(outcome.failures.size(), 1u);
+  EXPECT_EQ(outcome.failures[0].kind, FailureKind::other_version);
+  EXPECT_FALSE(std::filesystem::exists(folder / "checkpoint.bin"));
+}
+
+TEST(CheckpointOfAnotherVersion, IsAlsoOneOfAnotherFormat) {
+  const TemporaryFolder folder;
+  leave_checkpoint_of("dccast 0.0.9", folder);
+  {
+    std::fstream file(folder / "checkpoint.bin", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(8);
+    file.put(7);
+  }
+  Recorder recorder;
+  const RunOutcome outcome =
+      run(small_casting(), {folder / "", true, OtherVersion::wait}, recorder);
+  EXPECT_EQ(outcome.end, RunEnd::other_version);
+  EXPECT_NE(outcome.failures.at(0).message.find("checkpoint format 7"), std::string::npos);
+}
+
+/// The checkpoint outran the reports: those that the observer lacks come again, exact.
+TEST_P(Resume, GivesTheReportsAgainThatTheObserverLacks) {
+  const Case c = small_casting(GetParam());
+  for (const std::int64_t known : {0, 12, 14, 20}) {
+    const TemporaryFolder folder;
+    Recorder first, second;
+    first.act_after = 14;
+    first.then = Order::stop_at_checkpoint;
+    ASSERT_EQ(run(c, {folder / "", false}, first).end, RunEnd::stopped);
+    RunDirectory again{folder / "", true};
+    again.last_reported_step = known;
+    ASSERT_EQ(run(c, again, second).end, RunEnd::succeeded);
+    EXPECT_EQ(second.resumed_from, 14);
+    ASSERT_EQ(second.missed.size(), std::size_t(std::max<std::int64_t>(0, 14 - known)));
+    for (const auto& report : second.missed) {
+      const auto& original = first.reports.at(std::size_t(report.step - 1));
+      EXPECT_TRUE(same_but_for_the_clock(report, original)) << "step " << report.step;
+      EXPECT_EQ(report.solver_seconds, original.solver_seconds);
+    }
+    const results::ResultReader reader(folder / "results.h5");
+    EXPECT_EQ(reader.history().size(), 14 + second.reports.size()) << "none is stored twice";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Resume,

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstdint>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "core/casting/simulation.hpp"
 #include "tests/unit/results/sample_run.hpp"
@@ -52,6 +55,7 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
 class Recorder : public StepObserver {
 public:
   std::vector<results::StepReport> reports;
+  std::vector<results::StepReport> missed;  ///< those given again
   std::int64_t resumed_from = -1;
   std::vector<std::string> messages;
   std::int64_t act_after = -1;  ///< step after which `then` is ordered
@@ -66,9 +70,27 @@ public:
     if (die) throw Killed{};
     return then;
   }
+  void on_missed_step(const results::StepReport& report) override {
+    EXPECT_EQ(resumed_from, -1) << "what was missed comes before the resumption";
+    missed.push_back(report);
+  }
   void on_resumed(std::int64_t step, double) override { resumed_from = step; }
   void on_message(std::string_view text) override { messages.emplace_back(text); }
 };
+
+/// Whether two steps agree bit by bit in all but the seconds of the processor.
+inline bool same_but_for_the_clock(results::StepReport a, results::StepReport b) {
+  const auto bits = [](const auto& points) {
+    std::vector<std::uint64_t> all;  // a monitor above the metal is no number, which equals nothing
+    for (const auto& point : points)
+      for (const double value : point) all.push_back(std::bit_cast<std::uint64_t>(value));
+    return all;
+  };
+  const bool same_monitors = bits(a.monitor_displacement) == bits(b.monitor_displacement);
+  a.monitor_displacement = b.monitor_displacement = {};
+  a.solver_seconds = b.solver_seconds;
+  return same_monitors && a == b;
+}
 
 inline std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);

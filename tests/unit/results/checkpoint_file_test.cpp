@@ -111,7 +111,7 @@ TEST(Checkpoint, NamesTheReason) {
     return read_checkpoint(folder / "c").reason;
   };
   EXPECT_EQ(reason_with(0), "not a checkpoint");
-  EXPECT_EQ(reason_with(8), "version");
+  EXPECT_EQ(reason_with(8), "checkpoint format 2; this program reads format 1");
   EXPECT_EQ(reason_with(whole.size() - 1), "checksum");
 }
 

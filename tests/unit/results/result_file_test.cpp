@@ -49,8 +49,11 @@ TEST(ResultFile, ReturnsEveryFieldOfEveryStep) {
   publish_sample(folder / "r.h5", 3, 3);
   const auto history = ResultReader(folder / "r.h5").history();
   ASSERT_EQ(history.size(), 300u);
-  for (const StepReport& report : history)
-    EXPECT_EQ(encode(to_sections(report)), encode(to_sections(sample_step(report.step))));
+  for (const StepReport& report : history) {
+    StepReport expected = sample_step(report.step);
+    expected.solver_seconds = 0.0;  // of the clock, which is not in the file
+    EXPECT_EQ(encode(to_sections(report)), encode(to_sections(expected)));
+  }
   EXPECT_EQ(history.back().step, 300);
 }
 

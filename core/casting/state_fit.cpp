@@ -1,0 +1,112 @@
+// Whether a state read from a checkpoint is one that this run can go on from. A checksum finds
+// damage; this finds what a checksum cannot, so that a wrong length never becomes a wrong address.
+#include <algorithm>
+#include <cmath>
+
+#include "core/casting/slab_run.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+constexpr double same_height = 1e-9;  // [m]
+
+/// Collects the first reason against a state.
+class Reasons {
+public:
+  void require(bool good, const std::string& otherwise) {
+    if (!good && first_.empty()) first_ = otherwise;
+  }
+  template <class Array>
+  void require_size(const Array& array, std::size_t size, const std::string& name) {
+    require(array.size() == size, name + " has " + std::to_string(array.size()) + " values for " +
+                                      std::to_string(size) + " on the mesh");
+  }
+  void require_finite(const std::vector<double>& array, const std::string& name) {
+    require(std::ranges::all_of(array, [](double v) { return std::isfinite(v); }),
+            name + " has values that are no numbers");
+  }
+  void require_reals(const std::vector<double>& array, std::size_t size, const std::string& name) {
+    require_size(array, size, name);
+    require_finite(array, name);
+  }
+  void require_tensors(const std::vector<SymmetricTensor<2>>& array, std::size_t size,
+                       const std::string& name) {
+    require_size(array, size, name);
+    for (const auto& tensor : array)
+      require(std::ranges::all_of(tensor.value, [](double v) { return std::isfinite(v); }),
+              name + " has values that are no numbers");
+  }
+  const std::string& first() const { return first_; }
+
+private:
+  std::string first_;
+};
+
+/// Sizes that a mesh asks of the arrays of a state.
+struct Shape {
+  std::size_t nodes, elements, points, bottom_nodes;
+};
+
+void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reasons) {
+  reasons.require_reals(heat.enthalpy, shape.nodes, "enthalpy");
+  reasons.require_reals(heat.temperature, shape.nodes, "temperature");
+  reasons.require_reals(heat.liquid_fraction, shape.nodes, "liquid fraction");
+}
+
+void fit_slab(const mechanics::SlabState<2>& slab, const Shape& shape, Reasons& reasons) {
+  reasons.require_reals(slab.displacement, 2 * shape.nodes, "displacement");
+  reasons.require_size(slab.released, shape.nodes, "released nodes");
+  reasons.require_size(slab.solid, shape.elements, "solid elements");
+  reasons.require_tensors(slab.inelastic, shape.points, "inelastic strain");
+  reasons.require_tensors(slab.viscoplastic, shape.points, "viscoplastic strain");
+  reasons.require_tensors(slab.deviator, shape.points, "stress deviator");
+  reasons.require_reals(slab.pressure, shape.points, "pressure");
+  reasons.require_size(slab.contact, shape.bottom_nodes, "contact");
+  reasons.require_reals(slab.reaction, shape.bottom_nodes, "reaction");
+  // Empty before the first step, and with every algorithm but sbm.
+  if (!slab.contact_multiplier.empty())
+    reasons.require_reals(slab.contact_multiplier, shape.bottom_nodes, "contact multiplier");
+}
+
+}  // namespace
+
+template <class Element>
+std::string SlabRun<Element>::misfit(const RunState& state) const {
+  Reasons reasons;
+  reasons.require(state.step >= 0, "its step is negative");
+  reasons.require(state.time >= schedule_.begin() && state.time <= schedule_.end() + 1e-9,
+                  "its time is outside the run");
+  reasons.require(state.next_frame >= schedule_.begin() && std::isfinite(state.next_frame),
+                  "the time of its next frame is outside the run");
+  reasons.require(state.step_limit >= case_.time.minimum_step, "its time step is too small");
+  reasons.require(std::isfinite(state.cast_length), "its cast length is no number");
+  Shape shape{std::size_t(mesh().nodes()), std::size_t(mesh().elements()), 0,
+              mechanics_.bottom_nodes().size()};
+  const auto& heights = state.row_heights;
+  if (const mesh::SlabMesh* slab = mesh_.built_in()) {
+    reasons.require_finite(heights, "row heights");
+    reasons.require(heights.size() > std::size_t(slab->rows()), "it has too few rows");
+    reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
+    if (!reasons.first().empty()) return reasons.first();
+    const double level = mesh_.grows() ? initial_level_ + state.cast_length : initial_level_;
+    reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
+    shape.nodes = heights.size() * std::size_t(slab->nodes_per_row());
+    shape.elements = (heights.size() - 1) * (shape.elements / std::size_t(slab->rows()));
+  } else {
+    reasons.require(heights.empty(), "it has rows, and the mesh none");
+  }
+  shape.points = shape.elements * Element::points;
+  fit_heat(state.heat, shape, reasons);
+  fit_slab(state.slab, shape, reasons);
+  if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
+    reasons.require_reals(state.validity.when_liquid, shape.elements, "rotation when liquid");
+  return reasons.first();
+}
+
+template std::string SlabRun<fem::P1Triangle>::misfit(const RunState&) const;
+template std::string SlabRun<fem::Q1Quadrilateral>::misfit(const RunState&) const;
+template std::string SlabRun<fem::P1Ring>::misfit(const RunState&) const;
+template std::string SlabRun<fem::Q1Ring>::misfit(const RunState&) const;
+
+}  // namespace dccast::casting

@@ -1,0 +1,222 @@
+// No state of a run is outside its checkpoint, and no checkpoint leads a run astray.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/casting/run_state.hpp"
+#include "core/casting/solver_identity.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "tests/unit/casting/small_casting.hpp"
+
+namespace dccast::casting {
+namespace {
+
+using testing::bytes_of;
+using testing::Recorder;
+using testing::same_but_for_the_clock;
+using testing::small_casting;
+using testing::TemporaryFolder;
+
+/// Everything that a run gives. Two runs are equal when all of it is, but for the seconds of the
+/// processor in the step reports: results.h5 and results.xdmf hold no reading of a clock.
+struct Given {
+  std::vector<results::StepReport> reports;
+  RunOutcome outcome;
+  std::string results, sidecar;
+};
+
+/// Runs a case, stopping after each of the steps and going on again.
+Given run_with_stops(const Case& c, const std::vector<std::int64_t>& stops) {
+  const TemporaryFolder folder;
+  Given given;
+  for (std::size_t life = 0; life <= stops.size(); ++life) {
+    Recorder recorder;
+    if (life < stops.size()) recorder.act_after = stops[life];
+    recorder.then = Order::stop_at_checkpoint;
+    given.outcome = run(c, {folder / "", life > 0}, recorder);
+    EXPECT_EQ(given.outcome.end == RunEnd::stopped, life < stops.size());
+    EXPECT_EQ(recorder.resumed_from, life > 0 ? stops[life - 1] : -1);
+    EXPECT_TRUE(recorder.messages.empty());
+    given.reports.insert(given.reports.end(), recorder.reports.begin(), recorder.reports.end());
+  }
+  given.results = bytes_of(folder / "results.h5");
+  given.sidecar = bytes_of(folder / "results.xdmf");
+  return given;
+}
+
+void expect_equal(const Given& one, const Given& other) {
+  EXPECT_EQ(one.outcome.end, other.outcome.end);
+  EXPECT_EQ(one.outcome.failures, other.outcome.failures);
+  ASSERT_EQ(one.reports.size(), other.reports.size());
+  for (std::size_t i = 0; i < one.reports.size(); ++i)
+    EXPECT_TRUE(same_but_for_the_clock(one.reports[i], other.reports[i])) << "step " << i + 1;
+  EXPECT_TRUE(one.results == other.results);
+  EXPECT_TRUE(one.sidecar == other.sidecar);
+}
+
+/// Stops at single places, about the start of the mechanics and before the end, and then after
+/// every step of one run.
+/// @return the run without a stop
+Given expect_no_state_outside(const Case& c) {
+  const Given whole = run_with_stops(c, {});
+  const std::int64_t last = whole.reports.back().step;
+  std::vector<std::int64_t> all;
+  for (std::int64_t step = 1; step < last; ++step) all.push_back(step);
+  for (const std::int64_t stop : {std::int64_t{11}, std::int64_t{13}, last - 1}) {
+    SCOPED_TRACE("stopped after step " + std::to_string(stop));
+    expect_equal(run_with_stops(c, {stop}), whole);
+  }
+  SCOPED_TRACE("stopped after every step");
+  expect_equal(run_with_stops(c, all), whole);
+  return whole;
+}
+
+class NoStateOutsideTheCheckpoint : public ::testing::TestWithParam<mesh::ElementKind> {
+protected:
+  Case short_casting() const {
+    Case c = small_casting(GetParam());
+    c.time.end = 1.5;
+    c.output.frame_interval = 0.6;
+    return c;
+  }
+};
+
+TEST_P(NoStateOutsideTheCheckpoint, OfARunThatFailsACheck) {
+  Case c = short_casting();
+  c.mechanics.options.tolerance = 3e-3;
+  const Given whole = expect_no_state_outside(c);
+  ASSERT_EQ(whole.outcome.failures.size(), 1u);
+  EXPECT_EQ(whole.outcome.failures[0].kind, FailureKind::check_failed);
+  EXPECT_LT(whole.outcome.failures[0].time, 1.0) << "with steps after it";
+}
+
+TEST_P(NoStateOutsideTheCheckpoint, OfARunBySbmWhichCarriesAMultiplier) {
+  Case c = short_casting();
+  c.time.end = 0.75;
+  c.mechanics.options.algorithm = mechanics::Algorithm::sbm;
+  c.mechanics.options.tolerance = 1e-3;
+  c.mechanics.options.maximum_iterations = 8000;
+  const Given whole = expect_no_state_outside(c);
+  EXPECT_EQ(whole.reports.back().progress, 1.0);
+}
+
+TEST_P(NoStateOutsideTheCheckpoint, OfARunWhoseStepsWereCut) {
+  Case c = short_casting();
+  c.mechanics.options.maximum_iterations = 6;
+  c.time.minimum_step = 1e-6;
+  c.time.end = 0.5;
+  const Given whole = expect_no_state_outside(c);
+  int failed_attempts = 0;
+  for (const auto& report : whole.reports) failed_attempts += report.failed_attempts;
+  EXPECT_GT(failed_attempts, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, NoStateOutsideTheCheckpoint,
+                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
+
+/// The solve fails in the end, behind the check: both are told after any stop.
+TEST(NoStateOutside, OfARunThatFailsASolve) {
+  Case c = small_casting(mesh::ElementKind::q1);
+  c.mechanics.options.tolerance = 1e-2;
+  c.mechanics.options.maximum_iterations = 8;
+  c.time.minimum_step = 0.12;
+  const Given whole = run_with_stops(c, {});
+  ASSERT_EQ(whole.outcome.failures.size(), 2u);
+  EXPECT_EQ(whole.outcome.failures[0].kind, FailureKind::check_failed);
+  EXPECT_EQ(whole.outcome.failures[1].kind, FailureKind::solve_failed);
+  expect_equal(run_with_stops(c, {5, 11}), whole);
+}
+
+/// A checkpoint with its journal, and what damages it behind the back of the checksum.
+class Damage : public ::testing::Test {
+protected:
+  void SetUp() override {
+    c_.time.end = 2.0;
+    c_.mechanics.options.tolerance = 3e-3;  // with a failure in the state
+    Recorder recorder;
+    recorder.act_after = 17;
+    recorder.then = Order::stop_at_checkpoint;
+    ASSERT_EQ(run(c_, {folder_ / "", false}, recorder).end, RunEnd::stopped);
+    content_ = *results::read_checkpoint(folder_ / "checkpoint.bin").content;
+    journal_ = bytes_of(folder_ / "journal.bin");
+  }
+
+  /// Goes on from `content` for one step. @return what the run said, and "resumed" where it did
+  std::string resume_from(const results::Sections& content) {
+    results::write_checkpoint(folder_ / "checkpoint.bin", content);
+    std::ofstream(folder_ / "journal.bin", std::ios::binary) << journal_;
+    Recorder recorder;
+    recorder.die = true;
+    recorder.act_after = 18;
+    try {
+      recorder.messages.push_back(in_words(run(c_, {folder_ / "", true}, recorder).failures));
+    } catch (const Recorder::Killed&) {
+    }
+    if (recorder.resumed_from >= 0) return "resumed";
+    return recorder.messages.empty() ? "" : recorder.messages.front();
+  }
+
+  const TemporaryFolder folder_;
+  Case c_ = small_casting(mesh::ElementKind::q1);
+  results::Sections content_;
+  std::string journal_;
+};
+
+TEST_F(Damage, OfNoArrayIsTakenForAState) {
+  ASSERT_EQ(resume_from(content_), "resumed");
+  for (const auto& [name, value] : content_.all()) {
+    if (const auto* reals = std::get_if<results::Sections::Reals>(&value)) {
+      if (name.find("failure") == 0) continue;  // of any length, and of no mesh
+      for (const int change : {-3, -1, 1, 4}) {
+        auto longer = *reals;
+        longer.resize(std::size_t(std::max(0, int(reals->size()) + change)), 1.0);
+        if (reals->size() == 1 && change > 0) continue;  // a number, of which the first is read
+        if (longer == *reals) continue;
+        results::Sections content = content_;
+        content.set(name, longer);
+        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("begins anew"))
+            << name << " by " << change;
+      }
+    }
+  }
+}
+
+TEST_F(Damage, NamesTheArray) {
+  results::Sections content = content_;
+  auto strain = content.reals("slab/inelastic_strain");
+  strain.resize(strain.size() - 4);
+  content.set("slab/inelastic_strain", strain);
+  EXPECT_THAT(resume_from(content), ::testing::HasSubstr("inelastic strain has 2"));
+  strain.pop_back();
+  content.set("slab/inelastic_strain", strain);
+  EXPECT_THAT(resume_from(content),
+              ::testing::HasSubstr("'slab/inelastic_strain' is no whole tensors"));
+}
+
+/// Bits that flipped and bytes that are gone, each with a checksum that fits: the run goes on,
+/// begins anew or fails in words. Seeded, so that what it finds can be found again.
+TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
+  std::mt19937 random(20240607);
+  const std::string whole = results::encode(content_);
+  int begun_anew = 0;
+  for (int i = 0; i < 150; ++i) {
+    std::string bytes = whole;
+    const auto place = [&] {
+      return std::uniform_int_distribution<std::size_t>(0, bytes.size() - 1)(random);
+    };
+    if (i % 3 == 0)
+      bytes.resize(place());
+    else
+      for (int flip = 0; flip <= i % 4; ++flip) bytes[place()] ^= char(1 << (random() % 8));
+    const auto content = results::decode(bytes);
+    if (!content) continue;
+    const std::string said = resume_from(*content);
+    EXPECT_FALSE(said.empty());
+    if (said.find("begins anew") != std::string::npos) ++begun_anew;
+  }
+  EXPECT_GT(begun_anew, 0);
+}
+
+}  // namespace
+}  // namespace dccast::casting
