@@ -35,15 +35,21 @@ std::string described_otherwise(jobs::JobStore& store, const jobs::JobRecord& re
 }
 
 /// A job that is yet to run must run the case it was submitted with.
-void require_cases_as_submitted(const StateFolder& folder, jobs::JobStore& store) {
-  for (const jobs::JobRecord& record : store.unfinished()) {
-    const fs::path of_job = folder.jobs() / record.job.id();
-    if (!fs::exists(of_job / jobs::description_file)) continue;
-    const std::string field = described_otherwise(store, record, of_job);
-    if (!field.empty())
-      refuse(folder, "the row of job " + record.job.id() + " in the job store is damaged: its " +
-                         field + " is not the one the job was submitted with");
-  }
+void require_case_as_submitted(const StateFolder& folder, jobs::JobStore& store,
+                               const jobs::JobRecord& record) {
+  const fs::path of_job = folder.jobs() / record.job.id();
+  if (!fs::exists(of_job / jobs::description_file)) return;
+  const std::string field = described_otherwise(store, record, of_job);
+  if (field.empty()) return;
+  refuse(folder, "the row of job " + record.job.id() + " in the job store is damaged: its " +
+                     field + " is not the one the job was submitted with");
+}
+
+/// A crash can come between the row and the mark, and who submitted it hear of the row on asking
+/// again.
+void mark_as_accepted(const StateFolder& folder, const jobs::JobRecord& record) {
+  const fs::path of_job = folder.jobs() / record.job.id();
+  if (fs::exists(of_job) && !jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
 }
 
 std::unique_ptr<jobs::JobStore> open_sound(const StateFolder& folder) {
@@ -93,13 +99,15 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
   try {
     auto store = open_sound(folder);
     const auto lost = lost_jobs(folder, store->ids());
-    if (lost.empty()) {
-      require_cases_as_submitted(folder, *store);
-      return store;
+    if (!lost.empty())
+      refuse(folder, "the job store " + folder.store().string() + " has lost " +
+                         std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
+                         *lost.begin());
+    for (const jobs::JobRecord& record : store->unfinished()) {
+      require_case_as_submitted(folder, *store, record);
+      mark_as_accepted(folder, record);
     }
-    refuse(folder, "the job store " + folder.store().string() + " has lost " +
-                       std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
-                       *lost.begin());
+    return store;
   } catch (const jobs::StoreError& error) {
     if (!jobs::is_damage(error)) throw;
     refuse(folder, std::string(error.what()) + " (" + folder.store().string() + ")");

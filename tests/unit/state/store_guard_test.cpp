@@ -35,6 +35,15 @@ TEST_F(StoreGuardTest, TellsALostJobFromOneThatWasNeverAcknowledged) {
   EXPECT_THROW(open_store(folder_), StoreLost);
 }
 
+// A crash between the row and the mark: who asks again with the same request_id is told of the job.
+TEST_F(StoreGuardTest, MarksWaitingJobsAsAccepted) {
+  const std::string id = add_job();
+  fs::remove(folder_.jobs() / id / "accepted");
+  store_.reset();
+  open_store(folder_);
+  EXPECT_TRUE(jobs::was_accepted(folder_.jobs() / id));
+}
+
 TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
   for (int i = 0; i < 20; ++i) add_job();
   store_.reset();
