@@ -254,7 +254,7 @@ std::optional<std::string> JobStore::submitted_case(const std::string& id) {
 
 std::string JobStore::first_fault() {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, "PRAGMA quick_check(1)");
+  Statement statement(database_, "PRAGMA integrity_check(1)");
   if (!statement.step()) return {};
   return statement.text(0) == "ok" ? "" : statement.text(0);
 }

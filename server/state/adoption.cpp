@@ -32,6 +32,15 @@ void require_log(const fs::path& folder) {
     throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
 }
 
+/// As the scheduler counts a submission.
+std::int64_t bytes_of(const fs::path& folder, const jobs::JobDescription& description) {
+  auto bytes = description.submitted_case.size() + description.complete_case.size();
+  if (fs::exists(folder / jobs::attachments_folder))
+    for (const auto& file : fs::directory_iterator(folder / jobs::attachments_folder))
+      bytes += file.file_size();
+  return static_cast<std::int64_t>(bytes);
+}
+
 }  // namespace
 
 void bring_up_to_log(jobs::JobRecord& record, const fs::path& path) {
@@ -57,6 +66,7 @@ void adopt(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record;
   record.job = description.job;
   record.job.set_state(v1::QUEUED);
+  record.bytes = bytes_of(folder, description);
   bring_up_to_log(record, folder / "events.log");
   if (const auto there =
           store.insert(record, description.submitted_case, description.complete_case))
@@ -69,6 +79,24 @@ void adopt(jobs::JobStore& store, const fs::path& folder) {
   v1::JobEvent event = jobs::message_event("the job was taken back into the store from its folder",
                                            v1::JobEvent::Message::WARNING);
   log.append(event);
+}
+
+std::string contradiction(jobs::JobStore& store, const jobs::JobRecord& record,
+                          const jobs::JobDescription& description) {
+  const v1::Job& row = record.job;
+  const v1::Job& said = description.job;
+  if (row.id() != said.id()) return "id";
+  if (row.title() != said.title()) return "title";
+  if (row.request_id() != said.request_id()) return "request_id";
+  if (row.study() != said.study()) return "study";
+  if (row.owner() != said.owner()) return "owner";
+  if (row.priority() != said.priority()) return "priority";
+  if (row.case_sha256() != said.case_sha256()) return "case_sha256";
+  if (jobs::milliseconds(row.create_time()) != jobs::milliseconds(said.create_time()))
+    return "create_time";
+  if (store.complete_case(row.id()) != description.complete_case) return "complete case";
+  if (store.submitted_case(row.id()) != description.submitted_case) return "submitted case";
+  return {};
 }
 
 }  // namespace dccast::state

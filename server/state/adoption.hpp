@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "server/jobs/job_description.hpp"
 #include "server/jobs/job_store.hpp"
 
 namespace dccast::state {
@@ -16,5 +17,10 @@ void bring_up_to_log(jobs::JobRecord& record, const std::filesystem::path& log);
 /// be known is lost: a wish that was not carried out, and how often its worker died.
 /// @throws std::runtime_error  it cannot be taken; the text is the reason
 void adopt(jobs::JobStore& store, const std::filesystem::path& folder);
+
+/// Where a row contradicts the description in the job's folder: SQLite has no checksum over what a
+/// row holds, the description has one. @return the name of the first such field; empty for none
+std::string contradiction(jobs::JobStore& store, const jobs::JobRecord& record,
+                          const jobs::JobDescription& description);
 
 }  // namespace dccast::state

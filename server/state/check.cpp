@@ -34,6 +34,7 @@ public:
         check_job(folder_, *store_, id, options_, report_, totals_);
       say_totals();
     }
+    list_removals();
     list_quarantine();
     return report_.damages();
   }
@@ -163,6 +164,14 @@ private:
                    " ended jobs: " + std::to_string(totals_.leftover_bytes) + " bytes" +
                    (options_.repair ? ", deleted" : "; --repair deletes them"));
     report_.note(std::to_string(ids_.size()) + " jobs in the store");
+  }
+
+  void list_removals() {
+    if (!fs::exists(folder_.jobs())) return;
+    for (const auto& entry : fs::directory_iterator(folder_.jobs()))
+      if (entry.path().extension() == ".removed")
+        report_.note(entry.path().string() +
+                     ": a deletion that was cut short; the next start ends it");
   }
 
   void list_quarantine() {

@@ -59,14 +59,26 @@ private:
   }
 
   void check_description() {
+    jobs::JobDescription described;
     try {
-      jobs::read_job_description(folder_);
-      return;
+      described = jobs::read_job_description(folder_);
     } catch (const std::runtime_error& error) {
-      if (fs::exists(folder_ / jobs::description_file) && !options_.repair)
-        report_.damage(subject_ + error.what());
+      return describe_again(error.what());
     }
+    const std::string field = contradiction(store_, record_, described);
+    if (field.empty()) return;
+    const std::string what =
+        subject_ + "its row is damaged: the " + field + " is not the one it was submitted with";
+    if (!options_.repair) return report_.damage(what + "; --repair makes the row again");
+    store_.erase(record_.job.id());
+    adopt(store_, folder_);
+    record_ = store_.find(record_.job.id()).value();
+    report_.repaired(what + "; the row is made again");
+  }
+
+  void describe_again(const std::string& reason) {
     if (!options_.repair) {
+      if (fs::exists(folder_ / jobs::description_file)) return report_.damage(subject_ + reason);
       ++totals_.without_description;
       return;
     }
@@ -170,12 +182,10 @@ private:
 
   void check_leftovers() {
     std::uintmax_t bytes = 0;
-    for (const char* name : leftover_names) {
-      if (!fs::exists(folder_ / name)) continue;
-      bytes += fs::file_size(folder_ / name);
-      if (options_.repair) fs::remove(folder_ / name);
-    }
+    for (const char* name : leftover_names)
+      if (fs::exists(folder_ / name)) bytes += fs::file_size(folder_ / name);
     if (bytes == 0) return;
+    if (options_.repair) jobs::remove_run_files(folder_);
     ++totals_.with_leftovers;
     totals_.leftover_bytes += bytes;
   }

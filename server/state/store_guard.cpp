@@ -4,6 +4,7 @@
 
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
+#include "server/state/adoption.hpp"
 #include "server/state/wal_file.hpp"
 
 namespace dccast::state {
@@ -12,12 +13,43 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A store beyond this size is held against itself by `dccastd check` only, so that the daemon starts
-/// soon. 10,000 jobs in 90 MB take 0.06 s of processor time.
+/// A store beyond this size is held against itself by `dccastd check` only, so that the daemon
+/// starts soon. 10,000 jobs in 90 MB take 0.06 s of processor time.
 constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
 
 [[noreturn]] void refuse(const StateFolder& folder, const std::string& what) {
   throw StoreLost(what + "; " + repair_remedy(folder));
+}
+
+/// A description that is damaged itself says nothing about the row; `dccastd check` tells it.
+std::string described_otherwise(jobs::JobStore& store, const jobs::JobRecord& record,
+                                const fs::path& folder) {
+  try {
+    return contradiction(store, record, jobs::read_job_description(folder));
+  } catch (const jobs::StoreError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    spdlog::warn("job {}: {}", record.job.id(), error.what());
+    return {};
+  }
+}
+
+/// A job that is yet to run must run the case it was submitted with.
+void require_case_as_submitted(const StateFolder& folder, jobs::JobStore& store,
+                               const jobs::JobRecord& record) {
+  const fs::path of_job = folder.jobs() / record.job.id();
+  if (!fs::exists(of_job / jobs::description_file)) return;
+  const std::string field = described_otherwise(store, record, of_job);
+  if (field.empty()) return;
+  refuse(folder, "the row of job " + record.job.id() + " in the job store is damaged: its " +
+                     field + " is not the one the job was submitted with");
+}
+
+/// A crash can come between the row and the mark, and who submitted it hear of the row on asking
+/// again.
+void mark_as_accepted(const StateFolder& folder, const jobs::JobRecord& record) {
+  const fs::path of_job = folder.jobs() / record.job.id();
+  if (fs::exists(of_job) && !jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
 }
 
 std::unique_ptr<jobs::JobStore> open_sound(const StateFolder& folder) {
@@ -67,10 +99,15 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
   try {
     auto store = open_sound(folder);
     const auto lost = lost_jobs(folder, store->ids());
-    if (lost.empty()) return store;
-    refuse(folder, "the job store " + folder.store().string() + " has lost " +
-                       std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
-                       *lost.begin());
+    if (!lost.empty())
+      refuse(folder, "the job store " + folder.store().string() + " has lost " +
+                         std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
+                         *lost.begin());
+    for (const jobs::JobRecord& record : store->unfinished()) {
+      require_case_as_submitted(folder, *store, record);
+      mark_as_accepted(folder, record);
+    }
+    return store;
   } catch (const jobs::StoreError& error) {
     if (!jobs::is_damage(error)) throw;
     refuse(folder, std::string(error.what()) + " (" + folder.store().string() + ")");

@@ -1,5 +1,8 @@
 #include "server/state/store_guard.hpp"
 
+#include <sstream>
+
+#include "server/state/check.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {
@@ -32,6 +35,15 @@ TEST_F(StoreGuardTest, TellsALostJobFromOneThatWasNeverAcknowledged) {
   EXPECT_THROW(open_store(folder_), StoreLost);
 }
 
+// A crash between the row and the mark: who asks again with the same request_id is told of the job.
+TEST_F(StoreGuardTest, MarksWaitingJobsAsAccepted) {
+  const std::string id = add_job();
+  fs::remove(folder_.jobs() / id / "accepted");
+  store_.reset();
+  open_store(folder_);
+  EXPECT_TRUE(jobs::was_accepted(folder_.jobs() / id));
+}
+
 TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
   for (int i = 0; i < 20; ++i) add_job();
   store_.reset();
@@ -45,6 +57,22 @@ TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
     EXPECT_NE(std::string(error.what()).find("dccastd check --repair"), std::string::npos);
     EXPECT_EQ(std::string(error.what()).find("SELECT"), std::string::npos) << error.what();
   }
+}
+
+// SQLite has no checksum over what a row holds: a flipped bit there would run another case.
+TEST_F(StoreGuardTest, RefusesARowThatHoldsAnotherCase) {
+  const std::string id = add_job();
+  store_.reset();
+  std::string bytes = jobs::read_file(folder_.store());
+  const auto at = bytes.find(std::string(40, 'c'));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 20] ^= 1;
+  jobs::replace_file(folder_.store(), bytes);
+  EXPECT_THROW(open_store(folder_), StoreLost);
+  std::ostringstream said;
+  EXPECT_EQ(check(folder_, {}, said), 1) << said.str();
+  EXPECT_EQ(check(folder_, {.repair = true, .deep = false, .adopt = {}}, said), 0) << said.str();
+  EXPECT_EQ(open_store(folder_)->complete_case(id), std::string(9000, 'c'));
 }
 
 }  // namespace
