@@ -85,13 +85,13 @@ class Lifecycle(ServiceTest):
                      service_pb2.QueryResultRequest(id=job.id, page_size=-1), timeout=10)
 
     def test_a_page_of_a_history_is_bounded_in_bytes(self):
-        job = self.client.submit(fake_case("steps=12000 checkpoint=100000"))
+        job = self.client.submit(fake_case("steps=25000 checkpoint=100000"))
         self.client.until_state(job.id, job_pb2.SUCCEEDED, seconds=60)
         pages = self.client.pages(job.id)
         self.assertGreater(len(pages), 1)
         self.assertLess(max(page.ByteSize() for page in pages), 1.1 * 2**20)
         self.assertEqual([step.step for page in pages for step in page.steps],
-                         list(range(1, 12001)))
+                         list(range(1, 25001)))
 
     def test_a_page_that_the_run_went_back_behind(self):
         job = self.client.submit(fake_case("steps=30 checkpoint=10 crash_once_at=18 sleep_ms=30"))
