@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/jobs/event_log.hpp"
+
 namespace dccast::jobs {
 
 google::protobuf::Timestamp now() {

@@ -8,6 +8,8 @@
 
 namespace dccast::jobs {
 
+class EventLog;
+
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, as the store keeps them; 0 for an unset time.
 std::int64_t milliseconds(const google::protobuf::Timestamp& time);

@@ -2,6 +2,7 @@
 """A job's ordinary life: submit, watch, query, fetch, list, cancel, pause, resume, delete."""
 import hashlib
 import os
+import pwd
 import time
 
 import grpc
@@ -25,6 +26,14 @@ class Lifecycle(ServiceTest):
         self.assertEqual(done.state, job_pb2.SUCCEEDED)
         self.assertEqual(done.attempts, 1)
         self.assertEqual(curve(self.client.steps(job.id))[-1][0], 30)
+
+    def test_a_job_belongs_to_the_user_who_submitted_it(self):
+        job = self.client.submit(fake_case("steps=1"))
+        self.assertEqual(job.owner, pwd.getpwuid(os.getuid()).pw_name)
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        self.daemon.terminate()
+        self.restart()
+        self.assertEqual(self.client.job(job.id).owner, job.owner)
 
     def test_first_event_reaches_the_watcher_at_once(self):
         delays = []
