@@ -1,15 +1,36 @@
 #include "server/service/grpc_trouble.hpp"
 
+#include <google/protobuf/descriptor.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
 
 #include <string>
+
+#include "dccast/v1/service.grpc.pb.h"
 
 namespace dccast::service {
 
 namespace {
 
 using grpc::experimental::InterceptionHookPoints;
+
+/// @param method  "/dccast.v1.SimulationService/GetJob"
+bool is_a_call_of_ours(const std::string& method) {
+  const std::string service = v1::SimulationService::service_full_name();
+  const auto* declared =
+      google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(service);
+  return declared != nullptr && method.starts_with("/" + service + "/") &&
+         declared->FindMethodByName(method.substr(service.size() + 2)) != nullptr;
+}
+
+grpc::Status in_words(const std::string& method) {
+  if (is_a_call_of_ours(method))
+    return {
+        grpc::StatusCode::INVALID_ARGUMENT,
+        "the request of " + method +
+            " cannot be read as the message that service.proto names; use a client made from it"};
+  return {grpc::StatusCode::UNIMPLEMENTED, "dccastd has no call " + method};
+}
 
 /// Lives as long as its call.
 class Answer final : public grpc::experimental::Interceptor {
@@ -21,10 +42,7 @@ public:
       const grpc::Status status = batch->GetSendStatus();
       // No handler of ours answers so: each that refuses gives its reason.
       if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_message().empty())
-        batch->ModifySendStatus({grpc::StatusCode::INVALID_ARGUMENT,
-                                 "the request of " + method_ +
-                                     " cannot be read as the message service.proto names; use a "
-                                     "client made from it"});
+        batch->ModifySendStatus(in_words(method_));
     }
     batch->Proceed();
   }

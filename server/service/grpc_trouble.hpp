@@ -8,7 +8,8 @@ namespace dccast::service {
 void log_grpc_as_debug();
 
 /// A request whose bytes are no message of its call never reaches its handler: gRPC answers
-/// UNIMPLEMENTED without a word. This makes it INVALID_ARGUMENT with a text.
+/// UNIMPLEMENTED without a word, as it does to a call that is not there. This makes the first
+/// INVALID_ARGUMENT, and gives both a text.
 class UnreadableRequests final : public grpc::experimental::ServerInterceptorFactoryInterface {
 public:
   grpc::experimental::Interceptor* CreateServerInterceptor(

@@ -2,6 +2,7 @@
 """A job's ordinary life: submit, watch, query, fetch, list, cancel, pause, resume, delete."""
 import hashlib
 import os
+import pwd
 import time
 
 import grpc
@@ -25,6 +26,14 @@ class Lifecycle(ServiceTest):
         self.assertEqual(done.state, job_pb2.SUCCEEDED)
         self.assertEqual(done.attempts, 1)
         self.assertEqual(curve(self.client.steps(job.id))[-1][0], 30)
+
+    def test_a_job_belongs_to_the_user_who_submitted_it(self):
+        job = self.client.submit(fake_case("steps=1"))
+        self.assertEqual(job.owner, pwd.getpwuid(os.getuid()).pw_name)
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        self.daemon.terminate()
+        self.restart()
+        self.assertEqual(self.client.job(job.id).owner, job.owner)
 
     def test_first_event_reaches_the_watcher_at_once(self):
         delays = []
@@ -85,13 +94,13 @@ class Lifecycle(ServiceTest):
                      service_pb2.QueryResultRequest(id=job.id, page_size=-1), timeout=10)
 
     def test_a_page_of_a_history_is_bounded_in_bytes(self):
-        job = self.client.submit(fake_case("steps=12000 checkpoint=100000"))
+        job = self.client.submit(fake_case("steps=25000 checkpoint=100000"))
         self.client.until_state(job.id, job_pb2.SUCCEEDED, seconds=60)
         pages = self.client.pages(job.id)
         self.assertGreater(len(pages), 1)
         self.assertLess(max(page.ByteSize() for page in pages), 1.1 * 2**20)
         self.assertEqual([step.step for page in pages for step in page.steps],
-                         list(range(1, 12001)))
+                         list(range(1, 25001)))
 
     def test_a_page_that_the_run_went_back_behind(self):
         job = self.client.submit(fake_case("steps=30 checkpoint=10 crash_once_at=18 sleep_ms=30"))
