@@ -4,7 +4,7 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "core/casting/case.hpp"
+#include "core/casting/case_check.hpp"
 #include "core/results/result_reader.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/job_folder.hpp"

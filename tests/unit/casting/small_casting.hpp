@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/casting/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "tests/unit/results/sample_run.hpp"
 #include "tests/unit/thermal/casting_case.hpp"
