@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/curve.hpp"
-#include "core/base/errors.hpp"
 #include "core/material/alloy_card.hpp"
 #include "core/mesh/section_spec.hpp"
 #include "core/thermal/cooling_spec.hpp"
@@ -103,26 +102,5 @@ struct Case {
   /// The case in the form it was submitted (JSON), kept in the result file for provenance.
   std::string source_json;
 };
-
-/// Size of a run before it is made.
-struct Estimate {
-  std::int64_t nodes = 0;  ///< at the end
-  std::int64_t elements = 0;
-  std::int64_t steps = 0;
-  double solver_seconds = 0.0;  ///< rough, one core
-  double memory_bytes = 0.0;
-};
-
-/// Everything that is wrong with a case beyond the range of a single value: order of tables and
-/// temperatures, monitors inside the slab, readable and matching files, limits. Opens the mesh and
-/// temperature files. Never throws for a fault of the case.
-struct CheckedCase {
-  Faults faults;
-  Faults warnings;
-  Estimate estimate;  ///< only without faults
-};
-/// @param faulty_keys  paths of values known to be at fault, or absent: what follows from them is not
-///                     judged; a warning says that it waits. The same goes for faults found here.
-CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys = {});
 
 }  // namespace dccast::casting

@@ -1,6 +1,7 @@
 #include "core/casting/casting_schedule.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dccast::casting {
 
@@ -33,7 +34,7 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   const double to = time + step;
   if (to <= 0.0) return length;
   const double from = std::max(time, 0.0), h = to - from;
-  if (schedule_.casting_speed.abscissa() != Abscissa::cast_length) {
+  if (speed_follows_time()) {
     return length + schedule_.casting_speed.integral(from, to);
   }
   const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
@@ -58,6 +59,25 @@ double CastingSchedule::step_at(double time) const {
   const double left = *next - time;
   if (left <= wanted * (1.0 + same_time)) return left;
   return left < 2.0 * wanted ? 0.5 * left : wanted;
+}
+
+Leap CastingSchedule::leap(double time) const {
+  constexpr std::int64_t worth_it = 200;  // fewer are made one by one, exactly as the run does
+  constexpr double last_steps = 4.0;      // before an event, too, where a remainder is halved
+  const Leap one{1, time + step_at(time)};
+  const double step = step_(time), slope = step_.derivative(time + same_time);
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  if (next == events_.end() || slope <= -1.0) return one;
+  const double largest = std::max(step, step + slope * (*next - time));
+  const double distance = *next - time - last_steps * largest;
+  if (distance <= static_cast<double>(worth_it) * largest) return one;
+  const double growth = std::log1p(slope);  // of a step from one to the next
+  const double count = std::floor(
+      growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
+  if (!(count < 1e15)) return {std::int64_t(1e15), *next};
+  const double covered =
+      growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
+  return {static_cast<std::int64_t>(count), time + covered};
 }
 
 }  // namespace dccast::casting

@@ -1,10 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/casting/case.hpp"
 
 namespace dccast::casting {
+
+/// Steps that follow one another without an event.
+struct Leap {
+  std::int64_t steps = 1;
+  double to = 0.0;  ///< [s]
+};
 
 /// What the pit does, as functions of time and of the length cast so far.
 class CastingSchedule {
@@ -25,6 +32,14 @@ public:
   /// block starts, water or mechanics starts, the table of steps has a point, the simulation ends.
   /// A remainder below two steps is halved, so that no sliver is left over.
   double step_at(double time) const;
+
+  /// Many steps at once, without making them: between two events the step is linear in time, so that
+  /// times form a geometric series. One step where few are left to the next event.
+  Leap leap(double time) const;
+  /// Whether cast_length() is exact over any time.
+  bool speed_follows_time() const {
+    return schedule_.casting_speed.abscissa() != Abscissa::cast_length;
+  }
 
 private:
   double speed(double time, double length) const;

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/casting/case.hpp"
+#include "core/casting/case_check.hpp"
 #include "core/results/result_reader.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/checker.hpp"

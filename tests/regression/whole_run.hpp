@@ -21,15 +21,25 @@ struct Recorder : casting::StepObserver {
   std::vector<results::StepReport> reports;
 };
 
-inline std::vector<results::StepReport> run(const casting::Case& c) {
+struct Outcome {
+  casting::RunOutcome outcome;
+  std::vector<results::StepReport> reports;
+};
+
+inline Outcome outcome_of(const casting::Case& c) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("dccast-regression-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   Recorder recorder;
   const auto outcome = casting::run(c, {folder, false}, recorder);
-  EXPECT_EQ(outcome.end, casting::RunEnd::succeeded) << casting::in_words(outcome.failures);
   std::filesystem::remove_all(folder);
-  return recorder.reports;
+  return {outcome, recorder.reports};
+}
+
+inline std::vector<results::StepReport> run(const casting::Case& c) {
+  const auto [outcome, reports] = outcome_of(c);
+  EXPECT_EQ(outcome.end, casting::RunEnd::succeeded) << casting::in_words(outcome.failures);
+  return reports;
 }
 
 /// Over all steps and monitors [m]; infinite where the steps are not the same.

@@ -67,8 +67,7 @@ Extreme largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
   for (const auto& edge : mesh.facets(mesh::Patch::bottom)) {
     if (solid[std::size_t(edge.element)] == 0) continue;
     const int a = edge.node[0], b = edge.node[1];
-    const double mean =
-        0.5 * (temperature[std::size_t(a)] + temperature[std::size_t(b)]);
+    const double mean = 0.5 * (temperature[std::size_t(a)] + temperature[std::size_t(b)]);
     const double strain =
         properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean);
     judge(a);

@@ -13,8 +13,8 @@ namespace dccast::casting {
 /// Mean of the corners of an element [m].
 std::array<double, 2> centroid(const mesh::Mesh2D& mesh, int element);
 
-/// Angle by which an element has turned [rad], anticlockwise, -pi to pi: of the rotation in the polar
-/// decomposition of I + mean of grad u over the element.
+/// Angle by which an element has turned [rad], anticlockwise, -pi to pi: of the rotation in the
+/// polar decomposition of I + mean of grad u over the element.
 /// @param displacement  (node, 2) [m]
 double rotation(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
 

@@ -9,12 +9,13 @@
 namespace dccast::casting {
 
 /// The thinnest place of the shell between the bottom block and the melt: the length [m] of the
-/// shortest cut that separates the symmetry plane from the faces, and where it begins at the bottom.
+/// shortest cut that separates the symmetry plane from the faces, and where it begins at the
+/// bottom.
 ///
-/// A cut runs from node to node, from the bottom to the melt that is connected to the top (or to the
-/// top itself); what it cuts of a solid element counts with its length, a molten one is free. So the
-/// thickness is zero exactly when no path over edges of solid elements joins the symmetry plane and a
-/// face: two solid cells that touch in a corner alone do not hold each other.
+/// A cut runs from node to node, from the bottom to the melt that is connected to the top (or to
+/// the top itself); what it cuts of a solid element counts with its length, a molten one is free.
+/// So the thickness is zero exactly when no path over edges of solid elements joins the symmetry
+/// plane and a face: two solid cells that touch in a corner alone do not hold each other.
 ///
 /// @param solid  (element) carries stress
 /// @return       nothing for a mesh whose bottom is not named

@@ -27,7 +27,8 @@ std::string sentence(const char* format, Values... values) {
 }  // namespace
 
 ValidityJudge::ValidityJudge(const Case& c)
-    : limits_(c.validity), properties_(c.alloy),
+    : limits_(c.validity),
+      properties_(c.alloy),
       // A ring is held by its hoops, whatever becomes of the shell below its axis.
       judges_shell_(c.section.kind == mesh::SectionKind::plane_strain &&
                     c.mechanics.options.liquid != mechanics::Liquid::solid),
@@ -60,12 +61,14 @@ std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
   if (stands || !state.shell_stood) return std::nullopt;
   std::string message = sentence("at t = %.6g s the shell over the bottom block ", step.time);
   message += shell->value <= 0.0
-                 ? sentence("has melted through %.4g m from the symmetry plane: no solid path joins "
-                            "the plane and the cooled faces any more",
-                            shell->place[0])
-                 : sentence("is %.3g mm thick %.4g m from the symmetry plane, less than "
-                            "validity.minimum_shell = %.3g mm",
-                            millimetres * shell->value, shell->place[0], millimetres * limit);
+                 ? sentence(
+                       "has melted through %.4g m from the symmetry plane: no solid path joins "
+                       "the plane and the cooled faces any more",
+                       shell->place[0])
+                 : sentence(
+                       "is %.3g mm thick %.4g m from the symmetry plane, less than "
+                       "validity.minimum_shell = %.3g mm",
+                       millimetres * shell->value, shell->place[0], millimetres * limit);
   return ValidityLoss{name_of(FailureKind::shell_melted_through),
                       message + "; " + no_answer,
                       step.time,
@@ -80,10 +83,11 @@ std::optional<ValidityLoss> ValidityJudge::rotation(const JudgedStep& step,
   if (found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
-      sentence("at t = %.6g s the solid at (%.4g, %.4g) m has turned by %.3g degrees; small strains "
-               "hold to validity.maximum_rotation = %.3g degrees; %s",
-               step.time, found.place[0], found.place[1], degrees * found.value,
-               degrees * limits_.maximum_rotation, no_answer),
+      sentence(
+          "at t = %.6g s the solid at (%.4g, %.4g) m has turned by %.3g degrees; small strains "
+          "hold to validity.maximum_rotation = %.3g degrees; %s",
+          step.time, found.place[0], found.place[1], degrees * found.value,
+          degrees * limits_.maximum_rotation, no_answer),
       step.time,
       found.place,
       found.value,
@@ -96,10 +100,11 @@ std::optional<ValidityLoss> ValidityJudge::slip(const JudgedStep& step,
   if (found.value <= limits_.maximum_slip) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
-      sentence("at t = %.6g s the butt %.4g m from the symmetry plane has slid %.3g mm over the bottom "
-               "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
-               step.time, found.place[0], millimetres * found.value,
-               millimetres * limits_.maximum_slip, no_answer),
+      sentence(
+          "at t = %.6g s the butt %.4g m from the symmetry plane has slid %.3g mm over the bottom "
+          "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
+          step.time, found.place[0], millimetres * found.value, millimetres * limits_.maximum_slip,
+          no_answer),
       step.time,
       found.place,
       found.value,

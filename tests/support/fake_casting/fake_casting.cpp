@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "core/casting/case_check.hpp"
 #include "core/casting/simulation.hpp"
 
 namespace dccast::casting {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <functional>
 
 #include "tests/unit/casting/small_casting.hpp"
@@ -25,6 +26,25 @@ TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
   EXPECT_EQ(checked.estimate.elements % 14, 0);
   EXPECT_GT(checked.estimate.solver_seconds, 0.0);
   EXPECT_GT(checked.estimate.memory_bytes, 0.0);
+}
+
+/// What costs more is said to cost more; how well is measured (docs/validity.md).
+TEST(CaseCheck, TheEstimateKnowsAlgorithmElementAndPhysics) {
+  const auto seconds = [](const std::function<void(Case&)>& change) {
+    Case c = small_casting(mesh::ElementKind::q1);
+    change(c);
+    return check(c).estimate.solver_seconds;
+  };
+  const double newton = seconds([](Case&) {});
+  const auto by = [](mechanics::Algorithm algorithm) {
+    return [=](Case& c) { c.mechanics.options.algorithm = algorithm; };
+  };
+  EXPECT_GT(seconds(by(mechanics::Algorithm::vnbm)), 2.0 * newton);
+  EXPECT_GT(seconds(by(mechanics::Algorithm::sbm)), 10.0 * newton);
+  EXPECT_LT(seconds([](Case& c) { c.mechanics.enabled = false; }), 0.5 * newton);
+  EXPECT_GT(seconds([](Case& c) { c.section.refinement = 2; }), 4.0 * newton);
+  EXPECT_GT(seconds([](Case& c) { c.coupling.iterations = 3; }), 2.0 * newton);
+  EXPECT_GT(seconds([](Case& c) { c.section.kind = mesh::SectionKind::axisymmetric; }), newton);
 }
 
 struct Mistake {
@@ -192,6 +212,21 @@ TEST(CaseCheck, AMeshThatCannotBeReadIsWaitedForByItsMonitorsAndTemperatures) {
   const CheckedCase checked = check(c);
   EXPECT_THAT(fields(checked.faults), ElementsAre("mesh.file", "monitor[1].name"));
   EXPECT_THAT(fields(checked.warnings), ElementsAre("mesh.file"));
+}
+
+/// 1e8 steps within the limit: a loop over them took seconds, of a lane that others wait in.
+TEST(CaseCheck, CountsAHundredMillionStepsAtOnce) {
+  Case c = small_casting();
+  c.time.step = Curve(1e-6);
+  c.time.end = 90.0;
+  c.limits.maximum_steps = 1000000000;
+  c.limits.maximum_nodes = 100000;
+  const auto start = std::chrono::steady_clock::now();
+  const CheckedCase checked = check(c);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  EXPECT_THAT(fields(checked.faults), Not(Contains("time.step")));
+  EXPECT_NEAR(static_cast<double>(checked.estimate.steps), 1e8, 1e3);
+  EXPECT_LT(took.count(), 0.2);
 }
 
 TEST(CaseCheck, AMonitorMayWaitForItsMetal) {

@@ -70,6 +70,54 @@ TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
   EXPECT_GE(shortest, 0.25 / 3.0);
 }
 
+std::int64_t steps_one_by_one(const CastingSchedule& schedule) {
+  std::int64_t steps = 0;
+  for (double t = schedule.begin(); t < schedule.end() - 1e-9; ++steps) t += schedule.step_at(t);
+  return steps;
+}
+
+std::int64_t steps_by_leaps(const CastingSchedule& schedule, std::int64_t& leaps) {
+  std::int64_t steps = 0;
+  leaps = 0;
+  for (double t = schedule.begin(); t < schedule.end() - 1e-9; ++leaps) {
+    const Leap leap = schedule.leap(t);
+    steps += leap.steps;
+    t = leap.to;
+  }
+  return steps;
+}
+
+/// Constant, growing and shrinking steps: counted in closed form as they are made.
+TEST(CastingSchedule, LeapsCountTheStepsThatWouldBeMade) {
+  Case c = small_casting();
+  c.time.end = 400.0;
+  for (const Curve& step : {Curve(0.0173), Curve(Abscissa::time, {0.0, 300.0}, {0.01, 0.5}),
+                            Curve(Abscissa::time, {-5.0, 350.0}, {0.3, 0.002})}) {
+    c.time.step = step;
+    const CastingSchedule schedule(c);
+    std::int64_t leaps = 0;
+    EXPECT_EQ(steps_by_leaps(schedule, leaps), steps_one_by_one(schedule));
+    EXPECT_LT(leaps, 600);
+  }
+}
+
+TEST(CastingSchedule, ABillionStepsAreCountedAtOnce) {
+  Case c = small_casting();
+  c.time.end = 1e6;
+  c.time.step = Curve(1e-3);
+  std::int64_t leaps = 0;
+  EXPECT_NEAR(static_cast<double>(steps_by_leaps(CastingSchedule(c), leaps)), 1.00001e9, 10.0);
+  EXPECT_LT(leaps, 50);
+}
+
+TEST(CastingSchedule, AFewStepsAreMadeOneByOne) {
+  const CastingSchedule schedule(small_casting());
+  for (double t = schedule.begin(); t < schedule.end() - 1e-9; t += schedule.step_at(t)) {
+    EXPECT_EQ(schedule.leap(t).steps, 1);
+    EXPECT_EQ(schedule.leap(t).to, t + schedule.step_at(t));
+  }
+}
+
 TEST(CastingSchedule, WaterRunsAfterItsStart) {
   Case c = small_casting();
   c.cooling.water.start = 3.0;

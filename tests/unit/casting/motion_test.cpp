@@ -91,14 +91,17 @@ TEST_P(Motion, ThermalContractionIsNoSlip) {
                      })),
                 0.0, 1e-12);
   }
-  EXPECT_NEAR(
-      slip(400.0, displaced([&](double x, double) { return std::pair{1.5 * strain * x, 0.0}; })),
-      -0.5 * strain * 0.28, 1e-12);
+  EXPECT_NEAR(slip(400.0, displaced([&](double x, double) {
+                     return std::pair{1.5 * strain * x, 0.0};
+                   })),
+              -0.5 * strain * 0.28, 1e-12);
 }
 
 TEST_P(Motion, ASlideOutwardsIsSlipAtOnce) {
-  EXPECT_NEAR(slip(400.0, displaced([](double, double) { return std::pair{5e-3, 0.0}; })), 5e-3,
-              1e-15);
+  EXPECT_NEAR(slip(400.0, displaced([](double, double) {
+                     return std::pair{5e-3, 0.0};
+                   })),
+              5e-3, 1e-15);
 }
 
 TEST_P(Motion, MeltOnTheBlockDoesNotSlip) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "core/mesh/slab_mesh.hpp"
 #include "core/results/hdf5_file.hpp"
@@ -157,6 +158,82 @@ TEST_P(Prescribed, AnImportedMeshIsNoOtherThanTheBuiltIn) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, Prescribed,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
+
+class ImportedMesh : public ::testing::Test {
+protected:
+  const TemporaryFolder folder_;
+  Case casting_ = [this] {
+    Case c = small_casting(mesh::ElementKind::q1);
+    c.section.file = folder_ / "slab.msh";
+    c.section.growth = false;
+    c.monitors.pop_back();  // the one that waits for its metal
+    return c;
+  }();
+  mesh::Mesh2D mesh_ = mesh::SlabMesh(small_casting(mesh::ElementKind::q1).section).mesh();
+
+  CheckedCase checked() {
+    write_gmsh(mesh_, casting_.section.file);
+    return check(casting_);
+  }
+  std::vector<Fault> faults() { return checked().faults.list(); }
+};
+
+TEST_F(ImportedMesh, ThatFitsTheCaseIsSound) {
+  EXPECT_TRUE(faults().empty());
+  EXPECT_TRUE(checked().warnings.empty());
+}
+
+/// Found by a user: 280 "m" gave a curl of zero and no word.
+TEST_F(ImportedMesh, InMillimetresIsRefusedWithTheFactor) {
+  for (double& coordinate : mesh_.node) coordinate *= 1000.0;
+  casting_.monitors.clear();
+  const auto found = faults();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].field, "mesh.file");
+  EXPECT_EQ(found[0].message, "is 280 m wide");
+  EXPECT_NE(found[0].permitted.find("0.28 m"), std::string::npos);
+  EXPECT_NE(found[0].remedy.find("millimetres"), std::string::npos);
+  EXPECT_NE(found[0].remedy.find("0.001"), std::string::npos);
+}
+
+TEST_F(ImportedMesh, OfAnotherWidthIsRefused) {
+  for (std::size_t i = 0; i < mesh_.node.size(); i += 2) mesh_.node[i] *= 1.02;
+  ASSERT_EQ(faults().size(), 1u);
+  EXPECT_NE(faults()[0].remedy.find("section.half_width"), std::string::npos);
+  for (std::size_t i = 0; i < mesh_.node.size(); i += 2) mesh_.node[i] *= 0.985;  // 0.5 % over
+  EXPECT_TRUE(faults().empty());
+}
+
+TEST_F(ImportedMesh, OfAnotherHeightIsWarnedOf) {
+  casting_.section.initial_depth = 0.2;
+  EXPECT_TRUE(faults().empty());
+  EXPECT_EQ(checked().warnings.list().size(), 1u);
+}
+
+TEST_F(ImportedMesh, WantsEveryGroupThatTheCaseNeeds) {
+  for (const auto& [patch, name] : {std::pair{mesh::Patch::side, "'side'"},
+                                    std::pair{mesh::Patch::top, "'top'"},
+                                    std::pair{mesh::Patch::symmetry, "'symmetry'"},
+                                    std::pair{mesh::Patch::bottom, "bottom"}}) {
+    const auto facets = std::exchange(mesh_.facets(patch), {});
+    const auto found = faults();
+    ASSERT_EQ(found.size(), 1u) << name;
+    EXPECT_EQ(found[0].field, "mesh.file");
+    EXPECT_NE((found[0].message + found[0].permitted).find(name), std::string::npos)
+        << found[0].message;
+    EXPECT_FALSE(found[0].remedy.empty());
+    mesh_.facets(patch) = facets;
+  }
+}
+
+TEST_F(ImportedMesh, WantsNoGroupThatTheCaseDoesWithout) {
+  mesh_.facets(mesh::Patch::top).clear();
+  casting_.cooling.top = thermal::Top::insulated;
+  EXPECT_TRUE(faults().empty());
+  mesh_.facets(mesh::Patch::symmetry).clear();
+  casting_.mechanics.enabled = false;
+  EXPECT_TRUE(faults().empty());
+}
 
 TEST(ImportedBillet, LiesOnOneSideOfItsAxis) {
   const TemporaryFolder folder;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/casting/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "tests/unit/results/sample_run.hpp"
 #include "tests/unit/thermal/casting_case.hpp"

@@ -10,8 +10,8 @@
 namespace dccast::casting {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::bytes_of;
+using ::testing::HasSubstr;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -50,8 +50,8 @@ void judge_the_shell_alone(Case& c) {
 
 constexpr double hot = 800.0, cold = 80.0;  // [°C]
 
-/// Metal that is cast hot, on a block that a second after the start has another temperature [°C]: a hot
-/// one melts the shell of the hold again.
+/// Metal that is cast hot, on a block that a second after the start has another temperature [°C]: a
+/// hot one melts the shell of the hold again.
 Case melting_shell(double block_later) {
   Case c = small_casting(mesh::ElementKind::q1);
   judge_the_shell_alone(c);
@@ -102,7 +102,8 @@ struct Limit {
 
 class LimitOf : public ::testing::TestWithParam<Limit> {};
 
-/// A run without limits says what it reaches; a limit just below that ends it, one just above does not.
+/// A run without limits says what it reaches; a limit just below that ends it, one just above does
+/// not.
 TEST_P(LimitOf, AStepStopsTheRunThatIsBeyondItAndNoOther) {
   Case c = small_casting(mesh::ElementKind::q1);
   const double reached = largest(result_of(c), GetParam().figure);

@@ -65,7 +65,8 @@ protected:
   double creep_ = 0.0;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families =
+    ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::P1Ring, fem::Q1Ring>;
 TYPED_TEST_SUITE(AlgorithmsOn, Families);
 
 TYPED_TEST(AlgorithmsOn, AgreeOnACreepingPartialContact) {

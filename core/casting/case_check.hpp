@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/errors.hpp"
+#include "core/casting/case.hpp"
+
+namespace dccast::casting {
+
+/// Size of a run before it is made.
+struct Estimate {
+  std::int64_t nodes = 0;  ///< at the end
+  std::int64_t elements = 0;
+  std::int64_t steps = 0;
+  double solver_seconds = 0.0;  ///< rough, one core
+  double memory_bytes = 0.0;
+};
+
+/// Everything that is wrong with a case beyond the range of a single value: order of tables and
+/// temperatures, monitors inside the slab, readable and matching files, limits. Opens the mesh and
+/// temperature files. Never throws for a fault of the case.
+struct CheckedCase {
+  Faults faults;
+  Faults warnings;
+  Estimate estimate;  ///< only without faults
+};
+/// @param faulty_keys  paths of values known to be at fault, or absent: what follows from them is
+/// not
+///                     judged; a warning says that it waits. The same goes for faults found here.
+CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys = {});
+
+}  // namespace dccast::casting

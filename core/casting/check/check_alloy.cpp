@@ -1,0 +1,47 @@
+#include "core/casting/check/checks.hpp"
+
+#include <algorithm>
+
+namespace dccast::casting {
+
+namespace {
+
+/// Without both ends in the table some of the latent heat would never be set free.
+void liquid_fraction(CaseFindings& found) {
+  const material::AlloyCard& a = found.casting.alloy;
+  const Curve& f = a.liquid_fraction;
+  const bool spans = !f.constant() && f.at().front() == a.solidus && f.value().front() == 0.0 &&
+                     f.at().back() == a.liquidus && f.value().back() == 1.0;
+  if (!spans || !std::is_sorted(f.value().begin(), f.value().end())) {
+    found.fault("alloy.liquid_fraction", "table",
+                "does not rise from 0 at the solidus to 1 at the liquidus",
+                "first point [" + with_unit(a.solidus, "degC") + ", 0], last point [" +
+                    with_unit(a.liquidus, "degC") + ", 1], never falling between them",
+                "complete the table, or leave it out for a linear liquid fraction");
+  }
+}
+
+}  // namespace
+
+void check_alloy(CaseFindings& found) {
+  const material::AlloyCard& a = found.casting.alloy;
+  if (!found.sound({"alloy.solidus", "alloy.liquidus"})) return;
+  if (a.solidus > a.liquidus) {
+    found.fault("alloy.solidus", with_unit(a.solidus, "degC"), "lies above the liquidus",
+                "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
+                "exchange the two, or make them equal for a pure metal");
+  }
+  if (found.sound({"alloy.solidus", "alloy.coherency"}) &&
+      (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0)) {
+    found.fault("alloy.coherency", with_unit(a.coherency, "degC"),
+                "is not a temperature of the mush",
+                "up to alloy.liquidus = " + with_unit(a.liquidus, "degC") +
+                    ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
+                "leave it out to take the liquidus");
+  }
+  if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"})) {
+    liquid_fraction(found);
+  }
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/casting/check/case_findings.hpp"
+
+namespace dccast::casting {
+
+/// What the course of the casting in time follows from.
+inline const Keys course_keys = {"time.end",
+                                 "time.step",
+                                 "schedule.hold",
+                                 "schedule.casting_speed",
+                                 "cooling.water.start",
+                                 "mechanics.start",
+                                 "section.initial_depth",
+                                 "mesh.growth",
+                                 "limits.maximum_steps"};
+/// What the number of cells of the built-in mesh follows from, besides the course.
+inline const Keys grid_keys = {"mesh.columns",    "mesh.rows",    "mesh.growth_cell",
+                               "mesh.refinement", "mesh.element", "limits.maximum_nodes"};
+/// What the places of its nodes follow from, besides their number.
+inline const Keys place_keys = {"section.half_width", "section.initial_depth", "mesh.side_cell",
+                                "mesh.bottom_cell"};
+
+// Each adds its faults; a file each. Those further down use what those above have found.
+
+void check_alloy(CaseFindings& found);
+void check_zones(CaseFindings& found);
+/// Abscissae that increase.
+void check_tables(CaseFindings& found);
+void check_section(CaseFindings& found);
+void check_time(CaseFindings& found);
+void check_mechanics(CaseFindings& found);
+/// Steps, and how high the metal ends.
+void check_course(CaseFindings& found);
+void check_built_in_size(CaseFindings& found);
+void check_imported_mesh(CaseFindings& found);
+void check_temperature_file(CaseFindings& found);
+void check_monitors(CaseFindings& found);
+/// Warns of a case that shows nothing.
+void advise(CaseFindings& found);
+
+/// Adds the fault of a mesh beyond limits.maximum_nodes.
+void too_many_nodes(CaseFindings& found, double nodes);
+
+/// Seconds and memory, from nodes and steps; estimate_effort.cpp says how well.
+void estimate_effort(CaseFindings& found);
+
+}  // namespace dccast::casting

@@ -1,0 +1,32 @@
+#include "tests/regression/whole_run.hpp"
+#include "tests/support/load_case.hpp"
+
+namespace dccast {
+namespace {
+
+TEST(Start2dLong, TakenTo250SecondsItFailsWhereItsShellIsCutThrough) {
+  casting::Case c = support::load_case("start-2d-long");
+  const double shipped_end = c.time.end;
+  EXPECT_EQ(shipped_end, 150.0);
+  c.time.end = 250.0;
+  const auto [outcome, reports] = regression::outcome_of(c);
+  ASSERT_EQ(outcome.end, casting::RunEnd::failed);
+  ASSERT_EQ(outcome.failures.size(), 1u) << casting::in_words(outcome.failures);
+  const casting::RunFailure& failure = outcome.failures[0];
+  EXPECT_EQ(failure.kind, casting::FailureKind::shell_melted_through) << failure.message;
+  EXPECT_NEAR(failure.time, 166.0, 4.0);
+  ASSERT_EQ(failure.place.size(), 2u);
+  EXPECT_NEAR(failure.place[0], 0.2, 0.1) << "the middle of the half width";
+  EXPECT_EQ(failure.place[1], 0.0) << "on the block";
+  EXPECT_EQ(reports.back().time, failure.time);
+  for (const auto& r : reports) {
+    EXPECT_EQ(r.beyond_validity, r.time >= failure.time);
+    EXPECT_LE(r.bottom_slip, 5e-3) << "not yet at t = " << r.time;
+    if (r.time > shipped_end) continue;
+    EXPECT_LE(r.maximum_rotation, 0.1) << "t = " << r.time;
+    EXPECT_LE(r.liquid_pressure_error, 0.02) << "t = " << r.time;
+  }
+}
+
+}  // namespace
+}  // namespace dccast
