@@ -167,7 +167,7 @@ class LimitedDescriptors(Fault):
     short, long = 1, 10
     seconds = 40.0
     patience = 40.0
-    settings = {"workers": 1}
+    settings = {"workers": 1, "worker_hello_timeout": "3 s"}
 
     def disturb(self, scene, count):
         queue_up(scene)
