@@ -17,6 +17,7 @@ from scene import Scene, limit, pause
 from support import BIN
 
 HELD = 10.0  # seconds until the queue must be seen to be held
+HOLDING = "steps=3000 checkpoint=1000 sleep_ms=5"  # while the queue fills up
 RUNNING = "steps=60 checkpoint=7 sleep_ms=20"
 WAITING = "steps=3"
 WRITES = "wson"  # write, sync, open for writing, rename: see README.md
@@ -47,10 +48,12 @@ class FailingDisk(Scene):
 
 
 def queue_up(scene, waiting=20):
-    """One job that runs, others behind it. Returns the id of the last."""
-    running = scene.submit(fake(RUNNING))
+    """One job that runs, others behind it. Returns the id of the last of them."""
+    holder = scene.submit(fake(HOLDING), job_pb2.CANCELLED)
     for _ in range(waiting):
         last = scene.submit(fake(WAITING))
+    running = scene.submit(fake(RUNNING), priority=job_pb2.HIGH)
+    scene.client.cancel(holder)
     scene.client.until_step(running, 5)
     return last
 
@@ -167,7 +170,7 @@ class LimitedDescriptors(Fault):
     short, long = 1, 10
     seconds = 40.0
     patience = 40.0
-    settings = {"workers": 1}
+    settings = {"workers": 1, "worker_hello_timeout": "3 s"}
 
     def disturb(self, scene, count):
         queue_up(scene)

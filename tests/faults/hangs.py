@@ -6,7 +6,7 @@ from cases import FAKE, REAL, coarse, failing_check, fake
 from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import Scene, alive, pause, signal_process
+from scene import Scene, alive, at_some_step, signal_process
 from support import BIN
 
 # Short times, and still long against a machine that does other things too.
@@ -20,10 +20,8 @@ class TwoCastings(Fault):
     worker = REAL
 
     def begin(self, scene):
-        life = undisturbed(REAL, coarse()).seconds
-        scene.submit(coarse())
-        scene.submit(failing_check())
-        pause(scene.chance, life)
+        castings = [scene.submit(coarse()), scene.submit(failing_check())]
+        at_some_step(scene, scene.chance.choice(castings), len(undisturbed(REAL, coarse()).steps))
 
 
 class StopWorker(TwoCastings):
@@ -32,7 +30,7 @@ class StopWorker(TwoCastings):
     settings = WATCHFUL
 
     def disturb(self, scene, count):
-        workers = scene.job_workers()
+        workers = scene.busy_workers()
         if not workers:
             return self.begin(scene) or False
         stopped = scene.chance.choice(workers)
@@ -42,12 +40,13 @@ class StopWorker(TwoCastings):
 
 
 class SilentWorker(Fault):
-    """A worker program that sleeps instead of saying its first word, the first time for each job"""
+    """A worker program that sleeps instead of saying its first word, the first three times"""
     short, long = 1, 5
     patience = 30.0
     sleeper = """#!/bin/sh
-case "$1" in --*) exec {worker} "$@";; esac
-mkdir {folder}/slept-$DCCAST_WORKER_JOB 2>/dev/null && exec sleep 60
+case "$1" in ""|--wait)
+  for time in 1 2 3; do mkdir {folder}/slept-$time 2>/dev/null && exec sleep 60; done;;
+esac
 exec {worker} "$@"
 """
 
@@ -84,7 +83,7 @@ class StopWorkerAndLeave(TwoCastings):
     settings = {**WATCHFUL, "stop_grace": "1 s"}
 
     def disturb(self, scene, count):
-        for worker in scene.job_workers()[:1]:
+        for worker in scene.busy_workers()[:1]:
             signal_process(worker, signal.SIGSTOP)
         leave_and_come_back(scene, count)
 
@@ -102,7 +101,7 @@ class TellWorker(TwoCastings):
     short, long = 2, 30
 
     def disturb(self, scene, count):
-        for worker in scene.job_workers()[:1]:
+        for worker in scene.busy_workers()[:1]:
             signal_process(worker, signal.SIGTERM)
 
 

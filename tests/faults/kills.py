@@ -7,7 +7,7 @@ import threading
 from cases import COARSE, REAL, coarse, failing_check, fake, shipped
 from fault import Fault
 from oracle import undisturbed
-from scene import TIED, pause, signal_process
+from scene import TIED, at_some_step, pause, signal_process
 
 TINY = ("steps=3", "steps=25 checkpoint=7")
 
@@ -20,16 +20,16 @@ class Kill(Fault):
     settings = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
 
     def disturb(self, scene, count):
-        life = undisturbed(REAL, coarse()).seconds
-        self.keep_busy(scene)
-        pause(scene.chance, life)
+        at_some_step(scene, self.keep_busy(scene), len(undisturbed(REAL, coarse()).steps))
         return self.kill(scene)
 
     @staticmethod
     def keep_busy(scene):
-        unfinished = sum(not scene.ended(job_id) for job_id in scene.acknowledged)
-        for _ in range(2 - unfinished):
-            scene.submit(scene.chance.choice((coarse, failing_check))())
+        """Two castings at once. Returns one of them."""
+        unfinished = [job_id for job_id in scene.acknowledged if not scene.ended(job_id)]
+        while len(unfinished) < 2:
+            unfinished.append(scene.submit(scene.chance.choice((coarse, failing_check))()))
+        return scene.chance.choice(unfinished)
 
     def kill(self, scene):
         """Returns False when there was nobody at this instant."""

@@ -30,8 +30,8 @@ def arguments():
 
 WORKER = """#!/bin/sh
 # Checks by the real program, runs by the fake one.
-case "$1" in --*) exec {real} "$@";; esac
-exec {fake} "$@"
+case "$1" in ""|--wait) exec {fake} "$@";; esac
+exec {real} "$@"
 """
 
 

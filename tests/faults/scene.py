@@ -19,6 +19,10 @@ from support import BIN, TERMINAL, Client, Daemon, until
 TIED = ("setpriv", "--pdeathsig", "KILL")
 
 
+# Words of a worker that checks cases or reads frames.
+ANSWERING = ("--check", "--serve-checks", "--frame")
+
+
 class Daemons(Daemon):
     """A daemon started through other programs, which set its limits and then become it."""
     through = ()
@@ -85,8 +89,14 @@ class Scene:
         return [(process, start_ticks(process)) for process in self.daemon.worker_processes()]
 
     def job_workers(self):
-        """Workers that run a job, without those that only check cases."""
-        return [worker for worker in self.workers() if "--" not in command_line(worker[0])]
+        """Workers that run a job or wait for one, without those that answer questions."""
+        return [worker for worker in self.workers()
+                if not any(word in command_line(worker[0]) for word in ANSWERING)]
+
+    def busy_workers(self):
+        """Workers that have a file of a job open."""
+        return [worker for worker in self.job_workers()
+                if any(name.startswith(self.data("jobs")) for name in open_files(worker[0]))]
 
     def kill_daemon(self, number=signal.SIGKILL):
         """Returns its exit code; its workers are gone too."""
@@ -179,6 +189,15 @@ def command_line(process):
         return ""
 
 
+def open_files(process):
+    """Paths of the files a process has open; none when it has gone."""
+    folder = f"/proc/{process}/fd"
+    try:
+        return [os.readlink(os.path.join(folder, name)) for name in os.listdir(folder)]
+    except OSError:
+        return []
+
+
 def start_ticks(process):
     """Tells a process from a later one with the same number; 0 when there is none."""
     try:
@@ -219,6 +238,14 @@ def limit(process, which, soft):
 def pause(chance, most):
     """A random time, so that what follows happens at a random instant."""
     time.sleep(chance.uniform(0.0, most))
+
+
+def at_some_step(scene, job_id, last):
+    """Waits for a random instant of a job's life: of its start, of one of its steps, or of its end."""
+    step = scene.chance.randint(-last // 8, last)
+    if step > 0:
+        until(lambda: scene.client.job(job_id).last_step.step >= step or scene.ended(job_id), 60)
+    pause(scene.chance, 0.02 if step > 0 else 0.2)
 
 
 def chance_of(seed, name, number):
