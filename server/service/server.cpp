@@ -5,11 +5,14 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 #include <stdlib.h>
+#include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cerrno>
 #include <chrono>
 #include <functional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,6 +30,9 @@ void permit_pings(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
 }
+
+/// Workers that may call: as many as the schema permits to run, with those that wait and leave.
+constexpr std::size_t most_workers = 3 * 4096;
 
 /// What connects and says nothing, or nothing more, is let go: a client that is alive connects anew
 /// without noticing.
@@ -71,15 +77,33 @@ LinkAddress::~LinkAddress() {
   if (!private_folder_.empty()) std::filesystem::remove(private_folder_, ignored);
 }
 
-LinkServer::LinkServer(jobs::Scheduler& scheduler, const LinkAddress& address) : link_(scheduler) {
+jobs::FileDescriptor LinkAddress::listen() const {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  socket_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  jobs::FileDescriptor listening(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!listening ||
+      ::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      ::listen(listening.get(), SOMAXCONN) != 0)
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot listen for workers on " + socket_.string());
+  return listening;
+}
+
+LinkServer::LinkServer(jobs::Scheduler& scheduler, const LinkAddress& address)
+    : listening_(address.listen()), link_(scheduler) {
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(address.grpc_address(), grpc::InsecureServerCredentials());
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      grpc::InsecureServerCredentials());
   builder.RegisterService(&link_);
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("cannot listen for workers on " + address.grpc_address());
+  if (!server_) throw std::runtime_error("gRPC cannot serve workers");
+  door_ = std::make_unique<Door>(listening_.get(), most_workers, hand_over(std::move(acceptor)));
 }
 
 LinkServer::~LinkServer() {
+  door_.reset();
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
   server_->Wait();
 }

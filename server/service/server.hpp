@@ -23,13 +23,17 @@ public:
   LinkAddress(const LinkAddress&) = delete;
   ~LinkAddress();
   std::string grpc_address() const { return "unix:" + socket_.string(); }
+  /// A socket that listens there. @throws std::system_error
+  jobs::FileDescriptor listen() const;
 
 private:
   std::filesystem::path socket_;
   std::filesystem::path private_folder_;  ///< empty: the socket is in the data directory
 };
 
-/// The worker link, listening.
+/// The worker link, listening. Behind a Door too: gRPC 1.51 ends a listener of its own for ever
+/// when a connection comes at a moment without a free descriptor, and no worker could call any
+/// more.
 class LinkServer {
 public:
   /// @throws std::runtime_error  it cannot listen there
@@ -37,8 +41,10 @@ public:
   ~LinkServer();
 
 private:
+  jobs::FileDescriptor listening_;
   WorkerLink link_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<Door> door_;
 };
 
 /// SimulationService, health and reflection, listening on TCP.
