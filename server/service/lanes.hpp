@@ -11,14 +11,16 @@ public:
   /// @param checkers                checks at once
   /// @param maximum_waiting_checks  beyond those; further ones are refused
   Lanes(int checkers, int maximum_waiting_checks)
-      : checks(checkers, static_cast<std::size_t>(maximum_waiting_checks)) {}
+      : checks(checkers, {.number = static_cast<std::size_t>(maximum_waiting_checks),
+                          .bytes = waiting_bytes}) {}
 
-  static constexpr std::size_t most_waiting = 10000;  ///< beyond it memory would be the bound
+  static constexpr std::size_t waiting_bytes = 512'000'000;  ///< of requests, for each lane
+  static constexpr WaitingBound many{.number = 10000, .bytes = waiting_bytes};
 
-  WorkPool status{4, most_waiting};     ///< one look into the store, or one order
-  WorkPool histories{2, most_waiting};  ///< reads event logs
-  WorkPool durable{4, most_waiting};    ///< brings new jobs to the disk
-  WorkPool checks;                      ///< asks a checker; one thread for each that may be at work
+  WorkPool status{4, many};     ///< one look into the store, or one order
+  WorkPool histories{2, many};  ///< reads event logs
+  WorkPool durable{4, many};    ///< brings new jobs to the disk
+  WorkPool checks;              ///< asks a checker; one thread for each that may be at work
 };
 
 }  // namespace dccast::service

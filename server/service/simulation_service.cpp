@@ -14,27 +14,21 @@ SimulationService::SimulationService(Context& context, const std::string& addres
       users_(address),
       lanes_(context.checkers, context.maximum_waiting_checks) {}
 
-void SimulationService::in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
-                                std::function<grpc::Status(const Call&)> work) {
-  in_lane(lane, wire, reactor, std::move(work), [reactor] { reactor->Finish(grpc::Status::OK); });
-}
-
-void SimulationService::in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+void SimulationService::in_lane(WorkPool& lane, const Pending& pending,
                                 std::function<grpc::Status(const Call&)> work,
                                 std::function<void()> then) {
-  const bool taken =
-      lane.post([this, wire, reactor, work = std::move(work), then = std::move(then)] {
-        const grpc::Status status = guarded([&] {
-          const Call call = call_of(*wire, users_);
-          const auto unwanted = no_longer_wanted(call);
-          return unwanted ? *unwanted : work(call);
-        });
-        if (status.ok())
-          then();
-        else
-          reactor->Finish(status);
-      });
-  if (!taken) reactor->Finish(too_many_waiting());
+  auto turn = [this, pending, work = std::move(work), then = std::move(then)] {
+    const grpc::Status status = guarded([&] {
+      const Call call = call_of(*pending.wire, users_);
+      const auto unwanted = no_longer_wanted(call);
+      return unwanted ? *unwanted : work(call);
+    });
+    if (status.ok())
+      then();
+    else
+      pending.reactor->Finish(status);
+  };
+  if (!lane.post(std::move(turn), pending.bytes)) pending.reactor->Finish(too_many_waiting());
 }
 
 template <class Request, class Response>
@@ -42,9 +36,10 @@ grpc::ServerUnaryReactor* SimulationService::answer(
     WorkPool& lane, Wire* wire, const Request* request, Response* response,
     grpc::Status (*handler)(Context&, const Call&, const Request&, Response&)) {
   Unary* reactor = wire->DefaultReactor();
-  in_lane(lane, wire, reactor, [this, request, response, handler](const Call& call) {
-    return handler(context_, call, *request, *response);
-  });
+  in_lane(
+      lane, {wire, reactor, request->ByteSizeLong()},
+      [=, this](const Call& call) { return handler(context_, call, *request, *response); },
+      [reactor] { reactor->Finish(grpc::Status::OK); });
   return reactor;
 }
 
@@ -57,7 +52,7 @@ grpc::ServerUnaryReactor* SimulationService::ValidateCase(Wire* wire,
 grpc::ServerUnaryReactor* SimulationService::SubmitJob(Wire* wire,
                                                        const v1::SubmitJobRequest* request,
                                                        v1::Job* response) {
-  Unary* reactor = wire->DefaultReactor();
+  const Pending pending{wire, wire->DefaultReactor(), request->ByteSizeLong()};
   const auto examined = std::make_shared<ExaminedCase>();
   const auto examine = [=, this](const Call& call) {
     return examine_submission(context_, call, *request, *examined);
@@ -65,9 +60,11 @@ grpc::ServerUnaryReactor* SimulationService::SubmitJob(Wire* wire,
   const auto submit = [=, this](const Call& call) {
     return submit_job(context_, call, *request, *examined, *response);
   };
-  in_lane(lanes_.checks, wire, reactor, examine,
-          [=, this] { in_lane(lanes_.durable, wire, reactor, submit); });
-  return reactor;
+  in_lane(lanes_.checks, pending, examine, [=, this] {
+    in_lane(lanes_.durable, pending, submit,
+            [pending] { pending.reactor->Finish(grpc::Status::OK); });
+  });
+  return pending.reactor;
 }
 
 grpc::ServerUnaryReactor* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request,

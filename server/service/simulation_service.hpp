@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -35,11 +36,16 @@ public:
       Wire*, const v1::FetchResultRequest*) override;
 
 private:
-  /// Does `work` in a lane, for a call that is still wanted then; else answers why not.
-  void in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
-               std::function<grpc::Status(const Call&)> work);
-  /// The same; when `work` is over without a fault, `then` answers.
-  void in_lane(WorkPool& lane, Wire* wire, Unary* reactor,
+  /// A call on its way to a lane.
+  struct Pending {
+    Wire* wire;
+    Unary* reactor;
+    std::size_t bytes;  ///< of its request
+  };
+
+  /// Does `work` in a lane, for a call that is still wanted then, and `then` when it is over
+  /// without a fault; else answers why not.
+  void in_lane(WorkPool& lane, const Pending& pending,
                std::function<grpc::Status(const Call&)> work, std::function<void()> then);
   /// Answers by a handler in a lane.
   template <class Request, class Response>

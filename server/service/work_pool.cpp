@@ -7,7 +7,7 @@
 
 namespace dccast::service {
 
-WorkPool::WorkPool(int threads, std::size_t maximum_waiting) : maximum_waiting_(maximum_waiting) {
+WorkPool::WorkPool(int threads, const WaitingBound& bound) : bound_(bound) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
 }
 
@@ -19,11 +19,13 @@ WorkPool::~WorkPool() {
   changed_.notify_all();
 }
 
-bool WorkPool::post(std::function<void()> work) {
+bool WorkPool::post(std::function<void()> work, std::size_t bytes) {
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() >= maximum_waiting_) return false;
-    waiting_.push_back(std::move(work));
+    const bool too_large = !waiting_.empty() && waiting_bytes_ + bytes > bound_.bytes;
+    if (too_large || waiting_.size() >= bound_.number) return false;
+    waiting_.push_back({std::move(work), bytes});
+    waiting_bytes_ += bytes;
   }
   changed_.notify_one();
   return true;
@@ -36,7 +38,8 @@ void WorkPool::run() {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return closed_ || !waiting_.empty(); });
       if (waiting_.empty()) return;
-      work = std::move(waiting_.front());
+      work = std::move(waiting_.front().work);
+      waiting_bytes_ -= waiting_.front().bytes;
       waiting_.pop_front();
     }
     try {

@@ -11,24 +11,36 @@
 
 namespace dccast::service {
 
+/// How much may wait: of what was posted and nobody has begun.
+struct WaitingBound {
+  std::size_t number = SIZE_MAX;
+  std::size_t bytes = SIZE_MAX;  ///< one piece of work may be larger when nothing else waits
+};
+
 /// A few threads for calls that wait for the disk or compute: gRPC's own threads must not.
 class WorkPool {
 public:
-  /// @param maximum_waiting  of what was posted and nobody has begun
-  explicit WorkPool(int threads, std::size_t maximum_waiting = SIZE_MAX);
+  explicit WorkPool(int threads, const WaitingBound& bound = {});
   /// Does what was posted, then ends.
   ~WorkPool();
   /// With one thread, work is done in the order it was posted. What it throws is logged.
-  /// @return false when too much is waiting: the work was not taken
-  bool post(std::function<void()> work);
+  /// @param bytes  that it keeps in memory
+  /// @return       false when too much is waiting: the work was not taken
+  bool post(std::function<void()> work, std::size_t bytes = 0);
 
 private:
+  struct Work {
+    std::function<void()> work;
+    std::size_t bytes = 0;
+  };
+
   void run();
 
-  const std::size_t maximum_waiting_;
+  const WaitingBound bound_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> waiting_;
+  std::deque<Work> waiting_;
+  std::size_t waiting_bytes_ = 0;
   bool closed_ = false;
   std::vector<std::jthread> threads_;
 };
