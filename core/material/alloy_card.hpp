@@ -26,7 +26,8 @@ struct ReferenceCreep {
 };
 
 /// An alloy as its tables; table `alloy` of a case with its card filled in. Curves stand against
-/// temperature [°C] unless stated, constant outside their range.
+/// temperature [°C] unless stated, constant outside their range. Creep is a formula; it is held at the
+/// liquidus (MechanicalProperties::kappa).
 struct AlloyCard {
   std::string name;
   double liquidus = 0.0;   ///< [°C]

@@ -32,7 +32,7 @@ double algorithm_factor(const Case& c) {
     case mechanics::Algorithm::nbm:
       return p1 ? 3.4 : 5.5;
     case mechanics::Algorithm::sbm:
-      return 42.0;
+      return 117.0;
   }
   return 1.0;
 }

@@ -46,7 +46,8 @@ Extreme largest_rotation(const mesh::Mesh2D& mesh, std::span<const char> solid,
     const double angle = rotation(mesh, e, displacement);
     double& reference = when_liquid[std::size_t(e)];
     if (solid[std::size_t(e)] == 0 || e >= growing) reference = angle;
-    const double turned = std::abs(std::remainder(angle - reference, 2.0 * std::numbers::pi));
+    const double apart = std::abs(angle - reference);
+    const double turned = std::min(apart, 2.0 * std::numbers::pi - apart);  // the shorter way
     if (turned <= largest) continue;
     largest = turned;
     where = e;

@@ -110,4 +110,16 @@ std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const 
   return std::nullopt;
 }
 
+bool melt_touches_bottom(const mesh::Mesh2D& mesh, std::span<const char> solid) {
+  std::vector<char> at_bottom(std::size_t(mesh.nodes()), 0);
+  for (int n : mesh::patch_nodes(mesh, mesh::Patch::bottom)) at_bottom[std::size_t(n)] = 1;
+  for (int e = 0; e < mesh.elements(); ++e) {
+    if (solid[std::size_t(e)] != 0) continue;
+    for (int n : corners(mesh, e)) {
+      if (at_bottom[std::size_t(n)] != 0) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace dccast::casting

@@ -21,4 +21,8 @@ namespace dccast::casting {
 /// @return       nothing for a mesh whose bottom is not named
 std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const char> solid);
 
+/// Whether melt touches the bottom somewhere: where not, there is a shell, of whatever thickness.
+/// Costs a hundredth of thinnest_shell().
+bool melt_touches_bottom(const mesh::Mesh2D& mesh, std::span<const char> solid);
+
 }  // namespace dccast::casting

@@ -53,9 +53,13 @@ SolidMotion ValidityJudge::judge(const JudgedStep& step, ValidityState& state) c
 std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
                                                  ValidityState& state) const {
   if (!judges_shell_) return std::nullopt;
+  const double limit = limits_.minimum_shell;
+  if (limit <= 0.0 && !melt_touches_bottom(step.mesh, step.slab.solid)) {
+    state.shell_stood = true;
+    return std::nullopt;
+  }
   const auto shell = thinnest_shell(step.mesh, step.slab.solid);
   if (!shell) return std::nullopt;
-  const double limit = limits_.minimum_shell;
   const bool stands = shell->value > 0.0 && shell->value >= limit;
   state.shell_stood |= stands;
   if (stands || !state.shell_stood) return std::nullopt;

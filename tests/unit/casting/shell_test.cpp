@@ -51,6 +51,15 @@ TEST_P(Shell, IsAsThickAsItsRows) {
   EXPECT_NEAR(thinnest().value, 0.10, 1e-12) << "solid to the top";
 }
 
+TEST_P(Shell, StandsWhereNoMeltTouchesTheBottom) {
+  EXPECT_TRUE(melt_touches_bottom(slab.mesh(), solid));
+  fill_rows(1);
+  EXPECT_FALSE(melt_touches_bottom(slab.mesh(), solid));
+  EXPECT_GT(thinnest().value, 0.0);
+  set(5, 0, false);
+  EXPECT_TRUE(melt_touches_bottom(slab.mesh(), solid));
+}
+
 TEST_P(Shell, IsThinnestWhereTheMeltComesDown) {
   fill_rows(3);
   set(4, 2, false);
