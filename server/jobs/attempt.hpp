@@ -45,7 +45,6 @@ struct Attempt {
   std::mutex mutex;
   bool closed = false;             ///< nothing a worker says counts any more
   std::string storage_error;       ///< first event that could not be written; none is after it
-  std::int64_t resumed_step = 0;   ///< of the checkpoint it went on from
   Clock::time_point last_word;     ///< when the worker last said anything
   Clock::time_point last_advance;  ///< when it called, resumed or reported a step
 };

@@ -141,7 +141,7 @@ v1::WorkerOrder Attempts::start_order(const Attempt& attempt) const {
     throw std::runtime_error("the job store has no readable case of job " + attempt.job_id);
   start->set_directory(options_.jobs_directory / attempt.job_id);
   start->set_resume(attempt.number > 1);
-  if (const auto step = attempt.log->last_step()) start->set_last_reported_step(step->step());
+  start->set_last_reported_step(attempt.log->reached_step());
   start->set_heartbeat_interval_s(
       std::chrono::duration<double>(options_.heartbeat_interval).count());
   start->set_other_version(options_.other_version);
@@ -183,7 +183,6 @@ std::string Attempts::hear(Attempt& attempt, v1::JobEvent event) {
   const std::lock_guard lock(attempt.mutex);
   if (attempt.closed || !attempt.storage_error.empty()) return {};
   if (event.has_step() || event.has_resumed()) attempt.last_advance = Clock::now();
-  if (event.has_resumed()) attempt.resumed_step = event.resumed().step();
   try {
     attempt.log->append(event);
     return {};
@@ -210,13 +209,10 @@ AttemptFacts Attempts::facts_of(Attempt& attempt) const {
   if (const auto failures = storage_failures_.find(attempt.job_id);
       failures != storage_failures_.end())
     facts.storage_failures = failures->second.in_a_row;
-  if (const auto step = attempt.log->last_step()) {
-    facts.reached_step = step->step();
-    facts.reached_time = step->time_s();
-  }
+  facts.reached_step = attempt.log->reached_step();
+  if (const auto step = attempt.log->last_step()) facts.reached_time = step->time_s();
   const std::lock_guard lock(attempt.mutex);
   facts.storage_error = attempt.storage_error;
-  facts.reached_step = std::max(facts.reached_step, attempt.resumed_step);
   return facts;
 }
 

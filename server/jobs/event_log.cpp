@@ -166,6 +166,17 @@ std::optional<v1::JobEvent> EventLog::terminal_event() const {
   return content_.terminal;
 }
 
+std::int64_t EventLog::reached_step() const {
+  const std::lock_guard lock(mutex_);
+  return content_.reached_step;
+}
+
+std::optional<v1::JobState> EventLog::last_state() const {
+  const std::lock_guard lock(mutex_);
+  if (!content_.last_state) return std::nullopt;
+  return content_.last_state->state();
+}
+
 std::optional<v1::StepReport> EventLog::last_step() const {
   const std::lock_guard lock(mutex_);
   return content_.last_step;

@@ -50,6 +50,10 @@ public:
   std::optional<v1::JobEvent> terminal_event() const;
   /// The last step reported and not taken back by a resumption, if there is one.
   std::optional<v1::StepReport> last_step() const;
+  /// The step up to which the history goes: that of the last report or resumption; 0 at first.
+  std::int64_t reached_step() const;
+  /// The state of the last state change, if there is one.
+  std::optional<v1::JobState> last_state() const;
 
   /// What is damaged, with sound events behind it; fixed when the log is opened.
   std::vector<EventGap> gaps() const;

@@ -102,9 +102,13 @@ void EventLogContent::take(const v1::JobEvent& event, std::int64_t offset,
   place(event.sequence(), offset, end_of_record);
   if (event.has_state_change()) last_state = event.state_change();
   if (event.state_change().terminal()) terminal = event;
-  if (event.has_step()) last_step = event.step();
-  if (event.has_resumed() && last_step && last_step->step() > event.resumed().step())
-    last_step.reset();
+  if (event.has_step()) {
+    last_step = event.step();
+    reached_step = event.step().step();
+  }
+  if (!event.has_resumed()) return;
+  reached_step = event.resumed().step();
+  if (last_step && last_step->step() > reached_step) last_step.reset();
 }
 
 const EventGap* EventLogContent::gap_with(std::int64_t sequence) const {
@@ -191,8 +195,10 @@ private:
   void settle_last_step() {
     if (last_step_.empty()) return;
     v1::JobEvent event;
-    if (event.ParseFromString(last_step_) && event.has_step())
+    if (event.ParseFromString(last_step_) && event.has_step()) {
       content_.last_step = std::move(*event.mutable_step());
+      content_.reached_step = content_.last_step->step();
+    }
     last_step_.clear();
   }
 

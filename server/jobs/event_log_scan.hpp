@@ -50,6 +50,7 @@ struct EventLogContent {
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
   std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
+  std::int64_t reached_step = 0;            ///< up to which the history goes
 
   /// Takes note of the next event, whose record stands at `offset` and ends before `end_of_record`.
   void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end_of_record);

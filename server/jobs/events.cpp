@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "server/jobs/event_log.hpp"
-
 namespace dccast::jobs {
 
 google::protobuf::Timestamp now() {
@@ -58,14 +56,6 @@ v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
   if (job.has_failure()) *change->mutable_failure() = job.failure();
   *change->mutable_artifacts() = job.artifacts();
   return event;
-}
-
-std::optional<v1::JobState> last_state(const EventLog& log) {
-  std::optional<v1::JobState> state;
-  EventLog::Cursor cursor;
-  while (const auto event = log.read(cursor))
-    if (event->has_state_change()) state = event->state_change().state();
-  return state;
 }
 
 }  // namespace dccast::jobs

@@ -1,14 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::jobs {
-
-class EventLog;
 
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, as the store keeps them; 0 for an unset time.
@@ -26,8 +23,5 @@ v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level)
 /// @param job    with its new state, and failure and artifacts if it has ended
 /// @param cause  why, one line for people
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
-
-/// The state of the last state change in a log. Reads the whole log.
-std::optional<v1::JobState> last_state(const EventLog& log);
 
 }  // namespace dccast::jobs

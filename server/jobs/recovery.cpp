@@ -32,7 +32,7 @@ void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record) {
   if (std::exchange(record.wish, Wish::none) == Wish::pause)
     return ledger.transition(record, v1::PAUSED, "paused before dccastd was restarted");
   // A transition is in the log before it is in the store.
-  const v1::JobState state = last_state(*log).value_or(record.job.state());
+  const v1::JobState state = log->last_state().value_or(record.job.state());
   if (state == v1::RUNNING)
     return ledger.transition(record, v1::QUEUED,
                              "dccastd was restarted; goes on from its last checkpoint");

@@ -207,12 +207,8 @@ void Scheduler::report(const std::shared_ptr<Attempt>& attempt, const v1::Worker
                    message.resumed().step());
       *event.mutable_resumed() = message.resumed();
       return hear(attempt, std::move(event));
-    case v1::WorkerMessage::kValidityLost: {
-      *event.mutable_validity_lost() = message.validity_lost();
-      hear(attempt, std::move(event));
-      const std::lock_guard lock(mutex_);
-      return attempts_.note_validity_loss(*attempt, message.validity_lost());
-    }
+    case v1::WorkerMessage::kValidityLost:
+      return note_validity_loss(attempt, message.validity_lost());
     case v1::WorkerMessage::kFinished: {
       const std::lock_guard lock(mutex_);
       attempts_.finish(*attempt, message.finished());
@@ -224,6 +220,19 @@ void Scheduler::report(const std::shared_ptr<Attempt>& attempt, const v1::Worker
     case v1::WorkerMessage::WHAT_NOT_SET:
       spdlog::warn("job {}: its worker sent a message out of turn", attempt->job_id);
   }
+}
+
+/// A run that goes on from a checkpoint says again what was lost before.
+void Scheduler::note_validity_loss(const std::shared_ptr<Attempt>& attempt,
+                                   const v1::ValidityLoss& loss) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (attempt->record.job.has_validity_loss()) return;
+    attempts_.note_validity_loss(*attempt, loss);
+  }
+  v1::JobEvent event;
+  *event.mutable_validity_lost() = loss;
+  hear(attempt, std::move(event));
 }
 
 void Scheduler::hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event) {

@@ -136,6 +136,7 @@ private:
   void look_whether_hold_has_passed();
   std::string storage_trouble();
   void hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event);
+  void note_validity_loss(const std::shared_ptr<Attempt>& attempt, const v1::ValidityLoss& loss);
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);

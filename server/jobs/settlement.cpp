@@ -42,10 +42,20 @@ Settlement settle_succeeded(JobRecord& record, const Finished& finished,
   return {v1::FAILED, facts.missing_artifact};
 }
 
+/// What the worker could not write, whatever else went wrong before; empty when it wrote all.
+std::string unwritten(const v1::Failure& failure) {
+  if (failure.kind() == v1::Failure::STORAGE) return failure.message();
+  for (const std::string& further : failure.further_causes())
+    if (further.starts_with("STORAGE: ")) return further.substr(further.find(' ') + 1);
+  return {};
+}
+
 Settlement settle_failed(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
   const v1::Failure& failure = finished.failure();
-  if (failure.kind() == v1::Failure::STORAGE)
-    return settle_for_storage(record, failure.message(), facts);
+  // The run comes to the same end once its results can be written.
+  if (const std::string error = unwritten(failure);
+      !error.empty() && facts.storage_failures < most_storage_failures)
+    return settle_for_storage(record, error, facts);
   *record.job.mutable_failure() = failure;
   *record.job.mutable_artifacts() = finished.artifacts();
   return {v1::FAILED, failure.message()};

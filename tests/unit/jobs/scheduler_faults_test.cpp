@@ -230,6 +230,20 @@ TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
   EXPECT_EQ(daemon.store.find(id_)->lost_step, 2);
 }
 
+// It died between the resumption and its next step: what the log has is not sent a second time.
+TEST_F(SchedulerFaults, AfterAResumptionTheDaemonHasTheStepsUpToIt) {
+  Daemon daemon(folder_.path());
+  run_a_job(daemon);
+  v1::WorkerMessage resumed;
+  resumed.mutable_resumed()->set_step(2);
+  daemon.scheduler.report(attempt_, resumed);
+  end_worker(daemon, "signal 9 (Killed)");
+  launch_ = daemon.executor.wait_for_launch(2);
+  attempt_ = attach(daemon, launch_);
+  EXPECT_EQ(channel_->orders.back().start().last_reported_step(), 2);
+  end_worker(daemon, "signal 9 (Killed)");
+}
+
 TEST_F(SchedulerFaults, TheWorkerIsToldWhichStepTheDaemonHas) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);

@@ -43,6 +43,18 @@ TEST(Settlement, StorageTroubleIsTheDaemonsUntilAJobGetsNoFurther) {
   EXPECT_EQ(record.job.failure().kind(), v1::Failure::STORAGE);
 }
 
+TEST(Settlement, AFailedCheckWhoseResultsWereNotWrittenIsRunToItsEndAgain) {
+  JobRecord record = running();
+  auto finished = failed(v1::Failure::CHECK_FAILED, "weight");
+  finished.mutable_failure()->add_further_causes("STORAGE: No space left on device");
+  const auto settlement = settle_finished(record, finished, {});
+  EXPECT_EQ(settlement.state, v1::QUEUED);
+  EXPECT_EQ(settlement.daemon_lacks, "No space left on device");
+  const auto last = settle_finished(record, finished, {.storage_failures = 10});
+  EXPECT_EQ(last.state, v1::FAILED);
+  EXPECT_EQ(record.job.failure().kind(), v1::Failure::CHECK_FAILED);
+}
+
 TEST(Settlement, WhatWasAskedForComesAboutAlsoWhenStorageFails) {
   JobRecord record = running();
   record.wish = Wish::cancel;
