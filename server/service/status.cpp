@@ -5,6 +5,7 @@
 #include <new>
 #include <system_error>
 
+#include "proto/values/shortened.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"
@@ -39,7 +40,7 @@ grpc::Status no_uuid(const std::string& given, const std::string& of_what,
                      const std::string& origin) {
   // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
   std::string message = "\"";
-  message += given.substr(0, 64);
+  message += values::shortened(given);
   message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
   return {grpc::StatusCode::INVALID_ARGUMENT, message};
 }
@@ -142,6 +143,12 @@ grpc::Status check_study(const std::string& study) {
 grpc::Status too_many_waiting() {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED,
           "too many calls of this kind are waiting already; try again in a moment"};
+}
+
+grpc::Status check_text(const std::string& name, const std::string& text) {
+  const std::string fault = values::too_long(name, text);
+  if (fault.empty()) return grpc::Status::OK;
+  return {grpc::StatusCode::INVALID_ARGUMENT, fault};
 }
 
 grpc::Status job_not_found(const std::string& id) {

@@ -6,6 +6,8 @@ namespace dccast::service {
 grpc::Status examine_submission(Context& context, const Call& call,
                                 const v1::SubmitJobRequest& request, ExaminedCase& examined) {
   if (const auto status = check_study(request.study()); !status.ok()) return status;
+  if (const auto status = check_text("request_id", request.request_id()); !status.ok())
+    return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
                                     patience(call, context.check_timeout));
   return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;

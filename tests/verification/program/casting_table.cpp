@@ -48,8 +48,8 @@ double add_casting(Table& table, const CastingRow& row, double limit) {
   table.rows.push_back({row.label, row.paper_seconds, row.paper_iterations, run.seconds,
                         run.last.time, long(run.last.step), run.iterations_per_step(),
                         run.failed_attempts, curl ? Cell(*curl) : Cell(), run.ending()});
-  if (run.outcome.failure) {
-    table.remarks.push_back(std::string(row.label) + ": " + run.outcome.failure->message);
+  if (!run.outcome.failures.empty()) {
+    table.remarks.push_back(std::string(row.label) + ": " + run.outcome.failures.front().message);
   }
   return run.seconds;
 }
