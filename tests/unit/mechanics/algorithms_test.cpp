@@ -65,7 +65,7 @@ protected:
   double creep_ = 0.0;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(AlgorithmsOn, Families);
 
 TYPED_TEST(AlgorithmsOn, AgreeOnACreepingPartialContact) {
