@@ -223,6 +223,18 @@ std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result)
   return "<section class='card'><h2>Run</h2><table>" + rows + "</table></section>";
 }
 
+std::string element_row(v1::ElementKind element) {
+  switch (element) {
+    case v1::P1:
+      return row("Element", "p1",
+                 "linear triangles lock on coarse meshes: compare with q1_bending");
+    case v1::Q1:
+      return row("Element", "q1", "long cells resist bending: compare with q1_bending");
+    default:
+      return row("Element", "q1_bending");
+  }
+}
+
 std::string inputs_table(const v1::Case& input) {
   const v1::Alloy& alloy = input.alloy();
   std::string rows;
@@ -240,10 +252,7 @@ std::string inputs_table(const v1::Case& input) {
       row("Alloy card", html_escaped(alloy.card()) + " (" + html_escaped(alloy.provenance()) + ")",
           html_escaped(alloy.description()));
   rows += row("Half width", fixed(1e3 * input.section().half_width_m(), 0) + " mm");
-  rows += row("Element", input.mesh().element() == v1::Q1 ? "q1" : "p1",
-              input.mesh().element() == v1::Q1
-                  ? ""
-                  : "linear triangles lock on coarse meshes: compare with q1 or refine");
+  rows += element_row(input.mesh().element());
   rows +=
       row("Algorithm", html_escaped(v1::Mechanics::Algorithm_Name(input.mechanics().algorithm())));
   return "<section class='card'><h2>What the result rests on</h2><table>" + rows +

@@ -60,7 +60,9 @@ results::Frame SlabRun<Element>::take_frame() {
 
 template results::Frame SlabRun<fem::P1Triangle>::take_frame();
 template results::Frame SlabRun<fem::Q1Quadrilateral>::take_frame();
+template results::Frame SlabRun<fem::BendingQuadrilateral>::take_frame();
 template results::Frame SlabRun<fem::P1Ring>::take_frame();
 template results::Frame SlabRun<fem::Q1Ring>::take_frame();
+template results::Frame SlabRun<fem::BendingRing>::take_frame();
 
 }  // namespace dccast::casting

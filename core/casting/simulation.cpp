@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -263,12 +264,19 @@ RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& obser
   const auto with = [&]<class Element>() {
     return Driver<Element>(c, directory, observer).drive();
   };
-  const bool q1 = c.section.element == mesh::ElementKind::q1;
-  if (c.section.kind == mesh::SectionKind::axisymmetric) {
-    return q1 ? with.template operator()<fem::Q1Ring>() : with.template operator()<fem::P1Ring>();
+  const bool round = c.section.kind == mesh::SectionKind::axisymmetric;
+  switch (c.section.element) {
+    case mesh::ElementKind::p1:
+      return round ? with.template operator()<fem::P1Ring>()
+                   : with.template operator()<fem::P1Triangle>();
+    case mesh::ElementKind::q1:
+      return round ? with.template operator()<fem::Q1Ring>()
+                   : with.template operator()<fem::Q1Quadrilateral>();
+    case mesh::ElementKind::q1_bending:
+      return round ? with.template operator()<fem::BendingRing>()
+                   : with.template operator()<fem::BendingQuadrilateral>();
   }
-  return q1 ? with.template operator()<fem::Q1Quadrilateral>()
-            : with.template operator()<fem::P1Triangle>();
+  throw std::logic_error("run: an element without forms");
 }
 
 }  // namespace dccast::casting

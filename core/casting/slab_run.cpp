@@ -268,7 +268,9 @@ int SlabRun<Element>::growing_elements() const {
 
 template class SlabRun<fem::P1Triangle>;
 template class SlabRun<fem::Q1Quadrilateral>;
+template class SlabRun<fem::BendingQuadrilateral>;
 template class SlabRun<fem::P1Ring>;
 template class SlabRun<fem::Q1Ring>;
+template class SlabRun<fem::BendingRing>;
 
 }  // namespace dccast::casting

@@ -82,6 +82,13 @@ struct Q1 {
 using Q1Quadrilateral = Q1<2>;
 using Q1Hexahedron = Q1<3>;
 
+/// The bilinear quadrilateral with an assumed strain, so that it locks neither in volume nor in
+/// bending (Belytschko and Bindeman 1991, element OI, here on the covariant axes of the cell). The
+/// strain is its mean over the element and two bending modes: a stretch along one axis of the cell
+/// that is linear across it, with the opposite strain across, which keeps the volume, and without
+/// shear. Q1 makes a shear of such a bending that is the larger the longer the cell is.
+struct BendingQuadrilateral : Q1Quadrilateral {};
+
 /// A plane element turned about the axis where coordinate 0, then the radius, is zero. Its
 /// integrals carry the radius and leave 2 pi out: forces are per radian. A displacement away from
 /// the axis makes a hoop strain, the zz component.
@@ -90,10 +97,19 @@ struct Ring : Plane {};
 
 using P1Ring = Ring<P1Triangle>;
 using Q1Ring = Ring<Q1Quadrilateral>;
+using BendingRing = Ring<BendingQuadrilateral>;
 
 template <class Element>
 inline constexpr bool is_ring = false;
 template <class Plane>
 inline constexpr bool is_ring<Ring<Plane>> = true;
+
+/// The strain of the element is its mean and two bending modes: see BendingQuadrilateral.
+template <class Element>
+inline constexpr bool has_bending_modes = false;
+template <>
+inline constexpr bool has_bending_modes<BendingQuadrilateral> = true;
+template <>
+inline constexpr bool has_bending_modes<BendingRing> = true;
 
 }  // namespace dccast::fem

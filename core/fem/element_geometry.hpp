@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/base/symmetric_tensor.hpp"
 #include "core/fem/element.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -19,6 +20,41 @@ struct HoopGradient<Element, true> {
   std::array<double, Element::nodes> hoop;
 };
 
+/// How the strain varies within an element: by the gradients of its shape functions at each point.
+template <class Element, bool = has_bending_modes<Element>>
+struct PointStrain {
+  std::array<std::array<double, Element::dimension>, Element::nodes> gradient;  ///< [1/m] by node
+};
+/// Or by bending modes: their levers at a point.
+template <class Element>
+struct PointStrain<Element, true> {
+  /// Reference coordinates across the first axis of the cell and across the second, each less its
+  /// volume mean [1].
+  std::array<double, 2> lever;
+};
+
+/// A bending mode of an element: a strain that is linear across an axis of the cell. At a point it
+/// is lever times amplitude times strain.
+struct BendingMode {
+  std::size_t lever;                               ///< which one
+  std::array<std::array<double, 2>, 4> amplitude;  ///< of a unit displacement of each node [1/m]
+  SymmetricTensor<2> strain;  ///< a stretch and the opposite across the axis [1]
+};
+template <class Element, bool = has_bending_modes<Element>>
+struct BendingModes {};
+template <class Element>
+struct BendingModes<Element, true> {
+  /// Stretch along the first axis and along the second; in a ring also around, across either.
+  std::array<BendingMode, is_ring<Element> ? 4 : 2> bending;
+};
+/// Of a ring with bending modes, the mean of the hoop gradient, apart from the mean gradient.
+template <class Element, bool = is_ring<Element>&& has_bending_modes<Element>>
+struct MeanHoop {};
+template <class Element>
+struct MeanHoop<Element, true> {
+  std::array<double, Element::nodes> mean_hoop;  ///< [1/m] by node
+};
+
 /// Gradients of the shape functions and weights at every quadrature point of a mesh, contiguous by
 /// element, so that assembly streams through memory and never touches coordinates.
 template <class Element>
@@ -28,11 +64,10 @@ public:
                        points = Element::points;
   using Gradients = std::array<std::array<double, dimension>, nodes>;  ///< [1/m] by node
 
-  struct Point : HoopGradient<Element> {
-    Gradients gradient;
+  struct Point : HoopGradient<Element>, PointStrain<Element> {
     double weight;  ///< quadrature weight times Jacobian, positive [m^Dim], in a ring times r [m3/rad]
   };
-  struct Cell {
+  struct Cell : BendingModes<Element>, MeanHoop<Element> {
     std::array<Point, points> point;
     /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
     /// gradient, in a ring and across with the hoop gradient.
@@ -75,7 +110,7 @@ private:
           for (std::size_t b = 0; b < std::size_t(dimension); ++b) {
             g += reference[i][b] * inverse(static_cast<int>(b), static_cast<int>(a));
           }
-          point.gradient[i][a] = g;
+          if constexpr (!has_bending_modes<Element>) point.gradient[i][a] = g;
           cell.mean_gradient[i][a] += point.weight * g;
         }
         if constexpr (is_ring<Element>) cell.mean_gradient[i][0] += point.weight * point.hoop[i];
@@ -83,6 +118,76 @@ private:
     }
     for (auto& node_gradient : cell.mean_gradient) {
       for (double& g : node_gradient) g /= cell.volume;
+    }
+    if constexpr (has_bending_modes<Element>) add_bending_modes(mesh, node, cell);
+  }
+
+  /// Axes of the cell at its centre, g_1 = dx/d xi and g_2 = dx/d eta, and what of a displacement
+  /// is neither a translation nor a uniform gradient: q xi eta with q the sum of gamma_i u_i
+  /// (Flanagan and Belytschko 1981). Along g_1 it is a strain g_1.q / |g_1|^2 eta, along g_2 the
+  /// same with xi.
+  static void add_bending_modes(const mesh::Mesh<2>& mesh, const int* node, Cell& cell) {
+    const auto reference = Element::shape_gradient({0.0, 0.0});
+    Eigen::Matrix2d axes = Eigen::Matrix2d::Zero();  // columns g_1 and g_2
+    Eigen::Vector2d warp =
+        Eigen::Vector2d::Zero();  // of the cell itself: x has the part warp xi eta
+    std::array<double, 4> hourglass;
+    for (std::size_t i = 0; i < 4; ++i) {
+      hourglass[i] = 4.0 * reference[i][0] * reference[i][1];
+      const Eigen::Map<const Eigen::Vector2d> x(mesh.point(node[i]));
+      axes += x * Eigen::RowVector2d(reference[i][0], reference[i][1]);
+      warp += hourglass[i] * x;
+    }
+    const Eigen::Vector2d share = axes.inverse() * warp;
+    set_levers(cell);
+    for (std::size_t m = 0; m < 2; ++m) {
+      const Eigen::Vector2d axis = axes.col(static_cast<int>(m));
+      const double square = axis.squaredNorm();
+      BendingMode& mode = cell.bending[m];
+      mode.lever = m;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double gamma = hourglass[i] - share(0) * reference[i][0] - share(1) * reference[i][1];
+        mode.amplitude[i] = {gamma * axis(0) / square, gamma * axis(1) / square};
+      }
+      const double along = axis(0) * axis(0) / square, across = axis(1) * axis(1) / square;
+      const double shear = axis(0) * axis(1) / square;
+      mode.strain = {{along - across, across - along, 0.0, 2.0 * shear}};
+      if constexpr (is_ring<Element>) {
+        add_hoop_mode(cell, m);
+        cell.bending[2 + m].strain = {{-across, -along, 1.0, shear}};
+      }
+    }
+  }
+
+  static void set_levers(Cell& cell) {
+    std::array<double, 2> mean{};
+    for (std::size_t q = 0; q < std::size_t(points); ++q) {
+      // Across the first axis runs the second coordinate.
+      cell.point[q].lever = {Element::point[q][1], Element::point[q][0]};
+      for (std::size_t m = 0; m < 2; ++m) {
+        mean[m] += cell.point[q].weight * cell.point[q].lever[m] / cell.volume;
+      }
+    }
+    for (Point& point : cell.point) {
+      for (std::size_t m = 0; m < 2; ++m) point.lever[m] -= mean[m];
+    }
+  }
+
+  /// The hoop strain varies across an axis by what its points say of it. The mean of it stays.
+  static void add_hoop_mode(Cell& cell, std::size_t lever) {
+    BendingMode& mode = cell.bending[2 + lever];
+    mode.lever = lever;
+    mode.amplitude = {};
+    cell.mean_hoop = {};
+    double square = 0.0;
+    for (const Point& point : cell.point) {
+      square += point.weight * point.lever[lever] * point.lever[lever];
+    }
+    for (const Point& point : cell.point) {
+      for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
+        cell.mean_hoop[i] += point.weight * point.hoop[i] / cell.volume;
+        mode.amplitude[i][0] += point.weight * point.lever[lever] * point.hoop[i] / square;
+      }
     }
   }
 

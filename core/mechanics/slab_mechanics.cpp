@@ -362,7 +362,9 @@ void SlabMechanics<Element>::check_liquid_pressure(const State& state, double me
 
 template class SlabMechanics<fem::P1Triangle>;
 template class SlabMechanics<fem::Q1Quadrilateral>;
+template class SlabMechanics<fem::BendingQuadrilateral>;
 template class SlabMechanics<fem::P1Ring>;
 template class SlabMechanics<fem::Q1Ring>;
+template class SlabMechanics<fem::BendingRing>;
 
 }  // namespace dccast::mechanics

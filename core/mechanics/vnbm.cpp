@@ -105,9 +105,13 @@ template StepOutcome solve_vnbm(const StepProblem<fem::P1Triangle>&, const Optio
                                 StepUnknowns<fem::P1Triangle>&);
 template StepOutcome solve_vnbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
                                 Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
+template StepOutcome solve_vnbm(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
+                                Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
 template StepOutcome solve_vnbm(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
                                 StepUnknowns<fem::P1Ring>&);
 template StepOutcome solve_vnbm(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
                                 StepUnknowns<fem::Q1Ring>&);
+template StepOutcome solve_vnbm(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
+                                StepUnknowns<fem::BendingRing>&);
 
 }  // namespace dccast::mechanics

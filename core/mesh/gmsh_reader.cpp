@@ -93,7 +93,9 @@ private:
       names += (names.empty() ? "" : " and ") + std::string(shape_name[shape]);
     fault("has " + (names.empty() ? "no elements" : names),
           std::string("only ") + shape_name[shape_] + " with this mesh.element",
-          Dim == 2 ? "mesh.element = \"p1\" for triangles, \"q1\" for quadrilaterals" : "");
+          Dim == 2
+              ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
+              : "");
   }
 
   /// Numbers of the nodes of an element; false (and a fault) when it names one that is not there.

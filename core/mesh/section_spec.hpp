@@ -6,14 +6,14 @@
 namespace dccast::mesh {
 
 enum class SectionKind { plane_strain, axisymmetric };
-enum class ElementKind { p1, q1 };
+enum class ElementKind { p1, q1, q1_bending };
 
 /// The section of the slab and how it is divided; tables `section` and `mesh` of a case.
 struct SectionSpec {
   SectionKind kind = SectionKind::plane_strain;
   double half_width = 0.0;     ///< [m]
   double initial_depth = 0.0;  ///< [m]
-  ElementKind element = ElementKind::q1;
+  ElementKind element = ElementKind::q1_bending;
   int columns = 30;
   int rows = 22;
   double side_cell = 3e-3;              ///< [m]

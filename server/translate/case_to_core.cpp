@@ -33,6 +33,17 @@ fs::path attached(const std::string& name, const fs::path& attachments) {
   return name.empty() ? fs::path() : attachments / name;
 }
 
+mesh::ElementKind element(v1::ElementKind from) {
+  switch (from) {
+    case v1::P1:
+      return mesh::ElementKind::p1;
+    case v1::Q1:
+      return mesh::ElementKind::q1;
+    default:
+      return mesh::ElementKind::q1_bending;
+  }
+}
+
 mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   mesh::SectionSpec to;
   to.kind = from.section().kind() == v1::Section::AXISYMMETRIC ? mesh::SectionKind::axisymmetric
@@ -40,7 +51,7 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.half_width = from.section().half_width_m();
   to.initial_depth = from.section().initial_depth_m();
   const v1::Mesh& mesh = from.mesh();
-  to.element = mesh.element() == v1::Q1 ? mesh::ElementKind::q1 : mesh::ElementKind::p1;
+  to.element = element(mesh.element());
   if (mesh.has_columns()) to.columns = mesh.columns();
   if (mesh.has_rows()) to.rows = mesh.rows();
   if (mesh.has_side_cell_m()) to.side_cell = mesh.side_cell_m();

@@ -149,7 +149,7 @@ class RealSteering(ServiceTest):
         for job_id, state in ((running, "RUNNING"), (queued, "QUEUED")):
             self.wrong_state("resume", job_id, state=state, remedy="goes on by itself")
             self.wrong_state("delete", job_id, state=state, remedy="cancel it first")
-            self.wrong_state("fetch", job_id, state=state, remedy="watch it until it has succeeded")
+            self.wrong_state("fetch", job_id, state=state, remedy="watch it until it has ended")
         self.done("cancel", running)
         self.client.until_state(running, job_pb2.CANCELLED)
         self.results(queued)

@@ -43,7 +43,8 @@ void check_section(CaseFindings& found) {
     // (`dccast-verify run tube-creep`). Nor does the liquid's pressure, one value a triangle,
     // carry its weight near the axis.
     found.fault("mesh.element", "p1", "triangles lock in an axisymmetric section",
-                "q1 with mechanics and section.kind = \"axisymmetric\"", "write element = \"q1\"");
+                "q1_bending or q1 with mechanics and section.kind = \"axisymmetric\"",
+                "write element = \"q1_bending\"");
   }
 }
 

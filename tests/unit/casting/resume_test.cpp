@@ -233,7 +233,8 @@ TEST_P(Resume, GivesTheReportsAgainThatTheObserverLacks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Resume,
-                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
+                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1,
+                                           mesh::ElementKind::q1_bending));
 
 }  // namespace
 }  // namespace dccast::casting

@@ -84,7 +84,8 @@ TEST_P(Run, TheFileHoldsWhatTheObserverSaw) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Run,
-                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
+                         ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1,
+                                           mesh::ElementKind::q1_bending));
 
 /// A round billet passes the same checks. By metre of its circumference it weighs half of what a
 /// slab of the same half width does by metre of its face.

@@ -65,8 +65,8 @@ protected:
   double creep_ = 0.0;
 };
 
-using Families =
-    ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::P1Ring, fem::Q1Ring>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
+                                  fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
 TYPED_TEST_SUITE(AlgorithmsOn, Families);
 
 TYPED_TEST(AlgorithmsOn, AgreeOnACreepingPartialContact) {

@@ -11,7 +11,7 @@ using namespace testing;
 
 template <class Element>
 class ContactOf : public ::testing::Test {};
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(ContactOf, Families);
 
 int closed_of(const std::vector<char>& contact) {

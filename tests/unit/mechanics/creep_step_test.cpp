@@ -19,7 +19,7 @@ void expect_first_order(const std::array<double, 3>& error, double largest_last)
 
 template <class Element>
 class CreepOf : public ::testing::Test {};
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(CreepOf, Families);
 
 /// Held at a pure shear strain, the stress falls as |s|^(2-q) = |s0|^(2-q) + (q-2) 2 mu kappa t.

@@ -47,13 +47,15 @@ protected:
   FixedBody<Element> body;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::P1Ring, fem::Q1Ring>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
+                                  fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
 TYPED_TEST_SUITE(EquilibriumOf, Families);
 
 /// Of bodies that may rotate in their plane.
 template <class Element>
 class PlaneEquilibriumOf : public EquilibriumOf<Element> {};
-using PlaneFamilies = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using PlaneFamilies =
+    ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(PlaneEquilibriumOf, PlaneFamilies);
 
 TYPED_TEST(EquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {

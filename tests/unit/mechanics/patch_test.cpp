@@ -46,7 +46,7 @@ protected:
   FixedBody<Element> body;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(PatchOf, Families);
 
 TYPED_TEST(PatchOf, Elastic) {

@@ -37,7 +37,7 @@ protected:
 
   FixedBody<Element> body;
 };
-using Families = ::testing::Types<fem::P1Ring, fem::Q1Ring>;
+using Families = ::testing::Types<fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
 TYPED_TEST_SUITE(RingOf, Families);
 
 /// A swelling a r stretches around as much as across; a shear strain comes with it.

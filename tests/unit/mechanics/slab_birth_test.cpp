@@ -20,7 +20,8 @@ protected:
   SlabBench<Element> bench_;
   int elements() const { return bench_.slab.mesh().elements(); }
 };
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring,
+                                  fem::BendingQuadrilateral, fem::BendingRing>;
 TYPED_TEST_SUITE(BirthOf, Families);
 
 TYPED_TEST(BirthOf, LiquidStandsUnderItsOwnPressure) {

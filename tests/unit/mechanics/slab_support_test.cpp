@@ -29,7 +29,8 @@ protected:
     return highest;
   }
 };
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring,
+                                  fem::BendingQuadrilateral, fem::BendingRing>;
 TYPED_TEST_SUITE(SupportOf, Families);
 
 TYPED_TEST(SupportOf, TheBlockCarriesTheWeightWhateverTheSlabDoes) {

@@ -9,7 +9,7 @@ using namespace testing;
 
 template <class Element>
 class StressFreeOn : public ::testing::Test {};
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
 TYPED_TEST_SUITE(StressFreeOn, Families);
 
 /// A free block that cools evenly, without weight: nothing but the round-off of strains that cancel

@@ -20,6 +20,15 @@ Result run_relaxation(const TestRun& run);
 /// plane: u2 = (1 + nu) k x2 x3, u3 = (1 + nu) k (x3^2 - x2^2) / 2 with thermal strain k x3.
 Result run_bowed_strip(const TestRun& run);
 
+/// A plate in plane strain bent by end moments, its cells 1 to 10 times longer than it is thick:
+/// the largest error of the deflection against beam theory, with four layers of cells at Poisson's
+/// ratio 0.3 and with one layer at 0.4999.
+Result run_plate(const TestRun& run);
+
+/// Deformations of one skewed cell without energy, which must be the three of a rigid body, and the
+/// stiffness of its softest other one over that of its stiffest, at Poisson's ratio 0.3.
+Result run_modes(const TestRun& run);
+
 /// Patch test of an axisymmetric body: uniform strain across, around and along the axis on a
 /// distorted mesh that reaches the axis.
 Result run_ring_patch(const TestRun& run);

@@ -21,7 +21,8 @@ int cells_of(const TestRun& run) {
 template <class Run>
 Result with_ring(mesh::ElementKind kind, Run&& run) {
   if (kind == mesh::ElementKind::p1) return run.template operator()<fem::P1Ring>();
-  return run.template operator()<fem::Q1Ring>();
+  if (kind == mesh::ElementKind::q1) return run.template operator()<fem::Q1Ring>();
+  return run.template operator()<fem::BendingRing>();
 }
 
 template <class Element>

@@ -87,7 +87,7 @@ private:
   void add_cell(int i, int j) {
     const int a = node(i, j), b = node(i + 1, j), d = node(i + 1, j + 1), e = node(i, j + 1);
     auto& to = mesh_.element_node;
-    if (run_.element == mesh::ElementKind::q1) {
+    if (run_.element != mesh::ElementKind::p1) {
       to.insert(to.end(), {a, b, d, e});
     } else if (rising(i)) {
       to.insert(to.end(), {a, b, d, a, d, e});
@@ -274,8 +274,15 @@ T1Result solve(const T1Run& run) {
 }  // namespace
 
 T1Result run_t1(const T1Run& run) {
-  return run.element == mesh::ElementKind::p1 ? solve<fem::P1Triangle>(run)
-                                              : solve<fem::Q1Quadrilateral>(run);
+  switch (run.element) {
+    case mesh::ElementKind::p1:
+      return solve<fem::P1Triangle>(run);
+    case mesh::ElementKind::q1:
+      return solve<fem::Q1Quadrilateral>(run);
+    case mesh::ElementKind::q1_bending:
+      return solve<fem::BendingQuadrilateral>(run);
+  }
+  throw std::logic_error("run_t1: an element without forms");
 }
 
 }  // namespace dccast::verification

@@ -77,7 +77,8 @@ void add_errors(Result& result, const FixedBody<Element>& body,
 template <class Run>
 Result with_element(mesh::ElementKind kind, Run&& run) {
   if (kind == mesh::ElementKind::p1) return run.template operator()<fem::P1Triangle>();
-  return run.template operator()<fem::Q1Quadrilateral>();
+  if (kind == mesh::ElementKind::q1) return run.template operator()<fem::Q1Quadrilateral>();
+  return run.template operator()<fem::BendingQuadrilateral>();
 }
 
 }  // namespace dccast::verification

@@ -155,8 +155,10 @@ const std::map<std::string, mechanics::Algorithm> algorithms{
     {"vnbm", mechanics::Algorithm::vnbm},
     {"sbm", mechanics::Algorithm::sbm},
     {"nbm", mechanics::Algorithm::nbm}};
-const std::map<std::string, mesh::ElementKind> elements{{"p1", mesh::ElementKind::p1},
-                                                        {"q1", mesh::ElementKind::q1}};
+const std::map<std::string, mesh::ElementKind> elements{
+    {"p1", mesh::ElementKind::p1},
+    {"q1", mesh::ElementKind::q1},
+    {"q1_bending", mesh::ElementKind::q1_bending}};
 const std::map<std::string, Diagonals> diagonal_names{{"rising", Diagonals::rising},
                                                       {"falling", Diagonals::falling},
                                                       {"mirrored", Diagonals::mirrored},
@@ -176,7 +178,7 @@ struct RunCommand {
     app->add_option("--dt", request.dt, "time step [s]")->check(CLI::PositiveNumber);
     app->add_option("--end", request.end, "end of the run [s]")->check(CLI::PositiveNumber);
     app->add_option("--cells", request.cells, "cells per side")->check(CLI::PositiveNumber);
-    app->add_option("--element", request.element, "p1 or q1")
+    app->add_option("--element", request.element, "p1, q1 or q1_bending")
         ->transform(CLI::CheckedTransformer(elements));
     app->add_option("--tolerance", request.tolerance, "relative residual")
         ->check(CLI::PositiveNumber);

@@ -5,6 +5,18 @@
 
 namespace dccast::verification {
 
+std::string name_of(mesh::ElementKind element) {
+  switch (element) {
+    case mesh::ElementKind::p1:
+      return "p1";
+    case mesh::ElementKind::q1:
+      return "q1";
+    case mesh::ElementKind::q1_bending:
+      return "q1_bending";
+  }
+  throw std::logic_error("name_of: an element without a name");
+}
+
 std::string name_of(mechanics::Algorithm algorithm) {
   switch (algorithm) {
     case mechanics::Algorithm::newton:
@@ -27,7 +39,7 @@ std::string command_of(const RunRequest& request) {
   }
   if (request.dt) out << " --dt " << *request.dt;
   if (request.cells > 0) out << " --cells " << request.cells;
-  if (request.element == mesh::ElementKind::q1) out << " --element q1";
+  if (request.element != mesh::ElementKind::p1) out << " --element " << name_of(request.element);
   if (request.plain) out << " --plain";
   if (request.cut_steps) out << " --cut-steps";
   if (request.increment_test) out << " --increment-test";

@@ -26,6 +26,8 @@ struct RunRequest {
   std::filesystem::path data;                 ///< strand only
 };
 
+/// The name by which an element family is asked for, as in a case.
+std::string name_of(mesh::ElementKind element);
 /// The name by which an algorithm is asked for.
 std::string name_of(mechanics::Algorithm algorithm);
 

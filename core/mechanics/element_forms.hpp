@@ -1,0 +1,171 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "core/base/symmetric_tensor.hpp"
+#include "core/fem/element_geometry.hpp"
+
+namespace dccast::mechanics {
+
+/// What a material law gives at a point: the stress deviator, and the tangent
+/// d s / d e = 2 shear I + normal n (x) n with n = s / |s|.
+template <int Dim>
+struct PointResponse {
+  SymmetricTensor<Dim> deviator;  ///< s [Pa]
+  double shear;                   ///< mu~ [Pa]
+  double normal;                  ///< [Pa], not positive
+  double norm;                    ///< |s| [Pa]
+};
+
+/// What the forms of every element share: nodal vectors and the mean dilatation, from which alone
+/// the pressure follows.
+template <class Element>
+struct ElementFormsBase {
+  static constexpr std::size_t nodes = Element::nodes, points = Element::points,
+                               dim = Element::dimension, unknowns = nodes * dim;
+  using Cell = typename fem::ElementGeometry<Element>::Cell;
+  using Tensor = SymmetricTensor<Element::dimension>;
+  using Response = PointResponse<Element::dimension>;
+  using Vectors = std::array<std::array<double, dim>, nodes>;
+  using Tensors = std::array<Tensor, points>;
+  using Pressures = std::array<double, points>;
+  using Matrix = std::array<double, unknowns * unknowns>;  ///< its lower triangle, row by row
+
+  static double mean_dilatation(const Cell& c, const Vectors& v) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t a = 0; a < dim; ++a) sum += c.mean_gradient[i][a] * v[i][a];
+    }
+    return sum;
+  }
+};
+
+/// The forms of one element: strains of a displacement, forces of a stress, stiffness of a tangent.
+///
+/// The volumetric part uses the mean dilatation of the element (for linear triangles that is the
+/// gradient itself), the deviatoric part the gradient at each point; one code serves P1 and B-bar
+/// elements of both dimensions.
+template <class Element, bool = fem::has_bending_modes<Element>>
+struct ElementForms : ElementFormsBase<Element> {
+  using Base = ElementFormsBase<Element>;
+  using Base::dim, Base::nodes, Base::points, Base::unknowns;
+  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures, typename Base::Tensor,
+      typename Base::Tensors, typename Base::Vectors;
+  static constexpr bool ring = fem::is_ring<Element>;
+  static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
+  using Point = typename fem::ElementGeometry<Element>::Point;
+
+  /// Strain at a point, its trace replaced by the element's mean dilatation.
+  static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
+    Tensor strain = symmetric_gradient(c.point[q], v);
+    if constexpr (points > 1) {
+      strain.add_identity((Base::mean_dilatation(c, v) - strain.trace()) / 3.0);
+    }
+    return strain;
+  }
+
+  /// Deviator of the strain at every point.
+  static Tensors strain_deviators(const Cell& c, const Vectors& v) {
+    Tensors deviators;
+    for (std::size_t q = 0; q < points; ++q) {
+      deviators[q] = symmetric_gradient(c.point[q], v).deviator();
+    }
+    return deviators;
+  }
+
+  /// Nodal forces of stress deviators and mean normal stresses.
+  template <class DeviatorAt>
+  static Vectors forces(const Cell& c, DeviatorAt&& deviator, const Pressures& pressure) {
+    Vectors force{};
+    for (std::size_t q = 0; q < points; ++q) {
+      const Point& point = c.point[q];
+      const Tensor& s = deviator(q);
+      for (std::size_t i = 0; i < nodes; ++i) {
+        for (std::size_t a = 0; a < dim; ++a) {
+          double f = pressure[q] * c.mean_gradient[i][a];
+          for (std::size_t b = 0; b < dim; ++b) f += s.at(a, b) * point.gradient[i][b];
+          if constexpr (ring) {
+            if (a == 0) f += s[hoop] * point.hoop[i];
+          }
+          force[i][a] += point.weight * f;
+        }
+      }
+    }
+    return force;
+  }
+
+  /// Stiffness of the responses at the points and a bulk modulus.
+  static Matrix stiffness(const Cell& c,
+                          std::span<const PointResponse<Element::dimension>> response,
+                          double bulk_modulus) {
+    Matrix k{};
+    for (std::size_t q = 0; q < points; ++q) {
+      const auto& g = c.point[q].gradient;
+      const auto& r = response[q];
+      const double weight = c.point[q].weight, mu = weight * r.shear;
+      const double bulk = weight * bulk_modulus;
+      const double normal = r.norm > 0.0 ? weight * r.normal / (r.norm * r.norm) : 0.0;
+      Vectors along{};  // s applied to each gradient
+      for (std::size_t i = 0; i < nodes; ++i) {
+        for (std::size_t a = 0; a < dim; ++a) {
+          for (std::size_t b = 0; b < dim; ++b) along[i][a] += r.deviator.at(a, b) * g[i][b];
+        }
+      }
+      if constexpr (ring) {
+        for (std::size_t i = 0; i < nodes; ++i)
+          along[i][0] += r.deviator[hoop] * c.point[q].hoop[i];
+      }
+      const auto& dilates = dilatation_gradient(c.point[q]);
+      for (std::size_t i = 0; i < nodes; ++i) {
+        for (std::size_t j = 0; j <= i; ++j) {
+          double dot = 0.0;
+          for (std::size_t a = 0; a < dim; ++a) dot += g[i][a] * g[j][a];
+          for (std::size_t a = 0; a < dim; ++a) {
+            double* row = &k[(i * dim + a) * unknowns + j * dim];
+            for (std::size_t b = 0; b < dim; ++b) {
+              row[b] += mu * (g[i][b] * g[j][a] - 2.0 / 3.0 * dilates[i][a] * dilates[j][b]) +
+                        bulk * c.mean_gradient[i][a] * c.mean_gradient[j][b] +
+                        normal * along[i][a] * along[j][b];
+            }
+            row[a] += mu * dot;
+          }
+          if constexpr (ring) {
+            k[i * dim * unknowns + j * dim] += 2.0 * mu * c.point[q].hoop[i] * c.point[q].hoop[j];
+          }
+        }
+      }
+    }
+    return k;
+  }
+
+private:
+  /// Symmetric gradient without the correction of the trace.
+  static Tensor symmetric_gradient(const Point& point, const Vectors& v) {
+    Tensor strain;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t a = 0; a < dim; ++a) {
+        strain[a] += point.gradient[i][a] * v[i][a];
+        for (std::size_t b = a + 1; b < dim; ++b) {
+          strain[Tensor::index(a, b)] +=
+              0.5 * (point.gradient[i][a] * v[i][b] + point.gradient[i][b] * v[i][a]);
+        }
+      }
+      if constexpr (ring) strain[hoop] += point.hoop[i] * v[i][0];
+    }
+    return strain;
+  }
+
+  /// What a displacement dilates at a point: the gradient, in a ring and across with the hoop.
+  static decltype(auto) dilatation_gradient(const Point& point) {
+    if constexpr (ring) {
+      typename fem::ElementGeometry<Element>::Gradients g = point.gradient;
+      for (std::size_t i = 0; i < nodes; ++i) g[i][0] += point.hoop[i];
+      return g;
+    } else {
+      return (point.gradient);
+    }
+  }
+};
+
+}  // namespace dccast::mechanics
