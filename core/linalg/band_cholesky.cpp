@@ -38,8 +38,8 @@ BandShape::BandShape(const SparsityPattern& pattern, std::span<const int> place)
     const int width = static_cast<int>(i) - first[i] + 1;
     start.push_back(start.back() + std::size_t(width));
     flops += products * 0.5 * width * (width + 1.0);
-    for (int j = first[i]; j <= static_cast<int>(i); ++j)
-      last[std::size_t(j)] = static_cast<int>(i);
+    const int next = i + 1 < count ? first[i + 1] : static_cast<int>(count);
+    for (int j = first[i]; j < next; ++j) last[std::size_t(j)] = static_cast<int>(i);
   }
 }
 
