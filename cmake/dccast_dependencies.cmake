@@ -12,3 +12,4 @@ find_package(Eigen3 3.4 CONFIG REQUIRED NO_MODULE)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(Udunits2 REQUIRED)
 find_package(Cholmod REQUIRED)
+find_package(OpenMP REQUIRED COMPONENTS CXX)  # to keep CHOLMOD on one core

@@ -1,6 +1,7 @@
 #include "core/linalg/cholmod_solver.hpp"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <cstring>
 #include <new>
@@ -13,6 +14,14 @@ namespace dccast::linalg {
 namespace {
 // Between 1.5k unknowns, where the simplicial code wins, and 30k, where it loses by 3.
 constexpr int simplicial_up_to = 6000;
+
+/// Keeps BLAS and CHOLMOD on the thread that calls. CHOLMOD's supernodal code asks for four threads
+/// by number, which OMP_NUM_THREADS does not lower; where no level of parallel regions may be
+/// active it gets one.
+void stay_on_this_thread() {
+  openblas_set_num_threads(1);
+  omp_set_max_active_levels(0);
+}
 
 /// LDL' goes through on an indefinite matrix, and the supernodal code on one with NaN; the diagonal of
 /// the factor tells.
@@ -47,7 +56,6 @@ struct CholmodSolver::Storage {
   cholmod_dense* work_e = nullptr;
 
   Storage() {
-    openblas_set_num_threads(1);
     cholmod_start(&common);
     common.print = 0;
     common.error_handler = nullptr;
@@ -91,10 +99,10 @@ void CholmodSolver::analyze(const SparsityPattern& pattern, Geometry geometry) {
 }
 
 bool CholmodSolver::factorize(std::span<const double> values) {
+  stay_on_this_thread();
   Storage& s = *storage_;
   s.matrix.xtype = CHOLMOD_REAL;
   s.matrix.x = const_cast<double*>(values.data());
-  ++factorizations_;
   const int ok = cholmod_factorize(&s.matrix, s.factor, &s.common);
   if (s.common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   if (ok == 0 || s.common.status == CHOLMOD_NOT_POSDEF || s.factor->minor < s.factor->n) {
@@ -104,6 +112,7 @@ bool CholmodSolver::factorize(std::span<const double> values) {
 }
 
 void CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
+  stay_on_this_thread();
   Storage& s = *storage_;
   cholmod_dense right{};
   right.nrow = right.nzmax = right.d = b.size();
@@ -111,7 +120,6 @@ void CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
   right.x = const_cast<double*>(b.data());
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  ++solves_;
   const int ok = cholmod_solve2(CHOLMOD_A, s.factor, &right, nullptr, &s.solution, nullptr,
                                 &s.work_y, &s.work_e, &s.common);
   if (ok == 0) throw std::runtime_error("CHOLMOD could not solve with its factor");

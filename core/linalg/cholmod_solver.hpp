@@ -15,7 +15,8 @@ enum class Geometry { plane, solid };
 /// Analyse once per mesh, factorise as often as the values change, solve as often as needed.
 /// Small plane problems use the simplicial LDL' factorisation with an AMD ordering, larger ones the
 /// supernodal one; solids are ordered by METIS (measured: the simplicial factorisation is 18 to 46
-/// times slower there). One BLAS thread: a job has one core.
+/// times slower there). One thread, also of OpenMP: a job has
+/// one core.
 class CholmodSolver {
 public:
   CholmodSolver();
@@ -32,16 +33,12 @@ public:
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
-  long factorizations() const { return factorizations_; }
-  long solves() const { return solves_; }
   /// Numbers in the factor, after analyze().
   double factor_entries() const;
 
 private:
   struct Storage;
   std::unique_ptr<Storage> storage_;
-  long factorizations_ = 0;
-  long solves_ = 0;
 };
 
 }  // namespace dccast::linalg

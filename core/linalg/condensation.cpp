@@ -4,8 +4,12 @@
 
 namespace dccast::linalg {
 
+namespace {
+constexpr double rounding = 1e-13;  // of a difference, relative to what is subtracted
+}  // namespace
+
 void Condensation::start(const SparsityPattern& pattern, std::span<const double> values,
-                         CholmodSolver& solver, std::span<const char> held) {
+                         DirectSolver& solver, std::span<const char> held) {
   pattern_ = &pattern;
   values_ = values;
   solver_ = &solver;
@@ -71,8 +75,12 @@ bool Condensation::factorize_small() {
       }
       small_[r * n + c] = r == c ? entry : entry / small_[c * n + c];
     }
+    // What is left of a released unknown's stiffness; a rounding error of it is nothing.
     const double pivot = small_[r * n + r];
-    if (!(changed_[r].released ? pivot > 0.0 : pivot < 0.0)) return false;
+    const double least = changed_[r].released
+                             ? rounding * changed_[r].column[std::size_t(changed_[r].unknown)]
+                             : 0.0;
+    if (!(changed_[r].released ? pivot > least : pivot < 0.0)) return false;
   }
   return true;
 }

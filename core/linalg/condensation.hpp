@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/linalg/cholmod_solver.hpp"
+#include "core/linalg/direct_solver.hpp"
 
 namespace dccast::linalg {
 
@@ -30,7 +30,7 @@ public:
   /// @param values  entries of K, nothing held
   /// @param solver  holds the factor of K with the unknowns `held` decoupled
   /// @param held    (unknown) not zero where the factor holds an unknown
-  void start(const SparsityPattern& pattern, std::span<const double> values, CholmodSolver& solver,
+  void start(const SparsityPattern& pattern, std::span<const double> values, DirectSolver& solver,
              std::span<const char> held);
 
   /// Changes the held unknowns to `held`.
@@ -62,7 +62,7 @@ private:
   std::size_t most_changes_;
   const SparsityPattern* pattern_ = nullptr;
   std::span<const double> values_;
-  CholmodSolver* solver_ = nullptr;
+  DirectSolver* solver_ = nullptr;
   std::vector<char> base_;        ///< (unknown) held in the factor
   std::vector<char> held_;        ///< (unknown) held now
   std::vector<Changed> changed_;  ///< the newly held first: their pivots are the negative ones

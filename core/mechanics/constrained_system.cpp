@@ -4,19 +4,28 @@
 
 namespace dccast::mechanics {
 
+namespace {
+/// Share of a factorisation that costs no more than the solves of a condensation.
+constexpr double cheap_share = 0.1;
+}  // namespace
+
 void ConstrainedSystem::lift(std::span<const double> stiffness,
                              std::span<const double> step_of_fixed) {
-  lifting_ = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
-                         [](double d) { return d != 0.0; });
+  lifting_ =
+      std::any_of(step_of_fixed.begin(), step_of_fixed.end(), [](double d) { return d != 0.0; });
   if (lifting_) linalg::multiply(*pattern_, stiffness, step_of_fixed, work_->lifted);
 }
 
 bool ConstrainedSystem::factorize(std::span<const char> fixed,
                                   std::span<const double> step_of_fixed) {
-  auto& values = work_->stiffness;
-  lift(values, step_of_fixed);
-  work_->unheld_stiffness = values;
+  lift(work_->stiffness, step_of_fixed);
+  work_->unheld_stiffness = work_->stiffness;
+  return hold_and_factorize(fixed);
+}
 
+bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
+  auto& values = work_->stiffness;
+  values = work_->unheld_stiffness;
   const auto& start = pattern_->column_start();
   const auto& row = pattern_->row();
   for (std::size_t c = 0; c + 1 < start.size(); ++c) {
@@ -27,15 +36,24 @@ bool ConstrainedSystem::factorize(std::span<const char> fixed,
     // Its own diagonal keeps the scale of the neighbourhood, and with it the pivots' scale.
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
+  held_.assign(fixed.begin(), fixed.end());
   condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
   return work_->solver.factorize(values);
 }
 
-bool ConstrainedSystem::change(std::span<const char> fixed,
-                               std::span<const double> step_of_fixed) {
-  if (!condensation_.change(fixed)) return false;
-  lift(work_->unheld_stiffness, step_of_fixed);
+bool ConstrainedSystem::changes_only_last_rows(std::span<const char> fixed) const {
+  for (std::size_t u = 0; u < fixed.size(); ++u) {
+    if ((fixed[u] != 0) == (held_[u] != 0)) continue;
+    if (work_->solver.share_to_repeat(static_cast<int>(u)) > cheap_share) return false;
+  }
   return true;
+}
+
+bool ConstrainedSystem::change(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+  const bool done =
+      changes_only_last_rows(fixed) ? hold_and_factorize(fixed) : condensation_.change(fixed);
+  if (done) lift(work_->unheld_stiffness, step_of_fixed);
+  return done;
 }
 
 void ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed) {

@@ -22,8 +22,9 @@ public:
   /// @return false when the reduced matrix is not positive definite
   bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
-  /// The same stiffness with other unknowns held, by condensation onto those that changed: after a
-  /// factorize() that succeeded, while `work` is not factorised otherwise.
+  /// The same stiffness with other unknowns held: by a factorisation of its last rows where those
+  /// that changed are eliminated last, else by condensation onto them. After a factorize() that
+  /// succeeded, while `work` is not factorised otherwise.
   /// @return false when that does not pay or the matrix is not positive definite: factorise
   bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
@@ -31,11 +32,14 @@ public:
   void solve(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
 private:
+  bool hold_and_factorize(std::span<const char> fixed);
+  bool changes_only_last_rows(std::span<const char> fixed) const;
   void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);
 
   const linalg::SparsityPattern* pattern_;
   Workspace* work_;
   linalg::Condensation condensation_;
+  std::vector<char> held_;  ///< (unknown) in the factor
   bool lifting_ = false;
 };
 

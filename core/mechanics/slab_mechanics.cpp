@@ -46,7 +46,6 @@ void SlabMechanics<Element>::new_pattern() {
   }
   const int unknowns = mesh_->nodes() * dimension;
   pattern_ = linalg::SparsityPattern(unknowns, unknown, Element::nodes * dimension);
-  work_.resize(pattern_, dimension == 2 ? linalg::Geometry::plane : linalg::Geometry::solid);
   for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
                       &problem_.prestress}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
@@ -55,6 +54,9 @@ void SlabMechanics<Element>::new_pattern() {
   problem_.fixed.assign(std::size_t(unknowns), 0);
   problem_.target.assign(std::size_t(unknowns), 0.0);
   find_boundaries();
+  const auto fronts = mesh::edges_to_sweep_from(*mesh_, dimension);
+  work_.resize(pattern_, dimension == 2 ? linalg::Geometry::plane : linalg::Geometry::solid,
+               fronts);
 }
 
 template <class Element>

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/contact/active_set.hpp"
-#include "core/linalg/cholmod_solver.hpp"
+#include "core/linalg/direct_solver.hpp"
 
 namespace dccast::mechanics {
 
@@ -21,7 +22,7 @@ struct StepOutcome {
 
 /// What lives longer than a step: the factorisation's analysis and the storage, sized once per mesh.
 struct Workspace {
-  linalg::CholmodSolver solver;
+  linalg::DirectSolver solver;
   std::vector<double> stiffness;
   std::vector<double> unheld_stiffness;  ///< as it was before unknowns were held
   std::vector<double> residual;
@@ -29,8 +30,10 @@ struct Workspace {
   std::vector<double> lifted;
 
   /// @param geometry  plane or solid, decides the ordering
-  void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry) {
-    solver.analyze(pattern, geometry);
+  /// @param fronts    sets of unknowns from which an elimination may start
+  void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry,
+              std::span<const std::vector<int>> fronts = {}) {
+    solver.analyze(pattern, geometry, fronts);
     stiffness.assign(pattern.entries(), 0.0);
     for (auto* v : {&residual, &direction, &lifted}) {
       v->assign(std::size_t(pattern.unknowns()), 0.0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -60,6 +61,20 @@ std::vector<int> patch_nodes(const Mesh<Dim>& mesh, Patch patch) {
     }
   }
   return nodes;
+}
+
+/// Unknowns of the patches from which an elimination may sweep through a slab, across it and
+/// downwards, each set in rising order; unknown = node * per_node + number.
+template <int Dim>
+std::array<std::vector<int>, 2> edges_to_sweep_from(const Mesh<Dim>& mesh, int per_node) {
+  std::array<std::vector<int>, 2> fronts;
+  for (std::size_t f = 0; f < fronts.size(); ++f) {
+    for (const int n : patch_nodes(mesh, f == 0 ? Patch::symmetry : Patch::top)) {
+      for (int k = 0; k < per_node; ++k) fronts[f].push_back(n * per_node + k);
+    }
+    std::sort(fronts[f].begin(), fronts[f].end());
+  }
+  return fronts;
 }
 
 }  // namespace dccast::mesh

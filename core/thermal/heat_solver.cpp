@@ -46,7 +46,8 @@ void HeatSolver::set_mesh(const mesh::Mesh2D& mesh) {
   mesh_ = mesh;
   const bool changed = conduction_.set_mesh(mesh_, kind_);
   if (changed) {
-    solver_.analyze(conduction_.pattern());
+    const auto fronts = mesh::edges_to_sweep_from(mesh_, 1);
+    solver_.analyze(conduction_.pattern(), linalg::Geometry::plane, fronts);
     const std::size_t nodes = std::size_t(mesh_.nodes());
     for (auto* by_node :
          {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,

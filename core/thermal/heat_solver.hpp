@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/linalg/cholmod_solver.hpp"
+#include "core/linalg/direct_solver.hpp"
 #include "core/material/thermal_properties.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/thermal/conduction.hpp"
@@ -124,7 +124,7 @@ private:
 
   mesh::Mesh2D mesh_;
   Conduction conduction_;
-  linalg::CholmodSolver solver_;
+  linalg::DirectSolver solver_;
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_weight_;
   std::vector<int> top_nodes_;

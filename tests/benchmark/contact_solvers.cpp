@@ -1,5 +1,5 @@
 // What a contact iteration costs when only the contact set changes and the stiffness stays, on a
-// square of 1.3k, 20k and 80k triangles: a full factorisation against the three ways around it.
+// square of 1.3k, 20k and 80k triangles: a factorisation anew against condensation.
 // docs/contact-factorisation.md holds the table.
 
 #include <benchmark/benchmark.h>
@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "core/linalg/condensation.hpp"
-#include "core/linalg/contact_factor.hpp"
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
 #include "core/mechanics/equilibrium.hpp"
@@ -91,46 +90,6 @@ void full(benchmark::State& state) {
   }
 }
 
-template <class Factor>
-void follow(benchmark::State& state, Scene& scene, Factor&& factor) {
-  std::vector<double> x(scene.u.size());
-  for (auto _ : state) {
-    require(factor.factorize(scene.stiffness, scene.before));
-    measure(state, [&] {
-      require(factor.change(scene.after));
-      factor.solve(scene.body.work.residual, x);
-    });
-  }
-}
-
-void trailing(benchmark::State& state) {
-  Scene scene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  follow(state, scene, linalg::TrailingFactor(scene.body.pattern, scene.body.problem.contact));
-}
-
-/// The first change after a factorisation, with the conversion it takes.
-void rows(benchmark::State& state) {
-  Scene scene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  follow(state, scene, linalg::RowFactor(scene.body.pattern));
-}
-
-/// A later change: to and fro on one factor.
-void rows_again(benchmark::State& state) {
-  Scene scene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  linalg::RowFactor factor(scene.body.pattern);
-  require(factor.factorize(scene.stiffness, scene.before));
-  require(factor.change(scene.after));
-  std::vector<double> x(scene.u.size());
-  bool back = true;
-  for (auto _ : state) {
-    measure(state, [&] {
-      require(factor.change(back ? scene.before : scene.after));
-      factor.solve(scene.body.work.residual, x);
-    });
-    back = !back;
-  }
-}
-
 void condensation(benchmark::State& state) {
   Scene scene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   auto& work = scene.body.work;
@@ -146,15 +105,6 @@ void condensation(benchmark::State& state) {
       require(condensed.change(scene.after));
       condensed.solve(work.residual, x);
     });
-  }
-}
-
-/// What the order with the contact unknowns last costs every factorisation, and a solve beside it.
-void trailing_factorization(benchmark::State& state) {
-  Scene scene(static_cast<int>(state.range(0)), 1);
-  linalg::TrailingFactor factor(scene.body.pattern, scene.body.problem.contact);
-  for (auto _ : state) {
-    measure(state, [&] { require(factor.factorize(scene.stiffness, scene.before)); });
   }
 }
 
@@ -183,11 +133,7 @@ void sizes_and_changes(benchmark::internal::Benchmark* b) {
 }
 
 BENCHMARK(full)->Name("contact/full")->Apply(sizes_and_changes);
-BENCHMARK(trailing)->Name("contact/trailing")->Apply(sizes_and_changes);
-BENCHMARK(rows)->Name("contact/rows")->Apply(sizes_and_changes);
-BENCHMARK(rows_again)->Name("contact/rows_again")->Apply(sizes_and_changes);
 BENCHMARK(condensation)->Name("contact/condensation")->Apply(sizes_and_changes);
-BENCHMARK(trailing_factorization)->Name("contact/trailing_factorization")->Apply(sizes);
 BENCHMARK(one_solve)->Name("contact/one_solve")->Apply(sizes);
 
 }  // namespace

@@ -50,8 +50,6 @@ TEST_P(Solver, FindsTheVectorThatWasMultiplied) {
     solver.solve(b, b);
     EXPECT_EQ(b, found) << "the solution may take the place of the right-hand side";
   }
-  EXPECT_EQ(solver.factorizations(), 2);
-  EXPECT_EQ(solver.solves(), 4);
 }
 
 TEST_P(Solver, SaysSoWhenTheMatrixIsNotPositiveDefinite) {

@@ -7,17 +7,18 @@
 
 namespace dccast::linalg::testing {
 
-/// Unknowns of the square cells of a grid of n x n nodes, four a cell.
-inline std::vector<int> grid_cells(int n) {
+/// Unknowns of the square cells of a grid of columns x rows of nodes, numbered row by row, four a cell.
+inline std::vector<int> grid_cells(int columns, int rows) {
   std::vector<int> unknown;
-  for (int row = 0; row + 1 < n; ++row) {
-    for (int column = 0; column + 1 < n; ++column) {
-      const int sw = row * n + column;
-      unknown.insert(unknown.end(), {sw, sw + 1, sw + n + 1, sw + n});
+  for (int row = 0; row + 1 < rows; ++row) {
+    for (int column = 0; column + 1 < columns; ++column) {
+      const int sw = row * columns + column;
+      unknown.insert(unknown.end(), {sw, sw + 1, sw + columns + 1, sw + columns});
     }
   }
   return unknown;
 }
+inline std::vector<int> grid_cells(int n) { return grid_cells(n, n); }
 
 /// Sum over the cells of the graph Laplacian of their four corners with a weight by cell, plus
 /// `shift` on the diagonal: positive definite for a positive shift.

@@ -23,8 +23,11 @@ std::vector<double> direction(const Grid& grid, const std::vector<char>& held,
   return work.direction;
 }
 
-TEST(ConstrainedSystem, AChangeIsAFactorizationAnew) {
-  const Grid grid(10);
+class ConstrainedSystemOn : public ::testing::TestWithParam<int> {};
+
+TEST_P(ConstrainedSystemOn, AChangeIsAFactorizationAnew) {
+  // The bottom of the 10 rows is more than a tenth of them, of the 40 rows it is less.
+  const Grid grid(GetParam());
   std::vector<char> held = grid.held;
   std::vector<double> step(held.size(), 0.0);
   int moved = 0;
@@ -37,6 +40,8 @@ TEST(ConstrainedSystem, AChangeIsAFactorizationAnew) {
   const auto anew = direction(grid, held, step, true), changed = direction(grid, held, step, false);
   for (std::size_t i = 0; i < anew.size(); ++i) EXPECT_NEAR(changed[i], anew[i], 1e-11) << i;
 }
+
+INSTANTIATE_TEST_SUITE_P(Sizes, ConstrainedSystemOn, ::testing::Values(10, 40));
 
 TEST(ConstrainedSystem, AStepOfHeldUnknownsCountsOnce) {
   const Grid grid(6);

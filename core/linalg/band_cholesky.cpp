@@ -1,0 +1,123 @@
+#include "core/linalg/band_cholesky.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace dccast::linalg {
+
+namespace {
+
+/// Calls use(entry, row, column), row >= column, both places in the order of elimination.
+template <class Use>
+void for_each_entry(const SparsityPattern& pattern, std::span<const int> place, const Use& use) {
+  const auto& start = pattern.column_start();
+  for (std::size_t c = 0; c + 1 < start.size(); ++c) {
+    for (std::size_t k = std::size_t(start[c]); k < std::size_t(start[c + 1]); ++k) {
+      const auto [column, row] = std::minmax(place[c], place[std::size_t(pattern.row()[k])]);
+      use(k, row, column);
+    }
+  }
+}
+
+}  // namespace
+
+BandShape::BandShape(const SparsityPattern& pattern, std::span<const int> place) {
+  const std::size_t count = std::size_t((pattern.unknowns() + tile_size - 1) / tile_size);
+  first.resize(count);
+  for (std::size_t i = 0; i < count; ++i) first[i] = static_cast<int>(i);
+  for_each_entry(pattern, place, [&](std::size_t, int row, int column) {
+    int& reach = first[std::size_t(row / tile_size)];
+    reach = std::min(reach, column / tile_size);
+  });
+  for (std::size_t i = count; i-- > 1;) first[i - 1] = std::min(first[i - 1], first[i]);
+  last.resize(count);
+  start.assign(1, 0);
+  constexpr double products = 2.0 * tile_size * tile_size * tile_size;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int width = static_cast<int>(i) - first[i] + 1;
+    start.push_back(start.back() + std::size_t(width));
+    flops += products * 0.5 * width * (width + 1.0);
+    const int next = i + 1 < count ? first[i + 1] : static_cast<int>(count);
+    for (int j = first[i]; j < next; ++j) last[std::size_t(j)] = static_cast<int>(i);
+  }
+}
+
+void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> place) {
+  analyze(pattern, place, BandShape(pattern, place));
+}
+
+void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> place,
+                           BandShape shape) {
+  shape_ = std::move(shape);
+  place_.assign(place.begin(), place.end());
+  entry_.resize(pattern.entries());
+  entry_row_.resize(pattern.entries());
+  for_each_entry(pattern, place, [&](std::size_t k, int row, int column) {
+    const std::size_t i = std::size_t(row / tile_size);
+    const std::size_t tile = shape_.start[i] + std::size_t(column / tile_size - shape_.first[i]);
+    entry_[k] = tile * tile_size * tile_size +
+                std::size_t(column % tile_size * tile_size + row % tile_size);
+    entry_row_[k] = row / tile_size;
+  });
+  values_.assign(pattern.entries(), 0.0);
+  whole_ = false;
+  tile_.resize(shape_.start.back());
+  inverse_.resize(shape_.first.size());
+  right_.assign(shape_.first.size(), TileRow{});
+}
+
+int BandCholesky::first_changed_row(std::span<const double> values) const {
+  if (!whole_) return 0;
+  int row = shape_.rows();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    // By their bits: a factor that is kept must be the one that would be computed.
+    const bool same =
+        std::bit_cast<std::uint64_t>(values[k]) == std::bit_cast<std::uint64_t>(values_[k]);
+    if (!same) row = std::min(row, entry_row_[k]);
+  }
+  return row;
+}
+
+/// Entries of the matrix from a row of tiles on, with ones on the diagonal past the last unknown.
+void BandCholesky::take_matrix(std::span<const double> values, int from) {
+  const std::size_t first = shape_.start[std::size_t(from)];
+  std::fill(tile_.begin() + static_cast<std::ptrdiff_t>(first), tile_.end(), Tile{});
+  double* number = tile_.data()->entry;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (entry_row_[k] >= from) number[entry_[k]] = values[k];
+  }
+  for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) {
+    tile_.back().entry[u % tile_size * (tile_size + 1)] = 1.0;
+  }
+  std::copy(values.begin(), values.end(), values_.begin());
+}
+
+TileBand BandCholesky::band() {
+  return {tile_.data(),       shape_.start.data(), shape_.first.data(),
+          shape_.last.data(), inverse_.data(),     shape_.rows()};
+}
+
+bool BandCholesky::factorize(std::span<const double> values) {
+  const int from = first_changed_row(values), rows = shape_.rows();
+  share_computed_ = rows > 0 ? static_cast<double>(rows - from) / rows : 0.0;
+  if (from == rows) return true;
+  take_matrix(values, from);
+  whole_ = kernels_->factorize(band(), from);
+  return whole_;
+}
+
+double BandCholesky::share_to_repeat(int unknown) const {
+  const int row = place_[std::size_t(unknown)] / tile_size;
+  return static_cast<double>(shape_.rows() - row) / shape_.rows();
+}
+
+void BandCholesky::solve(std::span<const double> b, std::span<double> x) {
+  double* right = right_.data()->entry;
+  for (std::size_t u = 0; u < place_.size(); ++u) right[place_[u]] = b[u];
+  for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) right[u] = 0.0;
+  kernels_->solve(band(), right_.data());
+  for (std::size_t u = 0; u < place_.size(); ++u) x[u] = right[place_[u]];
+}
+
+}  // namespace dccast::linalg

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/linalg/sparsity_pattern.hpp"
+#include "core/linalg/tile_kernels.hpp"
+
+namespace dccast::linalg {
+
+/// Place and size of a band factor, before any number is computed.
+struct BandShape {
+  std::vector<int> first;          ///< (row of tiles) first column of tiles, never decreasing
+  std::vector<int> last;           ///< (column of tiles) last row that reaches it
+  std::vector<std::size_t> start;  ///< (row of tiles + 1) place of its first tile
+  double flops = 0.0;              ///< multiplications and additions of a factorisation
+
+  /// @param place  (unknown) its place in the order of elimination
+  BandShape(const SparsityPattern& pattern, std::span<const int> place);
+  BandShape() = default;
+  int rows() const { return static_cast<int>(first.size()); }
+};
+
+/// Cholesky factorisation of a symmetric positive definite matrix whose entries stand near the
+/// diagonal, in dense tiles inside the envelope of the rows.
+///
+/// Made for slab meshes, whose nodes are numbered row by row: no fill leaves the band, and all work
+/// is dense products of 8 x 8 numbers. The kernels are chosen at run time for the processor, so
+/// that the last bits of a solution may differ between processors of different instruction sets;
+/// on one processor they are always the same.
+///
+/// factorize() and solve() allocate nothing. A factorisation starts at the first row whose entries
+/// differ from those of the one before; the factor is the same, bit by bit, as one from the
+/// first row on.
+class BandCholesky {
+public:
+  explicit BandCholesky(const TileKernels& kernels = best_tile_kernels()) : kernels_(&kernels) {}
+
+  /// Places for the factor. @param place  (unknown) its place in the order of elimination
+  void analyze(const SparsityPattern& pattern, std::span<const int> place);
+  void analyze(const SparsityPattern& pattern, std::span<const int> place, BandShape shape);
+
+  /// @param values  `pattern.entries()` numbers
+  /// @return false when the matrix is not positive definite; the factor is then unusable
+  bool factorize(std::span<const double> values);
+  /// Solves with the last factor. @param x  may be the same storage as `b`
+  void solve(std::span<const double> b, std::span<double> x);
+
+  /// Share of the rows that a factorisation repeats if only entries of this unknown change.
+  double share_to_repeat(int unknown) const;
+
+  const BandShape& shape() const { return shape_; }
+  /// Numbers in the factor.
+  double factor_entries() const { return 64.0 * static_cast<double>(tile_.size()); }
+  /// Share of the rows that the last factorisation had to compute.
+  double share_computed() const { return share_computed_; }
+
+private:
+  int first_changed_row(std::span<const double> values) const;
+  void take_matrix(std::span<const double> values, int from);
+  TileBand band();
+
+  const TileKernels* kernels_;
+  BandShape shape_;
+  std::vector<int> place_;          ///< (unknown)
+  std::vector<std::size_t> entry_;  ///< (entry of the pattern) its number in the tiles
+  std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
+  std::vector<double> values_;      ///< (entry of the pattern) of the present factor
+  bool whole_ = false;              ///< the factor is that of `values_`
+  std::vector<Tile> tile_;
+  std::vector<TileRow> inverse_;
+  std::vector<TileRow> right_;
+  double share_computed_ = 1.0;
+};
+
+}  // namespace dccast::linalg

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/linalg/band_cholesky.hpp"
+#include "core/linalg/cholmod_solver.hpp"
+
+namespace dccast::linalg {
+
+/// Direct solver for symmetric positive definite systems on a fixed pattern: BandCholesky where the
+/// band is narrow enough to win, CholmodSolver elsewhere. docs/factorisation.md has the
+/// measurements.
+///
+/// Analyse once per mesh, factorise as often as the values change, solve as often as needed.
+class DirectSolver {
+public:
+  /// Symbolic analysis and choice of the method.
+  /// @param pattern  must outlive the solver's use of it
+  /// @param fronts   sets of unknowns along an edge of the mesh from which an elimination may
+  /// start;
+  ///                 of these orders and the reversed numbering the one of least work is taken
+  /// @throws std::bad_alloc when memory is exhausted
+  void analyze(const SparsityPattern& pattern, Geometry geometry = Geometry::plane,
+               std::span<const std::vector<int>> fronts = {});
+  /// Numeric factorisation. @param values  `pattern.entries()` numbers
+  /// @return false when the matrix is not positive definite; the factor is then unusable
+  bool factorize(std::span<const double> values);
+  /// Solves with the last factor. @param x  may be the same storage as `b`
+  void solve(std::span<const double> b, std::span<double> x);
+
+  /// Share of a factorisation that is repeated if only entries of this unknown change.
+  double share_to_repeat(int unknown) const {
+    return uses_band_ ? band_.share_to_repeat(unknown) : 1.0;
+  }
+
+  bool uses_band() const { return uses_band_; }
+  long factorizations() const { return factorizations_; }
+  long solves() const { return solves_; }
+  /// Numbers in the factor, after analyze().
+  double factor_entries() const;
+
+private:
+  bool uses_band_ = false;
+  BandCholesky band_;
+  CholmodSolver cholmod_;
+  long factorizations_ = 0;
+  long solves_ = 0;
+};
+
+/// The measured rule: whether a band factorisation of this work is faster than CHOLMOD's.
+bool band_wins(double flops, int unknowns, const TileKernels& kernels);
+
+}  // namespace dccast::linalg

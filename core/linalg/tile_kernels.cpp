@@ -1,0 +1,213 @@
+#include "core/linalg/tile_kernels.hpp"
+
+#include <cmath>
+#include <limits>
+
+#define DCCAST_INLINE [[gnu::always_inline]] inline
+
+namespace dccast::linalg {
+
+namespace {
+
+/// As many rows of a column as a register of the instruction set holds.
+template <int Lanes>
+struct Register {
+  typedef double type __attribute__((vector_size(8 * Lanes), may_alias));
+};
+
+template <int Lanes>
+DCCAST_INLINE auto& rows_at(double* column) {
+  return *reinterpret_cast<typename Register<Lanes>::type*>(column);
+}
+template <int Lanes>
+DCCAST_INLINE const auto& rows_at(const double* column) {
+  return *reinterpret_cast<const typename Register<Lanes>::type*>(column);
+}
+
+/// result -= sum over `count` tiles of left right'.
+template <int Lanes>
+DCCAST_INLINE void subtract_products(const Tile* left, const Tile* right, int count, Tile& result) {
+  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;  // so that eight sums are held
+  for (int j0 = 0; j0 < tile_size; j0 += pass) {
+    typename Register<Lanes>::type sum[pass][parts];
+    double* to = result.entry + tile_size * j0;
+    for (int j = 0; j < pass; ++j) {
+      for (int p = 0; p < parts; ++p) sum[j][p] = rows_at<Lanes>(to + tile_size * j + Lanes * p);
+    }
+    const double* a = left->entry;
+    const double* b = right->entry + j0;
+    for (int k = 0; k < tile_size * count; ++k, a += tile_size, b += tile_size) {
+      for (int j = 0; j < pass; ++j) {
+        for (int p = 0; p < parts; ++p) sum[j][p] -= rows_at<Lanes>(a + Lanes * p) * b[j];
+      }
+    }
+    for (int j = 0; j < pass; ++j) {
+      for (int p = 0; p < parts; ++p) rows_at<Lanes>(to + tile_size * j + Lanes * p) = sum[j][p];
+    }
+  }
+}
+
+/// tile <- tile (factor')^-1, columns from the left.
+template <int Lanes>
+DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& tile) {
+  for (int p = 0; p < tile_size; p += Lanes) {
+    typename Register<Lanes>::type column[tile_size];
+    for (int k = 0; k < tile_size; ++k) column[k] = rows_at<Lanes>(tile.entry + tile_size * k + p);
+    for (int k = 0; k < tile_size; ++k) {
+      column[k] *= inverse.entry[k];
+      for (int j = k + 1; j < tile_size; ++j) {
+        column[j] -= column[k] * factor.entry[tile_size * k + j];
+      }
+    }
+    for (int k = 0; k < tile_size; ++k) rows_at<Lanes>(tile.entry + tile_size * k + p) = column[k];
+  }
+}
+
+/// Cholesky factor of a tile of the diagonal, zero above it. false: a pivot is not positive.
+template <int Lanes>
+DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
+  for (int k = 0; k < tile_size; ++k) {
+    double* column = tile.entry + tile_size * k;
+    const double pivot = column[k];
+    if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
+    const double root = __builtin_sqrt(pivot);
+    inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal do not wait for each other
+    for (int i = 0; i < k; ++i) column[i] = 0.0;
+    for (int p = 0; p < tile_size; p += Lanes) rows_at<Lanes>(column + p) *= inverse.entry[k];
+    for (int j = k + 1; j < tile_size; ++j) {
+      for (int p = 0; p < tile_size; p += Lanes) {
+        rows_at<Lanes>(tile.entry + tile_size * j + p) -= rows_at<Lanes>(column + p) * column[j];
+      }
+    }
+  }
+  return true;
+}
+
+/// Column by column of tiles, from the left: the rows of one column do not wait for each other.
+template <int Lanes>
+DCCAST_INLINE bool factorize_band(const TileBand& band, int from) {
+  for (int j = from < band.rows ? band.first[from] : band.rows; j < band.rows; ++j) {
+    for (int i = j < from ? from : j; i <= band.last[j]; ++i) {
+      const int first = band.first[i];
+      Tile& tile = *band.at(i, j);
+      subtract_products<Lanes>(band.at(i, first), band.at(j, first), j - first, tile);
+      if (i > j) {
+        substitute<Lanes>(*band.at(j, j), band.inverse[j], tile);
+      } else if (!factorize_tile<Lanes>(tile, band.inverse[j])) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// x <- L^-1 x in a row of tiles, given the rows before.
+template <int Lanes>
+DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x) {
+  constexpr int parts = tile_size / Lanes, chains = Lanes / 2;  // sums that do not wait
+  typename Register<Lanes>::type sum[chains][parts] = {};
+  const Tile* tile = band.at(i, band.first[i]);
+  for (int c = band.first[i]; c < i; ++c, ++tile) {
+    for (int k = 0; k < tile_size; ++k) {
+      for (int p = 0; p < parts; ++p) {
+        sum[k % chains][p] +=
+            rows_at<Lanes>(tile->entry + tile_size * k + Lanes * p) * x[c].entry[k];
+      }
+    }
+  }
+  for (int c = 0; c < chains; ++c) {
+    for (int p = 0; p < parts; ++p) rows_at<Lanes>(x[i].entry + Lanes * p) -= sum[c][p];
+  }
+  for (int k = 0; k < tile_size; ++k) {
+    const double found = x[i].entry[k] * band.inverse[i].entry[k];
+    for (int r = k; r < tile_size; ++r) x[i].entry[r] -= tile->entry[tile_size * k + r] * found;
+    x[i].entry[k] = found;
+  }
+}
+
+/// x <- (L')^-1 x in a row of tiles, given the rows after.
+template <int Lanes>
+DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
+  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;
+  for (int k0 = 0; k0 < tile_size; k0 += pass) {
+    typename Register<Lanes>::type sum[pass][parts] = {};
+    for (int i = j + 1; i <= band.last[j]; ++i) {
+      const double* column = band.at(i, j)->entry + tile_size * k0;
+      for (int k = 0; k < pass; ++k) {
+        for (int p = 0; p < parts; ++p) {
+          sum[k][p] += rows_at<Lanes>(column + tile_size * k + Lanes * p) *
+                       rows_at<Lanes>(x[i].entry + Lanes * p);
+        }
+      }
+    }
+    for (int k = 0; k < pass; ++k) {
+      for (int p = 0; p < tile_size; ++p) x[j].entry[k0 + k] -= sum[k][p / Lanes][p % Lanes];
+    }
+  }
+  const Tile& tile = *band.at(j, j);
+  for (int k = tile_size - 1; k >= 0; --k) {
+    x[j].entry[k] *= band.inverse[j].entry[k];
+    for (int i = 0; i < k; ++i) x[j].entry[i] -= tile.entry[tile_size * i + k] * x[j].entry[k];
+  }
+}
+
+template <int Lanes>
+DCCAST_INLINE void solve_band(const TileBand& band, TileRow* x) {
+  for (int i = 0; i < band.rows; ++i) forward<Lanes>(band, i, x);
+  for (int j = band.rows - 1; j >= 0; --j) backward<Lanes>(band, j, x);
+}
+
+bool factorize_plain(const TileBand& band, int from) {
+  return factorize_band<2>(band, from);
+}
+void solve_plain(const TileBand& band, TileRow* x) {
+  solve_band<2>(band, x);
+}
+constexpr TileKernels plain{"plain", 120.0 * 120.0, factorize_plain, solve_plain};
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define DCCAST_AVX2 [[gnu::target("avx2,fma")]]
+#define DCCAST_AVX512 [[gnu::target("avx512f,avx512vl,avx512dq,avx2,fma")]]
+
+DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from) {
+  return factorize_band<4>(band, from);
+}
+DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x) {
+  solve_band<4>(band, x);
+}
+constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, factorize_avx2, solve_avx2};
+
+DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from) {
+  return factorize_band<8>(band, from);
+}
+DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x) {
+  solve_band<8>(band, x);
+}
+constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, factorize_avx512, solve_avx512};
+
+bool runs_avx2() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
+bool runs_avx512() {
+  return runs_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+         __builtin_cpu_supports("avx512dq");
+}
+#endif
+
+}  // namespace
+
+TileKernelList runnable_tile_kernels() {
+  TileKernelList list{{&plain, nullptr, nullptr}, 1};
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (runs_avx2()) list.kernel[list.count++] = &avx2;
+  if (runs_avx512()) list.kernel[list.count++] = &avx512;
+#endif
+  return list;
+}
+
+const TileKernels& best_tile_kernels() {
+  static const TileKernelList list = runnable_tile_kernels();
+  return *list.kernel[list.count - 1];
+}
+
+}  // namespace dccast::linalg
