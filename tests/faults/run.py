@@ -30,8 +30,8 @@ def arguments():
     parser.add_argument("--bin", default=os.environ.get("DCCAST_BIN", os.path.join(BUILD, "bin")),
                         help="folder of dccastd, dccast, dccast-worker and dccast-worker-fake")
     parser.add_argument("--table", nargs="?", const=os.path.join(ROOT, "docs", "faults.md"),
-                        metavar="FILE", help="writes the table, between the marks of FILE if it "
-                        "has any; without FILE: docs/faults.md")
+                        metavar="FILE", help="renews the rows of what is tried in the table of FILE; "
+                        "without FILE: docs/faults.md")
     parser.add_argument("--list", action="store_true", help="names the faults and does nothing")
     return parser.parse_args()
 
@@ -85,27 +85,33 @@ def tried(fault, seed, long):
     return row
 
 
+def show(fault, options, order):
+    """Tries a fault, says what came of it, and writes its row. True: nothing was lost."""
+    from table import markdown, write_row
+    begin = time.monotonic()
+    count = tried(fault, options.seed, options.long)
+    seconds = time.monotonic() - begin
+    print(f"{fault.name():28} tried {count.tried:4}  lost {count.lost:3}  duplicated "
+          f"{count.duplicated:3}  wrong {count.wrong:3}  {seconds:6.1f} s", flush=True)
+    for note in count.notes[:8]:
+        print(f"    {note}", flush=True)
+    if options.table and count.tried:
+        write_row(options.table, fault.name(), markdown(fault, count, seconds, options), order, options)
+    return count.clean()
+
+
 def main():
     options = arguments()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))  # so that everything is cleared away
     set_up_imports(options.bin)
-    from table import Row, write_table
-    rows = []
+    order = [fault.name() for _, fault in chosen([])]
+    clean = True
     for family, fault in chosen(options.only):
         if options.list:
             print(f"{fault.name():28} {family:8} {fault.says()}")
             continue
-        begin = time.monotonic()
-        count = tried(fault, options.seed, options.long)
-        rows.append(Row(family, fault, count, options))
-        print(f"{fault.name():28} tried {count.tried:4}  lost {count.lost:3}  duplicated "
-              f"{count.duplicated:3}  wrong {count.wrong:3}  {time.monotonic() - begin:6.1f} s",
-              flush=True)
-        for note in count.notes[:8]:
-            print(f"    {note}", flush=True)
-    if options.table and rows:
-        write_table(options.table, rows, options)
-    return 0 if all(row.count.clean() for row in rows) else 1
+        clean = show(fault, options, order) and clean
+    return 0 if clean else 1
 
 
 if __name__ == "__main__":

@@ -1,25 +1,26 @@
-"""The table of faults as markdown, written into a document between two marks."""
+"""The table of faults as markdown, written into a document between two marks.
+
+A row that is tried again takes the place of the one before; the others stay. So the table can be renewed
+in parts, also by several runs at once.
+"""
+import fcntl
 import os
+import re
 import subprocess
 
 BEGIN = "<!-- table of faults: begin; written by tests/faults/run.py, not by hand -->"
 END = "<!-- table of faults: end -->"
+HEAD = ["| fault | tried | lost | duplicated | wrong | seconds | command |",
+        "|---|---|---|---|---|---|---|"]
+ROW = re.compile(r"^\| .* \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| \d+ \| `.* --only ([\w-]+) .*` \|$")
 
 
-class Row:
-    def __init__(self, family, fault, count, options):
-        self.family = family
-        self.fault = fault
-        self.count = count
-        form = "--long" if options.long else "--short"
-        self.command = f"tests/faults/run.py {form} --only {fault.name()} --seed {options.seed}"
-
-    def markdown(self):
-        count = self.count
-        figures = ([count.tried, count.lost, count.duplicated, count.wrong] if count.tried
-                   else ["not tried", "", "", ""])
-        return "| " + " | ".join([self.fault.says(), *map(str, figures),
-                                  f"`{self.command}`"]) + " |"
+def markdown(fault, count, seconds, options):
+    """The row of a fault."""
+    form = "--long" if options.long else "--short"
+    command = f"tests/faults/run.py {form} --only {fault.name()} --seed {options.seed}"
+    figures = [count.tried, count.lost, count.duplicated, count.wrong, round(seconds)]
+    return "| " + " | ".join([fault.says(), *map(str, figures), f"`{command}`"]) + " |"
 
 
 def version(programs):
@@ -29,25 +30,36 @@ def version(programs):
 
 
 def table(rows, options):
-    lines = [f"{version(options.bin)}, {os.cpu_count()} processors, seed {options.seed}.", "",
-             "| fault | tried | lost | duplicated | wrong | command |", "|---|---|---|---|---|---|"]
-    lines += [row.markdown() for row in rows]
-    sums = [sum(getattr(row.count, name) for row in rows)
-            for name in ("tried", "lost", "duplicated", "wrong")]
-    lines.append("| all | " + " | ".join(map(str, sums)) + " | |")
+    """@param rows  markdown by name of the fault, in the order of --list"""
+    sums = [sum(int(ROW.match(row).group(figure)) for row in rows.values()) for figure in (1, 2, 3, 4)]
+    lines = [f"{version(options.bin)}, {os.cpu_count()} processors.", "", *HEAD, *rows.values(),
+             "| all | " + " | ".join(map(str, sums)) + " | | |"]
     return "\n".join(lines)
 
 
-def write_table(path, rows, options):
-    """Replaces what stands between the marks; a file without them gets the table at its end."""
-    text = ""
-    if os.path.exists(path):
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-    block = f"{BEGIN}\n\n{table(rows, options)}\n\n{END}"
-    if BEGIN in text and END in text:
-        text = text[:text.index(BEGIN)] + block + text[text.index(END) + len(END):]
-    else:
-        text += block + "\n"
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
+def rows_in(text):
+    found = {}
+    for line in text.splitlines():
+        if row := ROW.match(line):
+            found[row.group(5)] = line
+    return found
+
+
+def write_row(path, name, row, order, options):
+    """Puts one row into the table between the marks; a file without them gets the table at its end.
+
+    @param order  names of all faults, as --list gives them
+    """
+    with open(path, "a+", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        file.seek(0)
+        text = file.read()
+        begin, end = text.find(BEGIN), text.find(END)
+        if begin < 0 or end < 0:
+            begin = end = len(text)
+        rows = {**rows_in(text[begin:end]), name: row}
+        rows = {known: rows[known] for known in order if known in rows}
+        block = f"{BEGIN}\n\n{table(rows, options)}\n\n{END}"
+        rest = text[end + len(END):] if end < len(text) else "\n"
+        file.truncate(0)
+        file.write(text[:begin] + block + rest)
