@@ -28,10 +28,6 @@ bool is_unfinished(const fs::path& file) {
   return std::ranges::find(extensions, file.extension()) != extensions.end();
 }
 
-bool is_ordered(const fs::path& file) {
-  return std::ranges::find(ordered_names, file.filename()) != ordered_names.end();
-}
-
 void copy_all(const fs::path& from, const fs::path& to) {
   fs::create_directories(to);
   for (const auto& entry : fs::directory_iterator(from)) {

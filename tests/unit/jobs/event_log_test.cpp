@@ -186,7 +186,9 @@ TEST_F(EventLogTest, ALogWithDamageGoesOnAndSaysWhatIsLost) {
       const auto sequence = static_cast<std::int64_t>(i) + 1;
       EXPECT_EQ(events[i].sequence(), sequence);
       EXPECT_TRUE(events[i].has_time());
-      if (events[i].has_step()) EXPECT_EQ(events[i].step().step(), sequence);
+      if (events[i].has_step()) {
+        EXPECT_EQ(events[i].step().step(), sequence);
+      }
     }
     EXPECT_EQ(events[static_cast<std::size_t>(lost) - 1].message().level(),
               v1::JobEvent::Message::WARNING);

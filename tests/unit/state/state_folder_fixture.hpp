@@ -43,7 +43,9 @@ protected:
     const auto folder = folder_.jobs() / job.job.id();
     jobs::create_job_folder(folder, {}, job);
     append_state(job.job.id(), v1::QUEUED);
-    if (with_row) store_->insert({.job = job.job}, job.submitted_case, job.complete_case);
+    jobs::JobRecord record;
+    record.job = job.job;
+    if (with_row) store_->insert(record, job.submitted_case, job.complete_case);
     jobs::mark_accepted(folder);
     return job.job.id();
   }
