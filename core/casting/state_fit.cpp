@@ -106,7 +106,9 @@ std::string SlabRun<Element>::misfit(const RunState& state) const {
 
 template std::string SlabRun<fem::P1Triangle>::misfit(const RunState&) const;
 template std::string SlabRun<fem::Q1Quadrilateral>::misfit(const RunState&) const;
+template std::string SlabRun<fem::BendingQuadrilateral>::misfit(const RunState&) const;
 template std::string SlabRun<fem::P1Ring>::misfit(const RunState&) const;
 template std::string SlabRun<fem::Q1Ring>::misfit(const RunState&) const;
+template std::string SlabRun<fem::BendingRing>::misfit(const RunState&) const;
 
 }  // namespace dccast::casting
