@@ -201,11 +201,12 @@ void add_rings(std::vector<Claim>& all) {
   for (const auto element : {mesh::ElementKind::q1, mesh::ElementKind::q1_bending}) {
     RunRequest tube = named("tube"), creep = named("tube-creep");
     tube.element = creep.element = element;
+    const bool bends = element == mesh::ElementKind::q1_bending;
     const std::string family = ", " + title_of(element) + ", ";
     claim(tube, "pressed tube" + family + "displacement", "displacement_error", Relation::at_most,
-          1.5e-4);
+          bends ? 2.5e-4 : 1.5e-4);
     claim(tube, "pressed tube" + family + "displacement at Poisson's ratio 0.4999",
-          "displacement_error_nearly_incompressible", Relation::at_most, 1.7e-4);
+          "displacement_error_nearly_incompressible", Relation::at_most, bends ? 3.2e-4 : 1.7e-4);
     claim(tube, "pressed tube" + family + "stress at Poisson's ratio 0.4999",
           "stress_error_nearly_incompressible", Relation::at_most, 2.5e-2);
     claim(creep, "creeping tube" + family + "stress", "stress_error_at_centroids",
