@@ -2,6 +2,7 @@
 
 #include "core/casting/run_state.hpp"
 #include "core/results/checkpoint_file.hpp"
+#include "core/results/result_writer.hpp"
 
 namespace dccast::casting {
 
@@ -160,7 +161,14 @@ RestoredState read_state(const std::filesystem::path& checkpoint, const Checkpoi
   const results::CheckpointRead read = results::read_checkpoint(checkpoint);
   if (read.other_format) return of_other_version(read.reason);
   if (!read.content) return {std::nullopt, read.reason};
-  return from_sections(*read.content, origin);
+  RestoredState restored = from_sections(*read.content, origin);
+  if (!restored.state) return restored;
+  try {
+    restored.journal_records = read.content->integer(results::journal_records);
+    return restored;
+  } catch (const std::out_of_range&) {
+    return {std::nullopt, "it does not say how far the journal went"};
+  }
 }
 
 }  // namespace dccast::casting

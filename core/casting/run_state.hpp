@@ -18,11 +18,11 @@ namespace dccast::casting {
 /// Everything a run carries from one step to the next: what a rejected step puts back and what a
 /// checkpoint keeps. Whatever is not in here must follow from it, or a resumed run would differ.
 struct RunState {
-  std::int64_t step = 0;    ///< accepted steps
-  double time = 0.0;        ///< [s]
-  double cast_length = 0.0; ///< [m]
-  double next_frame = 0.0;  ///< [s]
-  double step_limit = 0.0;  ///< of the step control [s]
+  std::int64_t step = 0;     ///< accepted steps
+  double time = 0.0;         ///< [s]
+  double cast_length = 0.0;  ///< [m]
+  double next_frame = 0.0;   ///< [s]
+  double step_limit = 0.0;   ///< of the step control [s]
   double solver_seconds = 0.0;
   RunFailures failures;             ///< of the steps so far that let the run go on
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
@@ -40,8 +40,9 @@ struct CheckpointOrigin {
 /// A state out of a checkpoint, or why there is none.
 struct RestoredState {
   std::optional<RunState> state;
-  std::string reason;          ///< in words; empty only with a state
-  bool other_version = false;  ///< the reason is that another solver wrote it
+  std::string reason;                ///< in words; empty only with a state
+  bool other_version = false;        ///< the reason is that another solver wrote it
+  std::int64_t journal_records = 0;  ///< that the journal held, steps and frames
 };
 
 /// A state as the sections of a checkpoint, and back. The lengths of the arrays remain to be held

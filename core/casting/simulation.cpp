@@ -143,15 +143,15 @@ private:
     if (found.other_version && directory_.other_version != OtherVersion::begin_anew)
       return refused(found.reason);
     std::string reason = found.state ? run_.misfit(*found.state) : found.reason;
-    if (reason.empty()) reason = go_on_from(*found.state);
+    if (reason.empty()) reason = go_on_from(*found.state, found.journal_records);
     if (!reason.empty())
       observer_.on_message("no checkpoint to go on from (" + reason + "): the run begins anew");
     return std::nullopt;
   }
 
   /// @return why not, where the journal does not reach the state
-  std::string go_on_from(const RunState& state) {
-    auto resumed = results::ResultWriter::resume(files_, state.step);
+  std::string go_on_from(const RunState& state, std::int64_t journal_records) {
+    auto resumed = results::ResultWriter::resume(files_, state.step, journal_records);
     if (!resumed.writer) return resumed.reason;
     writer_.emplace(std::move(*resumed.writer));
     if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);

@@ -21,6 +21,7 @@ namespace {
 struct Cut {
   std::uint64_t size = 0;
   std::int64_t last_step = 0;
+  std::int64_t records = 0;
   bool begins_with_header = false;
 };
 
@@ -39,6 +40,7 @@ std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
     const std::int64_t number = step_number(record);
     if (number > step) return false;
     cut.last_step = std::max(cut.last_step, number);
+    ++cut.records;
     cut.size = record.end;
     return true;
   });
@@ -93,6 +95,7 @@ struct ResultWriter::Parts {
 
   RunFiles files;
   Journal journal;
+  std::int64_t records = 0;                  ///< appended to the journal
   std::optional<ResultFileBuilder> builder;  ///< the thread's
   Background background;                     ///< last: its thread ends before what it works with
 };
@@ -136,18 +139,20 @@ ResultWriter::~ResultWriter() = default;
 
 ResultWriter ResultWriter::create(const RunFiles& files, const RunHeader& header) {
   ResultWriter writer(std::make_unique<Parts>(files, Journal::create(files.journal)));
-  writer.parts_->journal.append(RecordKind::header, to_sections(header));
+  writer.append(RecordKind::header, to_sections(header));
   writer.parts_->journal.write();
   return writer;
 }
 
-ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step) {
+ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step, std::int64_t records) {
   if (!fs::exists(files.journal)) return {std::nullopt, "the journal is missing"};
   const auto cut = find_cut(files.journal, step);
   if (!cut || !cut->begins_with_header) return {std::nullopt, "the journal is damaged"};
   if (cut->last_step < step) return {std::nullopt, "the journal ends before the checkpoint"};
-  return {ResultWriter(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size))),
-          ""};
+  if (cut->records < records) return {std::nullopt, "the journal has lost a record"};
+  ResultWriter writer(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size)));
+  writer.parts_->records = cut->records;
+  return {std::move(writer), ""};
 }
 
 void ResultWriter::visit_steps(std::int64_t after,
@@ -161,13 +166,18 @@ void ResultWriter::visit_steps(std::int64_t after,
   });
 }
 
+void ResultWriter::append(RecordKind kind, const Sections& content) {
+  parts_->journal.append(kind, content);
+  ++parts_->records;
+}
+
 void ResultWriter::append(const StepReport& report) {
-  parts_->journal.append(RecordKind::step, to_sections(report));
+  append(RecordKind::step, to_sections(report));
 }
 
 void ResultWriter::append(const Frame& frame) {
   check_sizes(frame);
-  parts_->journal.append(RecordKind::frame, to_sections(frame));
+  append(RecordKind::frame, to_sections(frame));
 }
 
 void ResultWriter::flush() {
@@ -177,6 +187,7 @@ void ResultWriter::flush() {
 
 void ResultWriter::checkpoint(const fs::path& path, Sections content) {
   parts_->journal.write();
+  content.set_integer(journal_records, parts_->records);
   parts_->background.post([parts = parts_.get(), path, content = std::move(content)] {
     parts->journal.sync();
     write_checkpoint(path, content);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/results/frame.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/sections.hpp"
 #include "core/results/step_report.hpp"
 
@@ -19,6 +20,9 @@ struct RunFiles {
   /// results.h5; while it is written it has the extension .part behind its name.
   std::filesystem::path results;
 };
+
+/// Section of a checkpoint that says how many records the journal held.
+inline constexpr const char* journal_records = "journal_records";
 
 struct ResumedWriter;
 
@@ -36,9 +40,10 @@ public:
   static ResultWriter create(const RunFiles& files, const RunHeader& header);
 
   /// Goes on after step `step`, of which there is a checkpoint; later steps and frames are dropped.
-  /// No writer, but the reason, when the journal is missing, damaged or ends before that step: the
-  /// run then begins anew.
-  static ResumedWriter resume(const RunFiles& files, std::int64_t step);
+  /// No writer, but the reason, when the journal is missing, damaged, ends before that step or has
+  /// fewer records up to it than the checkpoint says: the run then begins anew.
+  /// @param records  journal_records of the checkpoint; 0: not known
+  static ResumedWriter resume(const RunFiles& files, std::int64_t step, std::int64_t records = 0);
 
   ResultWriter(ResultWriter&&) noexcept;
   ResultWriter& operator=(ResultWriter&&) noexcept;
@@ -56,8 +61,8 @@ public:
   /// Makes what was appended outlive this process, and part of the result file. Call it at each
   /// frame.
   void flush();
-  /// Writes a checkpoint, once what was appended would outlive a loss of power. The thread does
-  /// both; see wait().
+  /// Writes a checkpoint, with journal_records added, once what was appended would outlive a loss
+  /// of power. The thread does both; see wait().
   void checkpoint(const std::filesystem::path& path, Sections content);
   /// Waits for the thread: what was posted is on the disk.
   void wait();
@@ -71,6 +76,7 @@ public:
 private:
   struct Parts;
   explicit ResultWriter(std::unique_ptr<Parts> parts);
+  void append(RecordKind kind, const Sections& content);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -40,6 +40,7 @@ NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
 # Debian packages behind each find_package and each own Find module.
 DEBIAN_PACKAGES = {
     "Threads": [],
+    "OpenMP": ["g++"],
     "PkgConfig": ["pkg-config"],
     "Protobuf": ["libprotobuf-dev", "protobuf-compiler"],
     "gRPC": ["libgrpc++-dev", "protobuf-compiler-grpc"],

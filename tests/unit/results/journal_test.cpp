@@ -134,6 +134,28 @@ TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
   EXPECT_EQ(reader.last_frame()->step, 3);
 }
 
+// The journal held step 3 but not its frame, which the results of an undisturbed run have.
+TEST(ResultWriter, DoesNotResumeWithoutARecordTheCheckpointCounts) {
+  const TemporaryFolder folder;
+  const RunFiles files{folder / "j", folder / "r.h5"};
+  std::uintmax_t behind_the_step = 0;
+  {
+    auto writer = ResultWriter::create(files, sample_header());
+    writer.append(sample_step(1));
+    writer.flush();
+    behind_the_step = std::filesystem::file_size(folder / "j");
+    writer.append(sample_frame(1, 3, 2));
+    writer.checkpoint(folder / "c", {});
+    writer.wait();
+  }
+  const auto checkpoint = read_checkpoint(folder / "c");
+  const std::int64_t records = checkpoint.content->integer(journal_records);
+  EXPECT_EQ(records, 3);  // header, step, frame
+  EXPECT_TRUE(ResultWriter::resume(files, 1, records).writer);
+  std::filesystem::resize_file(folder / "j", behind_the_step);
+  EXPECT_EQ(ResultWriter::resume(files, 1, records).reason, "the journal has lost a record");
+}
+
 TEST(ResultWriter, MakesTheResultFileWhileTheRunGoesOn) {
   const TemporaryFolder folder;
   {
