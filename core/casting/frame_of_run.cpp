@@ -4,12 +4,11 @@ namespace dccast::casting {
 
 namespace {
 
-/// Volume mean of a tensor over each element, flat by element and component.
-template <class Element, class PointTensor>
-std::vector<double> element_means(int elements, PointTensor&& tensor) {
-  constexpr std::size_t points = Element::points;
+/// Mean of a tensor over the points of each element, flat by element and component.
+template <class PointTensor>
+std::vector<double> element_means(std::size_t elements, std::size_t points, PointTensor&& tensor) {
   std::vector<double> means;
-  for (std::size_t e = 0; e < std::size_t(elements); ++e) {
+  for (std::size_t e = 0; e < elements; ++e) {
     SymmetricTensor<2> mean;
     for (std::size_t q = 0; q < points; ++q) {
       mean.add(1.0 / static_cast<double>(points), tensor(e * points + q));
@@ -21,8 +20,7 @@ std::vector<double> element_means(int elements, PointTensor&& tensor) {
 
 }  // namespace
 
-template <class Element>
-results::Frame SlabRun<Element>::take_frame() {
+results::Frame SlabRun::take_frame() {
   while (state_.next_frame <= state_.time + 1e-9) {
     state_.next_frame += case_.output.frame_interval;
   }
@@ -40,12 +38,14 @@ results::Frame SlabRun<Element>::take_frame() {
   frame.liquid_fraction = state_.heat.liquid_fraction;
   frame.displacement = slab.displacement;
   if (case_.output.stresses && case_.mechanics.enabled) {
-    frame.stress = element_means<Element>(m.elements(), [&](std::size_t i) {
+    const std::size_t elements = std::size_t(m.elements());
+    const std::size_t points = slab.deviator.size() / elements;
+    frame.stress = element_means(elements, points, [&](std::size_t i) {
       SymmetricTensor<2> stress = slab.deviator[i];
       return stress.add_identity(slab.pressure[i]);
     });
-    frame.viscoplastic_strain = element_means<Element>(
-        m.elements(), [&](std::size_t i) { return slab.viscoplastic[i]; });
+    frame.viscoplastic_strain =
+        element_means(elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
   }
   const auto& bottom = mechanics_.bottom_nodes();
   frame.bottom_node.assign(bottom.begin(), bottom.end());
@@ -57,12 +57,5 @@ results::Frame SlabRun<Element>::take_frame() {
   }
   return frame;
 }
-
-template results::Frame SlabRun<fem::P1Triangle>::take_frame();
-template results::Frame SlabRun<fem::Q1Quadrilateral>::take_frame();
-template results::Frame SlabRun<fem::BendingQuadrilateral>::take_frame();
-template results::Frame SlabRun<fem::P1Ring>::take_frame();
-template results::Frame SlabRun<fem::Q1Ring>::take_frame();
-template results::Frame SlabRun<fem::BendingRing>::take_frame();
 
 }  // namespace dccast::casting

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -95,7 +94,6 @@ private:
 };
 
 /// A run with its files and its observer.
-template <class Element>
 class Driver {
 public:
   Driver(const Case& c, const RunDirectory& directory, StepObserver& observer)
@@ -250,7 +248,7 @@ private:
 
   RunDirectory directory_;
   StepObserver& observer_;
-  SlabRun<Element> run_;
+  SlabRun run_;
   CheckpointClock clock_;
   WhenLost when_lost_;
   results::RunHeader header_;
@@ -261,22 +259,7 @@ private:
 }  // namespace
 
 RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer) {
-  const auto with = [&]<class Element>() {
-    return Driver<Element>(c, directory, observer).drive();
-  };
-  const bool round = c.section.kind == mesh::SectionKind::axisymmetric;
-  switch (c.section.element) {
-    case mesh::ElementKind::p1:
-      return round ? with.template operator()<fem::P1Ring>()
-                   : with.template operator()<fem::P1Triangle>();
-    case mesh::ElementKind::q1:
-      return round ? with.template operator()<fem::Q1Ring>()
-                   : with.template operator()<fem::Q1Quadrilateral>();
-    case mesh::ElementKind::q1_bending:
-      return round ? with.template operator()<fem::BendingRing>()
-                   : with.template operator()<fem::BendingQuadrilateral>();
-  }
-  throw std::logic_error("run: an element without forms");
+  return Driver(c, directory, observer).drive();
 }
 
 }  // namespace dccast::casting

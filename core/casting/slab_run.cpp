@@ -41,12 +41,18 @@ RunMesh::RunMesh(const Case& c) : grows_(c.section.growth) {
   else imported_ = imported_mesh(c);
 }
 
-template <class Element>
-SlabRun<Element>::SlabRun(const Case& c)
-    : case_(c), schedule_(c), control_(c.time.minimum_step), mesh_(c), heat_(c, mesh_.mesh()),
-      mechanics_(material::MechanicalProperties(c.alloy), c.mechanics.options),
+SlabRun::SlabRun(const Case& c)
+    : case_(c),
+      schedule_(c),
+      control_(c.time.minimum_step),
+      mesh_(c),
+      heat_(c, mesh_.mesh()),
+      mechanics_(mechanics::make_mechanics_forms(c.section.element, c.section.kind),
+                 material::MechanicalProperties(c.alloy), c.mechanics.options),
       initial_level_(largest(mesh_.mesh(), 1)),
-      face_length_(fem::is_ring<Element> ? largest(mesh_.mesh(), 0) : 1.0), validity_(c) {
+      face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
+                                                                     : 1.0),
+      validity_(c) {
   mechanics_.set_mesh(mesh_.mesh());
   state_.time = schedule_.begin();
   state_.next_frame = state_.time;
@@ -58,8 +64,7 @@ SlabRun<Element>::SlabRun(const Case& c)
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
 }
 
-template <class Element>
-void SlabRun<Element>::restore(const RunState& state) {
+void SlabRun::restore(const RunState& state) {
   state_ = state;
   control_.restore(state.step_limit);
   if (mesh_.built_in()) mesh_.slab().restore(state.row_heights);
@@ -67,23 +72,19 @@ void SlabRun<Element>::restore(const RunState& state) {
   mechanics_.set_mesh(mesh_.mesh());
 }
 
-template <class Element>
-bool SlabRun<Element>::finished() const {
+bool SlabRun::finished() const {
   return state_.time >= schedule_.end() - same_time;
 }
 
-template <class Element>
-double SlabRun<Element>::metal_level() const {
+double SlabRun::metal_level() const {
   return mesh_.grows() ? initial_level_ + state_.cast_length : initial_level_;
 }
 
-template <class Element>
-int SlabRun<Element>::growth_row() const {
+int SlabRun::growth_row() const {
   return mesh_.built_in() ? mesh_.built_in()->nodes_per_row() : 0;
 }
 
-template <class Element>
-results::StepReport SlabRun<Element>::advance() {
+results::StepReport SlabRun::advance() {
   const double start = thread_seconds();
   const RunState saved = state_;
   for (int failed = 0;; ++failed) {
@@ -112,8 +113,7 @@ results::StepReport SlabRun<Element>::advance() {
   }
 }
 
-template <class Element>
-Attempt SlabRun<Element>::attempt(double dt) {
+Attempt SlabRun::attempt(double dt) {
   Attempt tried;
   tried.time_step = dt;
   const double end = state_.time + dt;
@@ -138,9 +138,7 @@ Attempt SlabRun<Element>::attempt(double dt) {
   return tried;
 }
 
-template <class Element>
-bool SlabRun<Element>::grow(double length, double temperature,
-                            std::optional<thermal::MetalEntry>& entry) {
+bool SlabRun::grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry) {
   const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
   mesh::SlabMesh& slab = mesh_.slab();
@@ -153,8 +151,7 @@ bool SlabRun<Element>::grow(double length, double temperature,
   return true;
 }
 
-template <class Element>
-std::vector<double> SlabRun<Element>::bottom_gap() const {
+std::vector<double> SlabRun::bottom_gap() const {
   std::vector<double> gap;
   if (!case_.coupling.gap_feedback || !state_.slab.started) return gap;
   for (int n : mechanics_.bottom_nodes()) {
@@ -163,9 +160,8 @@ std::vector<double> SlabRun<Element>::bottom_gap() const {
   return gap;
 }
 
-template <class Element>
-bool SlabRun<Element>::step_heat(Attempt& tried, const thermal::HeatField& from,
-                                 const std::optional<thermal::MetalEntry>& entry) {
+bool SlabRun::step_heat(Attempt& tried, const thermal::HeatField& from,
+                        const std::optional<thermal::MetalEntry>& entry) {
   const std::vector<double> gap = bottom_gap();
   thermal::HeatStepInput input;
   input.time = state_.time;
@@ -181,8 +177,7 @@ bool SlabRun<Element>::step_heat(Attempt& tried, const thermal::HeatField& from,
   return tried.heat.converged;
 }
 
-template <class Element>
-bool SlabRun<Element>::step_mechanics(Attempt& tried, const mechanics::SlabState<2>& from) {
+bool SlabRun::step_mechanics(Attempt& tried, const mechanics::SlabState<2>& from) {
   state_.slab = from;
   mechanics::SlabStepInput input;
   input.temperature = state_.heat.temperature;
@@ -199,8 +194,7 @@ bool SlabRun<Element>::step_mechanics(Attempt& tried, const mechanics::SlabState
   return outcome.converged;
 }
 
-template <class Element>
-results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed_attempts) {
+results::StepReport SlabRun::report(const Attempt& accepted, int failed_attempts) {
   results::StepReport r;
   r.step = state_.step;
   r.time = state_.time;
@@ -235,8 +229,7 @@ results::StepReport SlabRun<Element>::report(const Attempt& accepted, int failed
   return r;
 }
 
-template <class Element>
-void SlabRun<Element>::report_mechanics(results::StepReport& r) {
+void SlabRun::report_mechanics(results::StepReport& r) {
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;
   r.complementarity_error = checks.complementarity_error;
@@ -253,24 +246,15 @@ void SlabRun<Element>::report_mechanics(results::StepReport& r) {
   r.beyond_validity = state_.validity.lost.has_value();
 }
 
-template <class Element>
-Extreme SlabRun<Element>::liquid_pressure_error() const {
+Extreme SlabRun::liquid_pressure_error() const {
   const mechanics::SlabChecks& checks = mechanics_.checks();
   if (checks.worst_liquid < 0) return {};
   return {checks.liquid_pressure_error, centroid(mesh(), checks.worst_liquid)};
 }
 
 /// Elements of the row that stretches with the metal level; none once the metal stands.
-template <class Element>
-int SlabRun<Element>::growing_elements() const {
+int SlabRun::growing_elements() const {
   return mesh_.grows() ? mesh().elements() / mesh_.built_in()->rows() : 0;
 }
-
-template class SlabRun<fem::P1Triangle>;
-template class SlabRun<fem::Q1Quadrilateral>;
-template class SlabRun<fem::BendingQuadrilateral>;
-template class SlabRun<fem::P1Ring>;
-template class SlabRun<fem::Q1Ring>;
-template class SlabRun<fem::BendingRing>;
 
 }  // namespace dccast::casting

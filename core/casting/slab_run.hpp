@@ -45,7 +45,6 @@ private:
 
 /// One casting, step by step: growth, heat step, mechanical step, gap back to the heat of the next
 /// (paper sections 2.1 and 2.2 alternate). Knows nothing of files.
-template <class Element>
 class SlabRun {
 public:
   /// @throws InvalidCase  a file of the case cannot be read
@@ -89,7 +88,7 @@ private:
   StepControl control_;
   RunMesh mesh_;
   HeatSource heat_;
-  mechanics::SlabMechanics<Element> mechanics_;
+  mechanics::SlabMechanics<2> mechanics_;
   double initial_level_;
   double face_length_;  ///< that heat and forces of a step stand for: 1 m, of a billet [m/rad]
   ValidityJudge validity_;

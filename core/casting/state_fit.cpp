@@ -71,8 +71,7 @@ void fit_slab(const mechanics::SlabState<2>& slab, const Shape& shape, Reasons& 
 
 }  // namespace
 
-template <class Element>
-std::string SlabRun<Element>::misfit(const RunState& state) const {
+std::string SlabRun::misfit(const RunState& state) const {
   Reasons reasons;
   reasons.require(state.step >= 0, "its step is negative");
   reasons.require(state.time >= schedule_.begin() && state.time <= schedule_.end() + 1e-9,
@@ -96,19 +95,12 @@ std::string SlabRun<Element>::misfit(const RunState& state) const {
   } else {
     reasons.require(heights.empty(), "it has rows, and the mesh none");
   }
-  shape.points = shape.elements * Element::points;
+  shape.points = shape.elements * mechanics_.points();
   fit_heat(state.heat, shape, reasons);
   fit_slab(state.slab, shape, reasons);
   if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
     reasons.require_reals(state.validity.when_liquid, shape.elements, "rotation when liquid");
   return reasons.first();
 }
-
-template std::string SlabRun<fem::P1Triangle>::misfit(const RunState&) const;
-template std::string SlabRun<fem::Q1Quadrilateral>::misfit(const RunState&) const;
-template std::string SlabRun<fem::BendingQuadrilateral>::misfit(const RunState&) const;
-template std::string SlabRun<fem::P1Ring>::misfit(const RunState&) const;
-template std::string SlabRun<fem::Q1Ring>::misfit(const RunState&) const;
-template std::string SlabRun<fem::BendingRing>::misfit(const RunState&) const;
 
 }  // namespace dccast::casting

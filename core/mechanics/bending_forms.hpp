@@ -10,8 +10,9 @@ template <class Element>
 struct ElementForms<Element, true> : ElementFormsBase<Element> {
   using Base = ElementFormsBase<Element>;
   using Base::dim, Base::nodes, Base::points, Base::unknowns;
-  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures, typename Base::Tensor,
-      typename Base::Tensors, typename Base::Vectors;
+  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
+      typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
+      typename Base::Vectors;
   static constexpr bool ring = fem::is_ring<Element>;
   static constexpr std::size_t modes = ring ? 4 : 2;
 
@@ -43,13 +44,12 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
     return deviators;
   }
 
-  template <class DeviatorAt>
-  static Vectors forces(const Cell& c, DeviatorAt&& deviator, const Pressures& pressure) {
+  static Vectors forces(const Cell& c, Responses response, Pressures pressure) {
     Tensor sum;  // of the stress deviator over the volume [N/m]
     double pressures = 0.0, bending[modes] = {};
     for (std::size_t q = 0; q < points; ++q) {
       const double weight = c.point[q].weight;
-      const Tensor& s = deviator(q);
+      const Tensor& s = response[q].deviator;
       sum.add(weight, s);
       pressures += weight * pressure[q];
       for (std::size_t m = 0; m < modes; ++m) {
@@ -69,8 +69,7 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
     return force;
   }
 
-  static Matrix stiffness(const Cell& c, std::span<const PointResponse<2>> response,
-                          double bulk_modulus) {
+  static Matrix stiffness(const Cell& c, Responses response, double bulk_modulus) {
     Matrix k{};
     const auto mean = mean_deviators_of_unit_displacements(c);
     for (std::size_t q = 0; q < points; ++q) {

@@ -6,10 +6,10 @@ namespace dccast::mechanics {
 
 /// The law of a step problem itself: backward-Euler return map and its consistent tangent
 /// (Simo and Taylor 1985; for Norton's law one scalar equation in |s|).
-template <class Element>
-auto return_map_law(const StepProblem<Element>& problem) {
-  return [&problem](std::size_t e, std::size_t, const typename StepProblem<Element>::Tensor& trial) {
-    PointResponse<Element::dimension> r;
+template <int Dim>
+auto return_map_law(const StepProblem<Dim>& problem) {
+  return [&problem](std::size_t e, std::size_t, const typename StepProblem<Dim>::Tensor& trial) {
+    PointResponse<Dim> r;
     const double mu = problem.shear[e];
     r.deviator = trial;
     for (double& s : r.deviator.value) s *= 2.0 * mu;
@@ -29,10 +29,10 @@ auto return_map_law(const StepProblem<Element>& problem) {
 }
 
 /// Viscoplastic strain rate H(s) = kappa |s|^(q-2) s of an element, eq. (21) [1/s].
-template <class Element>
-typename StepProblem<Element>::Tensor viscoplastic_strain_rate(
-    const StepProblem<Element>& problem, std::size_t e,
-    const typename StepProblem<Element>::Tensor& deviator) {
+template <int Dim>
+typename StepProblem<Dim>::Tensor viscoplastic_strain_rate(
+    const StepProblem<Dim>& problem, std::size_t e,
+    const typename StepProblem<Dim>::Tensor& deviator) {
   auto rate = deviator;
   const double factor =
       problem.kappa[e] > 0.0

@@ -5,18 +5,9 @@
 
 #include "core/base/symmetric_tensor.hpp"
 #include "core/fem/element_geometry.hpp"
+#include "core/mechanics/mechanics_forms.hpp"
 
 namespace dccast::mechanics {
-
-/// What a material law gives at a point: the stress deviator, and the tangent
-/// d s / d e = 2 shear I + normal n (x) n with n = s / |s|.
-template <int Dim>
-struct PointResponse {
-  SymmetricTensor<Dim> deviator;  ///< s [Pa]
-  double shear;                   ///< mu~ [Pa]
-  double normal;                  ///< [Pa], not positive
-  double norm;                    ///< |s| [Pa]
-};
 
 /// What the forms of every element share: nodal vectors and the mean dilatation, from which alone
 /// the pressure follows.
@@ -29,7 +20,8 @@ struct ElementFormsBase {
   using Response = PointResponse<Element::dimension>;
   using Vectors = std::array<std::array<double, dim>, nodes>;
   using Tensors = std::array<Tensor, points>;
-  using Pressures = std::array<double, points>;
+  using Responses = std::span<const Response, points>;
+  using Pressures = std::span<const double, points>;
   using Matrix = std::array<double, unknowns * unknowns>;  ///< its lower triangle, row by row
 
   static double mean_dilatation(const Cell& c, const Vectors& v) {
@@ -50,8 +42,9 @@ template <class Element, bool = fem::has_bending_modes<Element>>
 struct ElementForms : ElementFormsBase<Element> {
   using Base = ElementFormsBase<Element>;
   using Base::dim, Base::nodes, Base::points, Base::unknowns;
-  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures, typename Base::Tensor,
-      typename Base::Tensors, typename Base::Vectors;
+  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
+      typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
+      typename Base::Vectors;
   static constexpr bool ring = fem::is_ring<Element>;
   static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
   using Point = typename fem::ElementGeometry<Element>::Point;
@@ -75,12 +68,11 @@ struct ElementForms : ElementFormsBase<Element> {
   }
 
   /// Nodal forces of stress deviators and mean normal stresses.
-  template <class DeviatorAt>
-  static Vectors forces(const Cell& c, DeviatorAt&& deviator, const Pressures& pressure) {
+  static Vectors forces(const Cell& c, Responses response, Pressures pressure) {
     Vectors force{};
     for (std::size_t q = 0; q < points; ++q) {
       const Point& point = c.point[q];
-      const Tensor& s = deviator(q);
+      const Tensor& s = response[q].deviator;
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
           double f = pressure[q] * c.mean_gradient[i][a];
@@ -96,9 +88,7 @@ struct ElementForms : ElementFormsBase<Element> {
   }
 
   /// Stiffness of the responses at the points and a bulk modulus.
-  static Matrix stiffness(const Cell& c,
-                          std::span<const PointResponse<Element::dimension>> response,
-                          double bulk_modulus) {
+  static Matrix stiffness(const Cell& c, Responses response, double bulk_modulus) {
     Matrix k{};
     for (std::size_t q = 0; q < points; ++q) {
       const auto& g = c.point[q].gradient;

@@ -34,30 +34,35 @@ Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double ka
 /// With q = H(s) - gamma_p s (eq. 53) the law reads s = 2 mu~ (e - dt q) with
 /// mu~ = mu / (1 + 2 mu gamma_p dt) and the bulk modulus unchanged, which is Lemma 2 in the simpler
 /// form of the same equations.
-template <class Element>
+template <int Dim>
 class MultiplierMethod {
 public:
-  using Problem = StepProblem<Element>;
+  using Problem = StepProblem<Dim>;
   using Tensor = typename Problem::Tensor;
 
   /// @param gamma_p  by point [1/(Pa s)]; ignored where there is no creep
   MultiplierMethod(const Problem& problem, const Options& options, Workspace& work,
-                   StepUnknowns<Element>& unknowns, std::vector<double> gamma_p)
-      : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
-        equilibrium_(problem), gamma_p_(std::move(gamma_p)), multiplier_(gamma_p_.size()),
+                   StepUnknowns<Dim>& unknowns, std::vector<double> gamma_p)
+      : problem_(problem),
+        options_(options),
+        work_(work),
+        unknowns_(unknowns),
+        equilibrium_(problem),
+        gamma_p_(std::move(gamma_p)),
+        multiplier_(gamma_p_.size()),
         round_off_(round_off_force(problem)),
         least_acting_(least_acting_force(problem, round_off_, options.tolerance)) {
     unknowns_.deviator.resize(gamma_p_.size());
     for (std::size_t i = 0; i < multiplier_.size(); ++i) {
       // H(s) - gamma_p s of the step's start, with the parameters of this step: the multiplier of
       // another gamma_p is another quantity and must be rebased.
-      multiplier_[i] = viscoplastic_strain_rate(problem_, i / points, unknowns_.deviator[i]);
+      multiplier_[i] =
+          viscoplastic_strain_rate(problem_, i / problem_.forms->points(), unknowns_.deviator[i]);
       multiplier_[i].add(-gamma_p_[i], unknowns_.deviator[i]);
     }
   }
 
 protected:
-  static constexpr std::size_t points = Element::points;
   static constexpr double increment_delta = 1e-3;  // as in the paper's test T2
 
   double softened_shear(std::size_t e, std::size_t point) const {
@@ -72,9 +77,8 @@ protected:
     };
   }
 
-  PointResponse<Element::dimension> response(std::size_t e, std::size_t point,
-                                             const Tensor& trial) const {
-    PointResponse<Element::dimension> r;
+  PointResponse<Dim> response(std::size_t e, std::size_t point, const Tensor& trial) const {
+    PointResponse<Dim> r;
     r.shear = softened_shear(e, point);
     r.normal = 0.0;
     r.norm = 0.0;
@@ -86,8 +90,8 @@ protected:
 
   /// SBM2(c) and (e) of one point: stress from the old multiplier, new multiplier from that stress,
   /// relaxed as Remark 4 says, and the response with the new one for the next residual.
-  PointResponse<Element::dimension> update_multiplier(std::size_t e, std::size_t point,
-                                                      const Tensor& trial, double lambda_p) {
+  PointResponse<Dim> update_multiplier(std::size_t e, std::size_t point, const Tensor& trial,
+                                       double lambda_p) {
     const auto old = response(e, point, trial);
     if (problem_.kappa[e] <= 0.0) return old;
     const double theta = options_.parameters.relaxation;
@@ -130,7 +134,7 @@ protected:
   /// Runs the iterations of a step whose contact is an active set. One that converges keeps its set
   /// and its stresses.
   template <class Iterate>
-  StepOutcome solve_with(StepConstraints<Element>& constraints, Iterate&& iterate) {
+  StepOutcome solve_with(StepConstraints<Dim>& constraints, Iterate&& iterate) {
     count_solver_use(work_, outcome_, iterate);
     if (outcome_.converged) {
       constraints.store();
@@ -173,7 +177,7 @@ protected:
 
   /// The contact set by Newton, NBM2(b)(ii). It may move at every iteration, as in the paper's loop,
   /// but not while the residual is above `from`: far from balance it swings. @return whether it moved
-  bool close_contact(StepConstraints<Element>& constraints, double relative, double from) {
+  bool close_contact(StepConstraints<Dim>& constraints, double relative, double from) {
     constexpr int free_contact_changes = 8;  // then pairs go one by one
     if (relative > from) return false;
     const bool careful = outcome_.contact_changes > free_contact_changes;
@@ -212,8 +216,8 @@ protected:
   const Problem& problem_;
   const Options& options_;
   Workspace& work_;
-  StepUnknowns<Element>& unknowns_;
-  Equilibrium<Element> equilibrium_;
+  StepUnknowns<Dim>& unknowns_;
+  Equilibrium<Dim> equilibrium_;
   std::vector<double> gamma_p_;
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;

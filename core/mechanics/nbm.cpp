@@ -36,17 +36,17 @@ Tensor recurrence(const Tensor& deviator, const Tensor& multiplier, double kappa
 
 /// Paper section 4.3.3, steps NBM2(a) to (d), with Armijo's rule of section 4.3.4 unless plain. The
 /// reduction of the time step, the other improvement, is the step control's.
-template <class Element>
-class Nbm : MultiplierMethod<Element> {
-  using Base = MultiplierMethod<Element>;
+template <int Dim>
+class Nbm : MultiplierMethod<Dim> {
+  using Base = MultiplierMethod<Dim>;
   using Tensor = typename Base::Tensor;
 
 public:
-  Nbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-      StepUnknowns<Element>& unknowns)
-      : Base(problem, options, work, unknowns,
-             std::vector<double>(std::size_t(problem.geometry->elements()) * Element::points, 0.0)),
-        system_(*problem.pattern, work), constraints_(problem, unknowns.contact, this->round_off_) {}
+  Nbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+      StepUnknowns<Dim>& unknowns)
+      : Base(problem, options, work, unknowns, std::vector<double>(problem.inelastic.size(), 0.0)),
+        system_(*problem.pattern, work),
+        constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
     return this->solve_with(constraints_, [this] { iterate(); });
@@ -124,7 +124,7 @@ private:
   std::vector<Tensor> next_multipliers() const {
     std::vector<Tensor> next(this->multiplier_.size());
     for (std::size_t i = 0; i < next.size(); ++i) {
-      const std::size_t e = i / Element::points;
+      const std::size_t e = i / this->problem_.forms->points();
       if (this->problem_.kappa[e] <= 0.0) continue;
       // lambda_p carries a unit; taken as the creep of one elastic step it makes the recurrence
       // dimensionless, which is what the paper's scaling of the stresses does. Its value does not
@@ -142,7 +142,7 @@ private:
   double distance_to_law() const {
     double sum = 0.0;
     for (std::size_t i = 0; i < this->multiplier_.size(); ++i) {
-      const std::size_t e = i / Element::points;
+      const std::size_t e = i / this->problem_.forms->points();
       if (this->problem_.kappa[e] <= 0.0) continue;
       Tensor d = viscoplastic_strain_rate(this->problem_, e,
                                           this->equilibrium_.response()[i].deviator);
@@ -154,30 +154,19 @@ private:
   }
 
   ConstrainedSystem system_;
-  StepConstraints<Element> constraints_;
+  StepConstraints<Dim> constraints_;
   std::vector<Tensor> before_;  ///< multipliers before their last move [1/s]
   bool refactor_ = true;
 };
 
 }  // namespace
 
-template <class Element>
-StepOutcome solve_nbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-                      StepUnknowns<Element>& unknowns) {
-  return Nbm<Element>(problem, options, work, unknowns).solve();
+template <int Dim>
+StepOutcome solve_nbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+                      StepUnknowns<Dim>& unknowns) {
+  return Nbm<Dim>(problem, options, work, unknowns).solve();
 }
 
-template StepOutcome solve_nbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
-                               StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_nbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&, Workspace&,
-                               StepUnknowns<fem::Q1Quadrilateral>&);
-template StepOutcome solve_nbm(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
-                               Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
-template StepOutcome solve_nbm(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
-                               StepUnknowns<fem::P1Ring>&);
-template StepOutcome solve_nbm(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
-                               StepUnknowns<fem::Q1Ring>&);
-template StepOutcome solve_nbm(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
-                               StepUnknowns<fem::BendingRing>&);
+template StepOutcome solve_nbm(const StepProblem<2>&, const Options&, Workspace&, StepUnknowns<2>&);
 
 }  // namespace dccast::mechanics

@@ -26,13 +26,17 @@ constexpr int line_search_steps = 12;
 // A step is good enough once the slope along it has come down to this share.
 constexpr double line_search_slope = 0.9;
 
-template <class Element>
+template <int Dim>
 class Newton {
 public:
-  Newton(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-         StepUnknowns<Element>& unknowns)
-      : problem_(problem), options_(options), work_(work), unknowns_(unknowns),
-        equilibrium_(problem), system_(*problem.pattern, work),
+  Newton(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+         StepUnknowns<Dim>& unknowns)
+      : problem_(problem),
+        options_(options),
+        work_(work),
+        unknowns_(unknowns),
+        equilibrium_(problem),
+        system_(*problem.pattern, work),
         round_off_(round_off_force(problem)),
         constraints_(problem, unknowns.contact, round_off_),
         least_acting_(least_acting_force(problem, round_off_, options.tolerance)) {}
@@ -176,14 +180,14 @@ private:
     }
   }
 
-  const StepProblem<Element>& problem_;
+  const StepProblem<Dim>& problem_;
   const Options& options_;
   Workspace& work_;
-  StepUnknowns<Element>& unknowns_;
-  Equilibrium<Element> equilibrium_;
+  StepUnknowns<Dim>& unknowns_;
+  Equilibrium<Dim> equilibrium_;
   ConstrainedSystem system_;
   double round_off_;  ///< [N/m in 2D]
-  StepConstraints<Element> constraints_;
+  StepConstraints<Dim> constraints_;
   StepOutcome outcome_;
   double least_acting_;
   double acting_ = 0.0;
@@ -195,23 +199,13 @@ private:
 
 }  // namespace
 
-template <class Element>
-StepOutcome solve_newton(const StepProblem<Element>& problem, const Options& options,
-                         Workspace& work, StepUnknowns<Element>& unknowns) {
-  return Newton<Element>(problem, options, work, unknowns).solve();
+template <int Dim>
+StepOutcome solve_newton(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+                         StepUnknowns<Dim>& unknowns) {
+  return Newton<Dim>(problem, options, work, unknowns).solve();
 }
 
-template StepOutcome solve_newton(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
-                                  StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_newton(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
-                                  Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
-template StepOutcome solve_newton(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
-                                  Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
-template StepOutcome solve_newton(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
-                                  StepUnknowns<fem::P1Ring>&);
-template StepOutcome solve_newton(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
-                                  StepUnknowns<fem::Q1Ring>&);
-template StepOutcome solve_newton(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
-                                  StepUnknowns<fem::BendingRing>&);
+template StepOutcome solve_newton(const StepProblem<2>&, const Options&, Workspace&,
+                                  StepUnknowns<2>&);
 
 }  // namespace dccast::mechanics

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/mechanics/step_problem.hpp"
 
@@ -13,30 +14,27 @@ namespace dccast::mechanics {
 /// The strains that carry no stress, thermal and inelastic, cancel against those of the displacement;
 /// the stresses of what cancelled are lost at this size. A body free of stress and weight has no
 /// other force by which anything could be judged.
-template <class Element>
-double round_off_force(const StepProblem<Element>& problem) {
+template <int Dim>
+double round_off_force(const StepProblem<Dim>& problem) {
   constexpr double operations = 16.0;  // roundings on the way from a strain to its nodal force
-  double sum = 0.0;
-  for (std::size_t e = 0; e < problem.bulk.size(); ++e) {
+  const std::size_t points = problem.forms->points();
+  std::vector<double> stress(problem.bulk.size());  // that cancels, by element [Pa]
+  for (std::size_t e = 0; e < stress.size(); ++e) {
     double strain = 3.0 * std::abs(problem.thermal[e]);
-    for (std::size_t q = 0; q < Element::points; ++q) {
-      strain = std::max(strain, problem.inelastic[e * Element::points + q].norm());
+    for (std::size_t q = 0; q < points; ++q) {
+      strain = std::max(strain, problem.inelastic[e * points + q].norm());
     }
-    const auto& cell = problem.geometry->cell(static_cast<int>(e));
-    const double force = cell.volume * (problem.bulk[e] + 2.0 * problem.shear[e]) * strain;
-    for (const auto& gradient : cell.mean_gradient) {
-      for (const double g : gradient) sum += force * force * g * g;
-    }
+    stress[e] = (problem.bulk[e] + 2.0 * problem.shear[e]) * strain;
   }
-  return operations * std::numeric_limits<double>::epsilon() * std::sqrt(sum);
+  return operations * std::numeric_limits<double>::epsilon() *
+         std::sqrt(problem.forms->squared_forces(stress));
 }
 
 /// The least force against which a residual is judged [N/m in 2D]: the weight or what else is applied,
 /// and where nothing is what makes a residual of round-off pass the tolerance.
 /// @param round_off  round_off_force() of the problem
-template <class Element>
-double least_acting_force(const StepProblem<Element>& problem, double round_off,
-                          double tolerance) {
+template <int Dim>
+double least_acting_force(const StepProblem<Dim>& problem, double round_off, double tolerance) {
   double applied = 0.0;
   for (const double f : problem.external_force) applied += f * f;
   return std::max({problem.weight, std::sqrt(applied), round_off / tolerance,

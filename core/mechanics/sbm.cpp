@@ -13,27 +13,26 @@ namespace {
 constexpr double contact_tolerance = 1e-6;
 
 /// gamma_p constant, but not zero creep compliance for elements without creep.
-template <class Element>
-std::vector<double> constant_gamma(const StepProblem<Element>& problem, double gamma_p) {
-  std::vector<double> gamma(std::size_t(problem.geometry->elements()) * Element::points, 0.0);
+template <int Dim>
+std::vector<double> constant_gamma(const StepProblem<Dim>& problem, double gamma_p) {
+  std::vector<double> gamma(problem.inelastic.size(), 0.0);
   for (std::size_t i = 0; i < gamma.size(); ++i) {
-    if (problem.kappa[i / Element::points] > 0.0) gamma[i] = gamma_p;
+    if (problem.kappa[i / problem.forms->points()] > 0.0) gamma[i] = gamma_p;
   }
   return gamma;
 }
 
 /// Paper section 4.2.3, steps SBM2(a) to (e): both multipliers by the Yosida approximation with
 /// constant parameters, one matrix for the whole step.
-template <class Element>
-class Sbm : MultiplierMethod<Element> {
-  using Base = MultiplierMethod<Element>;
+template <int Dim>
+class Sbm : MultiplierMethod<Dim> {
+  using Base = MultiplierMethod<Dim>;
   using Tensor = typename Base::Tensor;
 
 public:
-  Sbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-      StepUnknowns<Element>& unknowns)
-      : Base(problem, options, work, unknowns,
-             constant_gamma(problem, options.parameters.gamma_p)),
+  Sbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+      StepUnknowns<Dim>& unknowns)
+      : Base(problem, options, work, unknowns, constant_gamma(problem, options.parameters.gamma_p)),
         system_(*problem.pattern, work) {
     const AlgorithmParameters& p = options.parameters;
     lambda_p_ = p.lambda_p.value_or(0.5 / p.gamma_p);
@@ -191,23 +190,12 @@ private:
 
 }  // namespace
 
-template <class Element>
-StepOutcome solve_sbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-                      StepUnknowns<Element>& unknowns) {
-  return Sbm<Element>(problem, options, work, unknowns).solve();
+template <int Dim>
+StepOutcome solve_sbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+                      StepUnknowns<Dim>& unknowns) {
+  return Sbm<Dim>(problem, options, work, unknowns).solve();
 }
 
-template StepOutcome solve_sbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
-                               StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_sbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&, Workspace&,
-                               StepUnknowns<fem::Q1Quadrilateral>&);
-template StepOutcome solve_sbm(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
-                               Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
-template StepOutcome solve_sbm(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
-                               StepUnknowns<fem::P1Ring>&);
-template StepOutcome solve_sbm(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
-                               StepUnknowns<fem::Q1Ring>&);
-template StepOutcome solve_sbm(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
-                               StepUnknowns<fem::BendingRing>&);
+template StepOutcome solve_sbm(const StepProblem<2>&, const Options&, Workspace&, StepUnknowns<2>&);
 
 }  // namespace dccast::mechanics

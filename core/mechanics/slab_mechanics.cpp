@@ -15,37 +15,41 @@ namespace {
 
 /// Displacements are along these directions: first away from the symmetry plane, last upwards.
 constexpr int across = 0;
-template <class Element>
-constexpr int up = Element::dimension - 1;
+template <int Dim>
+constexpr int up = Dim - 1;
 
 }  // namespace
 
-template <class Element>
-SlabMechanics<Element>::SlabMechanics(material::MechanicalProperties properties, Options options)
-    : properties_(std::move(properties)), options_(std::move(options)) {}
+template <int Dim>
+SlabMechanics<Dim>::SlabMechanics(std::unique_ptr<MechanicsForms<Dim>> forms,
+                                  material::MechanicalProperties properties, Options options)
+    : forms_(std::move(forms)),
+      points_(forms_->points()),
+      properties_(std::move(properties)),
+      options_(std::move(options)) {}
 
-template <class Element>
-void SlabMechanics<Element>::set_mesh(const Mesh& mesh, int first_moved) {
-  const bool is_new = mesh.elements() != geometry_.elements() ||
-                      std::size_t(mesh.nodes()) * dimension != problem_.unknowns();
+template <int Dim>
+void SlabMechanics<Dim>::set_mesh(const Mesh& mesh, int first_moved) {
+  const std::size_t elements = std::size_t(mesh.elements());
+  const bool is_new =
+      elements != forms_->elements() || std::size_t(mesh.nodes()) * Dim != problem_.unknowns();
   mesh_ = &mesh;
-  geometry_.update(mesh, is_new && mesh.elements() < geometry_.elements() ? 0 : first_moved);
+  forms_->update(mesh, elements < forms_->elements() ? 0 : std::size_t(first_moved));
   if (is_new) new_pattern();
-  problem_.geometry = &geometry_;
-  problem_.mesh = mesh_;
+  problem_.forms = forms_.get();
   problem_.pattern = &pattern_;
   problem_.exponent = properties_.creep().exponent;
 }
 
-template <class Element>
-void SlabMechanics<Element>::new_pattern() {
+template <int Dim>
+void SlabMechanics<Dim>::new_pattern() {
   std::vector<int> unknown;
-  unknown.reserve(mesh_->element_node.size() * dimension);
+  unknown.reserve(mesh_->element_node.size() * Dim);
   for (int n : mesh_->element_node) {
-    for (int d = 0; d < dimension; ++d) unknown.push_back(n * dimension + d);
+    for (int d = 0; d < Dim; ++d) unknown.push_back(n * Dim + d);
   }
-  const int unknowns = mesh_->nodes() * dimension;
-  pattern_ = linalg::SparsityPattern(unknowns, unknown, Element::nodes * dimension);
+  const int unknowns = mesh_->nodes() * Dim;
+  pattern_ = linalg::SparsityPattern(unknowns, unknown, mesh_->nodes_per_element * Dim);
   for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
                       &problem_.prestress}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
@@ -54,13 +58,13 @@ void SlabMechanics<Element>::new_pattern() {
   problem_.fixed.assign(std::size_t(unknowns), 0);
   problem_.target.assign(std::size_t(unknowns), 0.0);
   find_boundaries();
-  const auto fronts = mesh::edges_to_sweep_from(*mesh_, dimension);
-  work_.resize(pattern_, dimension == 2 ? linalg::Geometry::plane : linalg::Geometry::solid,
+  const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
+  work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid,
                fronts);
 }
 
-template <class Element>
-void SlabMechanics<Element>::find_boundaries() {
+template <int Dim>
+void SlabMechanics<Dim>::find_boundaries() {
   bottom_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::bottom);
   side_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::side);
   symmetry_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::symmetry);
@@ -69,13 +73,13 @@ void SlabMechanics<Element>::find_boundaries() {
     place[std::size_t(bottom_nodes_[i])] = static_cast<int>(i);
   }
   problem_.contact.clear();
-  for (int n : bottom_nodes_) problem_.contact.push_back(n * dimension + up<Element>);
+  for (int n : bottom_nodes_) problem_.contact.push_back(n * Dim + up<Dim>);
   problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
   bottom_length_.assign(bottom_nodes_.size(), 0.0);
   for (const auto& facet : mesh_->facets(mesh::Patch::bottom)) {
     const double* a = mesh_->point(facet.node[0]);
     const double* b = mesh_->point(facet.node[1]);
-    const auto area = fem::edge_shares<Element>(a, b);
+    const auto area = forms_->edge_shares(a, b);
     for (std::size_t k = 0; k < area.size(); ++k) {
       const std::size_t i = std::size_t(place[std::size_t(facet.node[k])]);
       problem_.contact_area[i] += area[k];
@@ -88,11 +92,11 @@ void SlabMechanics<Element>::find_boundaries() {
   }
 }
 
-template <class Element>
-auto SlabMechanics<Element>::initial_state() const -> State {
+template <int Dim>
+auto SlabMechanics<Dim>::initial_state() const -> State {
   State state;
-  const std::size_t all_points = std::size_t(mesh_->elements()) * points;
-  state.displacement.assign(std::size_t(mesh_->nodes()) * dimension, 0.0);
+  const std::size_t all_points = std::size_t(mesh_->elements()) * points_;
+  state.displacement.assign(std::size_t(mesh_->nodes()) * Dim, 0.0);
   state.released.assign(std::size_t(mesh_->nodes()), 0);
   state.solid.assign(std::size_t(mesh_->elements()), 0);
   state.inelastic.resize(all_points);
@@ -104,105 +108,99 @@ auto SlabMechanics<Element>::initial_state() const -> State {
   return state;
 }
 
-template <class Element>
-auto SlabMechanics<Element>::strain(int e, std::size_t point, std::span<const double> u) const
-    -> Tensor {
-  return Equilibrium<Element>::strain_of(geometry_.cell(e), point, mesh_->nodes_of(e), u);
-}
-
-template <class Element>
-void SlabMechanics<Element>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
-                                           int first_moved) {
-  const std::size_t first = std::size_t(first_moved) * points;
+template <int Dim>
+void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
+                                       int first_moved) {
+  const std::size_t first = std::size_t(first_moved) * points_;
   std::vector<Tensor> elastic;  // of the elements that move
   for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(strain(static_cast<int>(i / points), i % points, state.displacement));
+    elastic.push_back(forms_->strain(i / points_, i % points_, state.displacement));
     elastic.back().add(-1.0, state.inelastic[i]);
   }
-  const std::size_t stride = std::size_t(nodes_per_row) * dimension;
-  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * dimension; ++i) {
+  const std::size_t stride = std::size_t(nodes_per_row) * Dim;
+  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
     state.displacement.push_back(state.displacement[i - stride]);
   }
   for (int n : mesh::patch_nodes(grown, mesh::Patch::side)) {
     // A node that is new stands at the mould, whatever the one below it did.
     if (n >= static_cast<int>(state.released.size())) {
-      state.displacement[std::size_t(n) * dimension + across] = 0.0;
+      state.displacement[std::size_t(n) * Dim + across] = 0.0;
     }
   }
   state.released.resize(std::size_t(grown.nodes()), 0);
   state.solid.resize(std::size_t(grown.elements()), 0);
-  const std::size_t all_points = std::size_t(grown.elements()) * points;
+  const std::size_t all_points = std::size_t(grown.elements()) * points_;
   state.inelastic.resize(all_points);
   state.viscoplastic.resize(all_points);
   state.deviator.resize(all_points);
   state.pressure.resize(all_points, 0.0);
   set_mesh(grown, first_moved);
   for (std::size_t i = first; i < all_points; ++i) {
-    state.inelastic[i] = strain(static_cast<int>(i / points), i % points, state.displacement);
+    state.inelastic[i] = forms_->strain(i / points_, i % points_, state.displacement);
     if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
   }
 }
 
-template <class Element>
-double SlabMechanics<Element>::element_temperature(int e, std::span<const double> t) const {
+template <int Dim>
+double SlabMechanics<Dim>::element_temperature(int e, std::span<const double> t) const {
   const int* node = mesh_->nodes_of(e);
   double sum = 0.0;
-  for (std::size_t i = 0; i < nodes; ++i) sum += t[std::size_t(node[i])];
-  return sum / static_cast<double>(nodes);
+  for (int i = 0; i < mesh_->nodes_per_element; ++i) sum += t[std::size_t(node[i])];
+  return sum / mesh_->nodes_per_element;
 }
 
-template <class Element>
-double SlabMechanics<Element>::centroid_height(int e) const {
+template <int Dim>
+double SlabMechanics<Dim>::centroid_height(int e) const {
   const int* node = mesh_->nodes_of(e);
   double sum = 0.0;
-  for (std::size_t i = 0; i < nodes; ++i) sum += mesh_->point(node[i])[up<Element>];
-  return sum / static_cast<double>(nodes);
+  for (int i = 0; i < mesh_->nodes_per_element; ++i) sum += mesh_->point(node[i])[up<Dim>];
+  return sum / mesh_->nodes_per_element;
 }
 
-template <class Element>
-void SlabMechanics<Element>::start(State& state, std::span<const double> temperature) const {
+template <int Dim>
+void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
     const double t = element_temperature(e, temperature);
     const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     if (!solid) continue;
-    for (std::size_t q = 0; q < points; ++q) {
-      state.inelastic[std::size_t(e) * points + q].add_identity(-properties_.thermal_stretch(t));
+    for (std::size_t q = 0; q < points_; ++q) {
+      state.inelastic[std::size_t(e) * points_ + q].add_identity(-properties_.thermal_stretch(t));
     }
   }
 }
 
 /// Birth of solid: strain counts from the total strain of this moment, thermal strain from the
 /// temperature `at`, stress from minus the metallostatic pressure.
-template <class Element>
-void SlabMechanics<Element>::be_born(State& state, int e, double metal_level, double at) const {
+template <int Dim>
+void SlabMechanics<Dim>::be_born(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
                           std::max(0.0, metal_level - centroid_height(e));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
   state.solid[std::size_t(e)] = 1;
-  for (std::size_t q = 0; q < points; ++q) {
-    const std::size_t i = std::size_t(e) * points + q;
-    state.inelastic[i] = strain(e, q, state.displacement);
+  for (std::size_t q = 0; q < points_; ++q) {
+    const std::size_t i = std::size_t(e) * points_ + q;
+    state.inelastic[i] = forms_->strain(std::size_t(e), q, state.displacement);
     state.inelastic[i].add_identity(compression - properties_.thermal_stretch(at));
     state.viscoplastic[i] = {};
     state.deviator[i] = {};
   }
 }
 
-template <class Element>
-void SlabMechanics<Element>::melt(State& state, int e) const {
+template <int Dim>
+void SlabMechanics<Dim>::melt(State& state, int e) const {
   state.solid[std::size_t(e)] = 0;
-  for (std::size_t q = 0; q < points; ++q) {
-    const std::size_t i = std::size_t(e) * points + q;
-    state.inelastic[i] = strain(e, q, state.displacement);
+  for (std::size_t q = 0; q < points_; ++q) {
+    const std::size_t i = std::size_t(e) * points_ + q;
+    state.inelastic[i] = forms_->strain(std::size_t(e), q, state.displacement);
     state.viscoplastic[i] = {};
     state.deviator[i] = {};
   }
 }
 
-template <class Element>
-void SlabMechanics<Element>::set_phases(State& state, const SlabStepInput& input) const {
+template <int Dim>
+void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) const {
   for (int e = 0; e < mesh_->elements(); ++e) {
     const double t = element_temperature(e, input.temperature);
     const bool at_once = options_.liquid == Liquid::solid;
@@ -214,8 +212,8 @@ void SlabMechanics<Element>::set_phases(State& state, const SlabStepInput& input
   }
 }
 
-template <class Element>
-void SlabMechanics<Element>::set_materials(const State& state, const SlabStepInput& input) {
+template <int Dim>
+void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& input) {
   // The paper's weak material, eq. (38), or the weak elasticity under metallostatic prestress.
   const bool weak = options_.liquid == Liquid::weak;
   const double at = properties_.liquidus();
@@ -249,32 +247,24 @@ void SlabMechanics<Element>::set_materials(const State& state, const SlabStepInp
   }
 }
 
-template <class Element>
-void SlabMechanics<Element>::set_weight(const State& state, std::span<const double> temperature) {
+template <int Dim>
+void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> temperature) {
   auto& force = problem_.external_force;
   std::fill(force.begin(), force.end(), 0.0);
-  problem_.weight = 0.0;
+  std::vector<double> specific_weight(std::size_t(mesh_->elements()));  // [N/m3]
   for (int e = 0; e < mesh_->elements(); ++e) {
     const double density = state.solid[std::size_t(e)] != 0
                                ? properties_.density(element_temperature(e, temperature))
                                : properties_.liquid_density();
-    const auto& cell = geometry_.cell(e);
-    const int* node = mesh_->nodes_of(e);
-    for (std::size_t q = 0; q < points; ++q) {
-      const auto shape = Element::shape(Element::point[q]);
-      const double weight = density * options_.gravity * cell.point[q].weight;
-      problem_.weight += weight;
-      for (std::size_t i = 0; i < nodes; ++i) {
-        force[std::size_t(node[i]) * dimension + std::size_t(up<Element>)] -= shape[i] * weight;
-      }
-    }
+    specific_weight[std::size_t(e)] = density * options_.gravity;
   }
+  problem_.weight = forms_->subtract_weight(specific_weight, force);
 }
 
-template <class Element>
-void SlabMechanics<Element>::set_supports(State& state, std::span<const double> temperature) {
+template <int Dim>
+void SlabMechanics<Dim>::set_supports(State& state, std::span<const double> temperature) {
   const auto hold_across = [&](int n, bool held) {
-    problem_.fixed[std::size_t(n) * dimension + across] = held ? 1 : 0;
+    problem_.fixed[std::size_t(n) * Dim + across] = held ? 1 : 0;
   };
   for (int n : side_nodes_) {
     auto& released = state.released[std::size_t(n)];
@@ -284,31 +274,31 @@ void SlabMechanics<Element>::set_supports(State& state, std::span<const double> 
   for (int n : symmetry_nodes_) hold_across(n, true);
 }
 
-template <class Element>
-StepOutcome SlabMechanics<Element>::step(State& state, const SlabStepInput& input) {
+template <int Dim>
+StepOutcome SlabMechanics<Dim>::step(State& state, const SlabStepInput& input) {
   set_phases(state, input);
   set_materials(state, input);
   set_weight(state, input.temperature);
   set_supports(state, input.temperature);
   problem_.dt = input.time_step;
   problem_.inelastic = state.inelastic;
-  StepUnknowns<Element> unknowns{state.displacement, state.contact, state.contact_multiplier,
-                                 state.deviator};
+  StepUnknowns<Dim> unknowns{state.displacement, state.contact, state.contact_multiplier,
+                             state.deviator};
   if (!options_.contact) unknowns.contact.clear();
   const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
   if (outcome.converged) finish(state, unknowns, input);
   return outcome;
 }
 
-template <class Element>
-void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknowns,
-                                    const SlabStepInput& input) {
-  Equilibrium<Element> equilibrium(problem_);
+template <int Dim>
+void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
+                                const SlabStepInput& input) {
+  Equilibrium<Dim> equilibrium(problem_);
   const double round_off = round_off_force(problem_);
   const double acting = std::max(
       equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
       least_acting_force(problem_, round_off, options_.tolerance));
-  StepConstraints<Element> constraints(problem_, unknowns.contact, round_off);
+  StepConstraints<Dim> constraints(problem_, unknowns.contact, round_off);
   checks_.weight = problem_.weight;
   checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
   checks_.complementarity_error =
@@ -317,13 +307,13 @@ void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknown
   for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
     const bool closed = problem_.contact.empty() || unknowns.contact[i] != 0;
     state.reaction[i] =
-        closed ? work_.residual[std::size_t(bottom_nodes_[i] * dimension + up<Element>)] : 0.0;
+        closed ? work_.residual[std::size_t(bottom_nodes_[i] * Dim + up<Dim>)] : 0.0;
     checks_.bottom_reaction += state.reaction[i];
     if (closed) checks_.contact_length += bottom_length_[i];
   }
   for (std::size_t i = 0; i < state.pressure.size(); ++i) {
     state.deviator[i] = equilibrium.response()[i].deviator;
-    state.pressure[i] = equilibrium.pressure(static_cast<int>(i / points), unknowns.displacement);
+    state.pressure[i] = equilibrium.pressure(static_cast<int>(i / points_), unknowns.displacement);
   }
   accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic);
   accumulate_viscoplastic_strain(problem_, state.deviator, state.viscoplastic);
@@ -333,40 +323,37 @@ void SlabMechanics<Element>::finish(State& state, StepUnknowns<Element>& unknown
   check_liquid_pressure(state, input.metal_level);
 }
 
-template <class Element>
-void SlabMechanics<Element>::check_liquid_pressure(const State& state, double metal_level) {
+template <int Dim>
+void SlabMechanics<Dim>::check_liquid_pressure(const State& state, double metal_level) {
   std::vector<char> of_solid(std::size_t(mesh_->nodes()), 0);
   for (int e = 0; e < mesh_->elements(); ++e) {
     if (state.solid[std::size_t(e)] == 0) continue;
-    for (std::size_t i = 0; i < nodes; ++i) of_solid[std::size_t(mesh_->nodes_of(e)[i])] = 1;
+    for (int i = 0; i < mesh_->nodes_per_element; ++i) {
+      of_solid[std::size_t(mesh_->nodes_of(e)[i])] = 1;
+    }
   }
   double difference = 0.0, scale = 0.0, worst = 0.0;
   checks_.worst_liquid = -1;
   for (int e = 0; e < mesh_->elements(); ++e) {
     if (state.solid[std::size_t(e)] != 0) continue;
     const int* node = mesh_->nodes_of(e);
-    const bool at_front = std::any_of(
-        node, node + nodes, [&](int n) { return of_solid[std::size_t(n)] != 0; });
+    const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
+                                      [&](int n) { return of_solid[std::size_t(n)] != 0; });
     if (!at_front) continue;
     const double exact = -properties_.liquid_density() * options_.gravity *
                          (metal_level - centroid_height(e));
-    const double error = state.pressure[std::size_t(e) * points] - exact;
-    const double share = geometry_.cell(e).volume * error * error;
+    const double error = state.pressure[std::size_t(e) * points_] - exact;
+    const double share = forms_->volume(std::size_t(e)) * error * error;
     if (share > worst) {
       worst = share;
       checks_.worst_liquid = e;
     }
     difference += share;
-    scale += geometry_.cell(e).volume * exact * exact;
+    scale += forms_->volume(std::size_t(e)) * exact * exact;
   }
   checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
 }
 
-template class SlabMechanics<fem::P1Triangle>;
-template class SlabMechanics<fem::Q1Quadrilateral>;
-template class SlabMechanics<fem::BendingQuadrilateral>;
-template class SlabMechanics<fem::P1Ring>;
-template class SlabMechanics<fem::Q1Ring>;
-template class SlabMechanics<fem::BendingRing>;
+template class SlabMechanics<2>;
 
 }  // namespace dccast::mechanics

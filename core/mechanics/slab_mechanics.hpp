@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -32,14 +33,15 @@ struct SlabChecks {
 
 /// The slab as a mechanical body (paper sections 2.2 and 3.4): which elements carry stress, what
 /// stands for the liquid, what the mould and the block hold, and one step in time of all that.
-template <class Element>
+template <int Dim>
 class SlabMechanics {
 public:
-  static constexpr int dimension = Element::dimension;
-  using State = SlabState<dimension>;
-  using Mesh = mesh::Mesh<dimension>;
+  using State = SlabState<Dim>;
+  using Mesh = mesh::Mesh<Dim>;
 
-  SlabMechanics(material::MechanicalProperties properties, Options options);
+  /// @param forms  of the elements the meshes are made of
+  SlabMechanics(std::unique_ptr<MechanicsForms<Dim>> forms,
+                material::MechanicalProperties properties, Options options);
 
   /// Takes a mesh or its new coordinates; analyses the matrix only if elements are new.
   /// @param mesh         must stay where it is until the next call
@@ -65,32 +67,32 @@ public:
   const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
   const std::vector<double>& bottom_area() const { return problem_.contact_area; }
   const Options& options() const { return options_; }
+  std::size_t points() const { return points_; }  ///< of an element
 
 private:
-  using Tensor = SymmetricTensor<dimension>;
-  static constexpr std::size_t points = Element::points, nodes = Element::nodes;
+  using Tensor = SymmetricTensor<Dim>;
 
   void new_pattern();
   void find_boundaries();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
-  Tensor strain(int e, std::size_t point, std::span<const double> u) const;
   void be_born(State& state, int e, double metal_level, double at) const;
   void melt(State& state, int e) const;
   void set_phases(State& state, const SlabStepInput& input) const;
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);
   void set_supports(State& state, std::span<const double> temperature);
-  void finish(State& state, StepUnknowns<Element>& unknowns, const SlabStepInput& input);
+  void finish(State& state, StepUnknowns<Dim>& unknowns, const SlabStepInput& input);
   void check_liquid_pressure(const State& state, double metal_level);
 
+  std::unique_ptr<MechanicsForms<Dim>> forms_;
+  std::size_t points_;  ///< of an element
   material::MechanicalProperties properties_;
   Options options_;
   const Mesh* mesh_ = nullptr;
-  fem::ElementGeometry<Element> geometry_;
   linalg::SparsityPattern pattern_;
   Workspace work_;
-  StepProblem<Element> problem_;
+  StepProblem<Dim> problem_;
   SlabChecks checks_;
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_length_;  ///< half of the edges at each bottom node [m]

@@ -4,9 +4,9 @@
 
 namespace dccast::mechanics {
 
-template <class Element>
-StepOutcome solve_step(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-                       StepUnknowns<Element>& unknowns) {
+template <int Dim>
+StepOutcome solve_step(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+                       StepUnknowns<Dim>& unknowns) {
   switch (options.algorithm) {
     case Algorithm::newton:
       return solve_newton(problem, options, work, unknowns);
@@ -20,17 +20,7 @@ StepOutcome solve_step(const StepProblem<Element>& problem, const Options& optio
   throw std::logic_error("solve_step: an algorithm without a solver");
 }
 
-template StepOutcome solve_step(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
-                                StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_step(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
-                                Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
-template StepOutcome solve_step(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
-                                Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
-template StepOutcome solve_step(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
-                                StepUnknowns<fem::P1Ring>&);
-template StepOutcome solve_step(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
-                                StepUnknowns<fem::Q1Ring>&);
-template StepOutcome solve_step(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
-                                StepUnknowns<fem::BendingRing>&);
+template StepOutcome solve_step(const StepProblem<2>&, const Options&, Workspace&,
+                                StepUnknowns<2>&);
 
 }  // namespace dccast::mechanics

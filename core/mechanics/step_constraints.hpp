@@ -12,14 +12,16 @@ namespace dccast::mechanics {
 
 /// The held unknowns of a step: those the problem fixes and those the contact set closes. Every
 /// algorithm that treats contact by an active set uses this one.
-template <class Element>
+template <int Dim>
 class StepConstraints {
 public:
   /// @param active     by contact unknown; the set the step starts from, and its outcome
   /// @param round_off  round_off_force() of the problem: no reaction is known better
-  StepConstraints(const StepProblem<Element>& problem, std::vector<char>& active,
-                  double round_off)
-      : problem_(&problem), active_(&active), set_(active), gap_(problem.contact.size()),
+  StepConstraints(const StepProblem<Dim>& problem, std::vector<char>& active, double round_off)
+      : problem_(&problem),
+        active_(&active),
+        set_(active),
+        gap_(problem.contact.size()),
         reaction_(problem.contact.size()),
         force_tolerance_(std::max(force_share_of_weight * problem.weight, round_off)) {
     mark();
@@ -139,7 +141,7 @@ private:
     }
   }
 
-  const StepProblem<Element>* problem_;
+  const StepProblem<Dim>* problem_;
   std::vector<char>* active_;
   contact::ActiveSet set_;
   std::vector<char> fixed_;

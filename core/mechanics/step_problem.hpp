@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/base/symmetric_tensor.hpp"
-#include "core/fem/element_geometry.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
+#include "core/mechanics/mechanics_forms.hpp"
 
 namespace dccast::mechanics {
 
@@ -17,14 +17,12 @@ namespace dccast::mechanics {
 /// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find u
 /// with the fixed unknowns at their targets, gaps and reactions of the contact unknowns not negative,
 /// one of the two zero, and zero residual elsewhere: paper eq. (45) to (47) discretised in time.
-template <class Element>
+template <int Dim>
 struct StepProblem {
-  static constexpr int dimension = Element::dimension;
-  using Tensor = SymmetricTensor<dimension>;
+  using Tensor = SymmetricTensor<Dim>;
 
-  const fem::ElementGeometry<Element>* geometry = nullptr;
-  const mesh::Mesh<dimension>* mesh = nullptr;
-  const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * dimension + direction
+  const MechanicsForms<Dim>* forms = nullptr;
+  const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
 
   double dt = 0.0;        ///< [s]
   double exponent = 2.0;  ///< q, the same in all elements

@@ -12,12 +12,12 @@ constexpr double contact_from_residual = 1e-3;
 /// gamma_p of eq. (77) at the stress of the step's start, sqrt(q-1) kappa |s|^(q-2). The formula is
 /// zero where there is no stress yet, and a multiplier with gamma_p = 0 does not contract; its floor
 /// is the compliance of one elastic step, 1 / (2 mu dt).
-template <class Element>
-std::vector<double> variable_gamma(const StepProblem<Element>& problem,
-                                   const StepUnknowns<Element>& unknowns) {
-  std::vector<double> gamma(std::size_t(problem.geometry->elements()) * Element::points, 0.0);
+template <int Dim>
+std::vector<double> variable_gamma(const StepProblem<Dim>& problem,
+                                   const StepUnknowns<Dim>& unknowns) {
+  std::vector<double> gamma(problem.inelastic.size(), 0.0);
   for (std::size_t i = 0; i < gamma.size(); ++i) {
-    const std::size_t e = i / Element::points;
+    const std::size_t e = i / problem.forms->points();
     if (problem.kappa[e] <= 0.0) continue;
     const double norm = unknowns.deviator.empty() ? 0.0 : unknowns.deviator[i].norm();
     gamma[i] = std::max(std::sqrt(problem.exponent - 1.0) * problem.kappa[e] *
@@ -28,16 +28,17 @@ std::vector<double> variable_gamma(const StepProblem<Element>& problem,
 }
 
 /// Paper section 4.4.1, steps VNBM2(a) to (e).
-template <class Element>
-class Vnbm : MultiplierMethod<Element> {
-  using Base = MultiplierMethod<Element>;
+template <int Dim>
+class Vnbm : MultiplierMethod<Dim> {
+  using Base = MultiplierMethod<Dim>;
   using Tensor = typename Base::Tensor;
 
 public:
-  Vnbm(const StepProblem<Element>& problem, const Options& options, Workspace& work,
-       StepUnknowns<Element>& unknowns)
+  Vnbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+       StepUnknowns<Dim>& unknowns)
       : Base(problem, options, work, unknowns, variable_gamma(problem, unknowns)),
-        system_(*problem.pattern, work), constraints_(problem, unknowns.contact, this->round_off_) {}
+        system_(*problem.pattern, work),
+        constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
     return this->solve_with(constraints_, [this] { iterate(); });
@@ -90,28 +91,18 @@ private:
   }
 
   ConstrainedSystem system_;
-  StepConstraints<Element> constraints_;
+  StepConstraints<Dim> constraints_;
 };
 
 }  // namespace
 
-template <class Element>
-StepOutcome solve_vnbm(const StepProblem<Element>& problem, const Options& options,
-                       Workspace& work, StepUnknowns<Element>& unknowns) {
-  return Vnbm<Element>(problem, options, work, unknowns).solve();
+template <int Dim>
+StepOutcome solve_vnbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
+                       StepUnknowns<Dim>& unknowns) {
+  return Vnbm<Dim>(problem, options, work, unknowns).solve();
 }
 
-template StepOutcome solve_vnbm(const StepProblem<fem::P1Triangle>&, const Options&, Workspace&,
-                                StepUnknowns<fem::P1Triangle>&);
-template StepOutcome solve_vnbm(const StepProblem<fem::Q1Quadrilateral>&, const Options&,
-                                Workspace&, StepUnknowns<fem::Q1Quadrilateral>&);
-template StepOutcome solve_vnbm(const StepProblem<fem::BendingQuadrilateral>&, const Options&,
-                                Workspace&, StepUnknowns<fem::BendingQuadrilateral>&);
-template StepOutcome solve_vnbm(const StepProblem<fem::P1Ring>&, const Options&, Workspace&,
-                                StepUnknowns<fem::P1Ring>&);
-template StepOutcome solve_vnbm(const StepProblem<fem::Q1Ring>&, const Options&, Workspace&,
-                                StepUnknowns<fem::Q1Ring>&);
-template StepOutcome solve_vnbm(const StepProblem<fem::BendingRing>&, const Options&, Workspace&,
-                                StepUnknowns<fem::BendingRing>&);
+template StepOutcome solve_vnbm(const StepProblem<2>&, const Options&, Workspace&,
+                                StepUnknowns<2>&);
 
 }  // namespace dccast::mechanics

@@ -33,7 +33,7 @@ struct Scene {
       u.push_back(1e-3 * x * (1.0 + y));
       u.push_back(-5e-4 * y * (1.0 + x));
     }
-    mechanics::Equilibrium<Element> equilibrium(body.problem);
+    mechanics::Equilibrium equilibrium(body.problem);
     equilibrium.residual(u, body.work.residual, mechanics::return_map_law(body.problem));
     stiffness.resize(body.pattern.entries());
     equilibrium.tangent(stiffness);

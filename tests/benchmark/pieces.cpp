@@ -44,7 +44,7 @@ struct Scene {
 
 void residual(benchmark::State& state) {
   Scene scene(static_cast<int>(state.range(0)));
-  mechanics::Equilibrium<Element> equilibrium(scene.body.problem);
+  mechanics::Equilibrium equilibrium(scene.body.problem);
   for (auto _ : state) {
     benchmark::DoNotOptimize(equilibrium.residual(scene.u, scene.body.work.residual,
                                                   mechanics::return_map_law(scene.body.problem)));
@@ -55,7 +55,7 @@ BENCHMARK(residual)->Apply(sizes);
 
 void assembly(benchmark::State& state) {
   Scene scene(static_cast<int>(state.range(0)));
-  mechanics::Equilibrium<Element> equilibrium(scene.body.problem);
+  mechanics::Equilibrium equilibrium(scene.body.problem);
   equilibrium.residual(scene.u, scene.body.work.residual,
                        mechanics::return_map_law(scene.body.problem));
   for (auto _ : state) equilibrium.tangent(scene.body.work.stiffness);
@@ -65,12 +65,12 @@ BENCHMARK(assembly)->Apply(sizes);
 /// Stiffness with its supports, ready to be factorised.
 struct Linear : Scene {
   explicit Linear(int cells) : Scene(cells) {
-    mechanics::Equilibrium<Element> equilibrium(body.problem);
+    mechanics::Equilibrium equilibrium(body.problem);
     equilibrium.residual(u, body.work.residual, mechanics::return_map_law(body.problem));
     equilibrium.tangent(body.work.stiffness);
     mechanics::ConstrainedSystem system(body.pattern, body.work);
     std::vector<char> closed(body.problem.contact.size(), 1);
-    mechanics::StepConstraints<Element> constraints(
+    mechanics::StepConstraints<2> constraints(
         body.problem, closed, mechanics::round_off_force(body.problem));
     const std::vector<double> none(u.size(), 0.0);
     system.factorize(constraints.fixed(), none);
@@ -100,7 +100,7 @@ void contact(benchmark::State& state) {
   Linear linear(static_cast<int>(state.range(0)));
   std::vector<char> closed(linear.body.problem.contact.size(), 1);
   for (auto _ : state) {
-    mechanics::StepConstraints<Element> constraints(
+    mechanics::StepConstraints<2> constraints(
         linear.body.problem, closed, mechanics::round_off_force(linear.body.problem));
     benchmark::DoNotOptimize(constraints.update(linear.u, linear.body.work.residual, false));
   }

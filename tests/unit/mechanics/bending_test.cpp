@@ -28,7 +28,7 @@ Eigen::MatrixXd stiffness_of(FixedBody<Element>& body) {
   std::vector<double> u(body.problem.unknowns(), 0.0), unused(u.size());
   std::vector<double> values(body.pattern.entries()), column(u.size());
   body.problem.dt = 1.0;
-  Equilibrium<Element> equilibrium(body.problem);
+  Equilibrium equilibrium(body.problem);
   equilibrium.residual(u, unused, return_map_law(body.problem));
   equilibrium.tangent(values);
   Eigen::MatrixXd k(u.size(), u.size());
@@ -204,7 +204,7 @@ TEST(BendingQuadrilateral, AnHourglassDoesNotGrowUnderCompression) {
   const auto pattern = [](int e) { return (e / cells + e % cells) % 2 == 0 ? 1.0 : -1.0; };
   for (int e = 0; e < body.mesh.elements(); ++e) {
     for (std::size_t q = 0; q < 4; ++q) {
-      const auto& cell = body.geometry.cell(e);
+      const auto& cell = body.forms.geometry().cell(e);
       body.problem.inelastic[4 * std::size_t(e) + q].add(1e-4 * pattern(e) * cell.point[q].lever[0],
                                                          cell.bending[0].strain);
     }

@@ -8,7 +8,7 @@ namespace dccast::mechanics {
 namespace {
 
 using Tensor = SymmetricTensor<2>;
-using Problem = StepProblem<fem::P1Triangle>;
+using Problem = StepProblem<2>;
 
 /// One element of hot aluminium; `strength` = c R^(q-2) says how much of the trial stress creeps
 /// away.

@@ -39,7 +39,7 @@ protected:
 
   std::vector<double> residual(const std::vector<double>& u) {
     std::vector<double> r(u.size());
-    Equilibrium<Element> equilibrium(body.problem);
+    Equilibrium equilibrium(body.problem);
     equilibrium.residual(u, r, return_map_law(body.problem));
     return r;
   }
@@ -61,7 +61,7 @@ TYPED_TEST_SUITE(PlaneEquilibriumOf, PlaneFamilies);
 TYPED_TEST(EquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {
   this->fill_history();
   const auto u = this->wavy(1e-4, 0.2), direction = this->wavy(1e-4, 1.1);
-  Equilibrium<TypeParam> equilibrium(this->body.problem);
+  Equilibrium equilibrium(this->body.problem);
   std::vector<double> unused(u.size()), product(u.size());
   std::vector<double> stiffness(this->body.pattern.entries());
   equilibrium.residual(u, unused, return_map_law(this->body.problem));
@@ -105,7 +105,7 @@ TYPED_TEST(PlaneEquilibriumOf, ARigidRotationLeavesNoStress) {
     u.insert(u.end(), {-angle * x[1] + 0.01, angle * x[0] - 0.02});
   }
   std::vector<double> r(u.size());
-  Equilibrium<TypeParam> equilibrium(this->body.problem);
+  Equilibrium equilibrium(this->body.problem);
   equilibrium.residual(u, r, return_map_law(this->body.problem));
   for (const auto& response : equilibrium.response())
     EXPECT_LE(response.norm, 1e-12 * 4e10 * angle);
@@ -131,7 +131,7 @@ TEST(FictitiousLiquid, ItsPressureCarriesItsWeight) {
     body.problem.dt = 1.0;
     body.add_body_force([](double, double) { return Vector2{0.0, -density * gravity}; });
     std::vector<double> u(body.problem.unknowns(), 0.0), r(u.size());
-    Equilibrium<Element> equilibrium(body.problem);
+    Equilibrium equilibrium(body.problem);
     const double acting = equilibrium.residual(u, r, return_map_law(body.problem));
     double reaction = 0.0;
     for (int n = 0; n < body.mesh.nodes(); ++n) {

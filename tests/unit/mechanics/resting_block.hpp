@@ -30,8 +30,8 @@ public:
     body.problem.dt = 1.0;
   }
 
-  StepUnknowns<Element> at_rest(std::vector<char> contact) const {
-    StepUnknowns<Element> unknowns;
+  StepUnknowns<2> at_rest(std::vector<char> contact) const {
+    StepUnknowns<2> unknowns;
     unknowns.displacement.assign(body.problem.unknowns(), 0.0);
     unknowns.deviator.resize(body.problem.inelastic.size());
     unknowns.contact = std::move(contact);
@@ -52,8 +52,8 @@ public:
     std::vector<double> gap, reaction;
     double total = 0.0;
   };
-  Floor floor(const StepUnknowns<Element>& unknowns) const {
-    Equilibrium<Element> equilibrium(body.problem);
+  Floor floor(const StepUnknowns<2>& unknowns) const {
+    Equilibrium equilibrium(body.problem);
     std::vector<double> r(body.problem.unknowns());
     equilibrium.residual(unknowns.displacement, r, return_map_law(body.problem));
     Floor result;

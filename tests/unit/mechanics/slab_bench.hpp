@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/unit/creep/paper_card.hpp"
@@ -34,7 +35,8 @@ public:
 
   explicit SlabBench(Options options = balanced_to(hydrostatic))
       : slab(section()),
-        mechanics(material::MechanicalProperties(material::testing::paper_card()),
+        mechanics(std::make_unique<FormsOf<Element>>(),
+                  material::MechanicalProperties(material::testing::paper_card()),
                   std::move(options)) {
     mechanics.set_mesh(slab.mesh());
     state = mechanics.initial_state();
@@ -77,13 +79,12 @@ public:
 
   /// Total less inelastic strain at every point of the present mesh.
   std::vector<Tensor> elastic_strain() const {
-    fem::ElementGeometry<Element> geometry;
-    geometry.update(slab.mesh());
+    FormsOf<Element> forms;
+    forms.update(slab.mesh());
     std::vector<Tensor> result;
     for (int e = 0; e < slab.mesh().elements(); ++e) {
       for (std::size_t q = 0; q < Element::points; ++q) {
-        result.push_back(Equilibrium<Element>::strain_of(
-            geometry.cell(e), q, slab.mesh().nodes_of(e), state.displacement));
+        result.push_back(forms.strain(std::size_t(e), q, state.displacement));
         result.back().add(-1.0, state.inelastic[result.size() - 1]);
       }
     }
@@ -93,7 +94,7 @@ public:
   double upwards(int node) const { return state.displacement[2 * std::size_t(node) + 1]; }
 
   mesh::SlabMesh slab;
-  SlabMechanics<Element> mechanics;
+  SlabMechanics<2> mechanics;
   SlabState<2> state;
 
 private:

@@ -67,7 +67,7 @@ Eigen::VectorXd spectrum_of_cell(double poisson, mesh::ElementKind kind) {
   body.problem.dt = 1.0;
   const std::size_t unknowns = body.problem.unknowns();
   std::vector<double> u(unknowns, 0.0), product(unknowns), values(body.pattern.entries());
-  mechanics::Equilibrium<Element> equilibrium(body.problem);
+  mechanics::Equilibrium equilibrium(body.problem);
   equilibrium.residual(u, product, mechanics::return_map_law(body.problem));
   equilibrium.tangent(values);
   Eigen::MatrixXd k(unknowns, unknowns);

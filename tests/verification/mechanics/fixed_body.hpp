@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mechanics/viscoplastic_history.hpp"
 #include "core/mesh/slab_mesh.hpp"
@@ -24,7 +26,7 @@ template <class Element>
 class FixedBody {
 public:
   explicit FixedBody(mesh::Mesh2D body) : mesh(std::move(body)) {
-    geometry.update(mesh);
+    forms.update(mesh);
     std::vector<int> unknown;
     for (int n : mesh.element_node) {
       unknown.push_back(2 * n);
@@ -33,8 +35,7 @@ public:
     pattern = linalg::SparsityPattern(2 * mesh.nodes(), unknown, 2 * Element::nodes);
     work.resize(pattern, linalg::Geometry::plane);
     const std::size_t elements = std::size_t(mesh.elements()), unknowns = 2 * std::size_t(mesh.nodes());
-    problem.geometry = &geometry;
-    problem.mesh = &mesh;
+    problem.forms = &forms;
     problem.pattern = &pattern;
     for (auto* field : {&problem.bulk, &problem.shear, &problem.kappa, &problem.thermal,
                         &problem.prestress}) {
@@ -121,7 +122,7 @@ public:
   }
 
   const std::vector<double>& displacement() const { return unknowns_.displacement; }
-  const mechanics::StepUnknowns<Element>& unknowns() const { return unknowns_; }
+  const mechanics::StepUnknowns<2>& unknowns() const { return unknowns_; }
 
   /// What an integral over the section carries at a distance from the axis: that, in a ring [m].
   static double turned(double x) { return fem::is_ring<Element> ? x : 1.0; }
@@ -129,11 +130,11 @@ public:
   /// Stress at a quadrature point [Pa], of the last step's end.
   PlaneStress stress(int element, std::size_t point) const {
     PlaneStress s = unknowns_.deviator[std::size_t(element) * Element::points + point];
-    mechanics::Equilibrium<Element> equilibrium(problem);
+    mechanics::Equilibrium equilibrium(problem);
     return s.add_identity(equilibrium.pressure(element, unknowns_.displacement));
   }
   std::vector<PlaneStress> stresses() const {
-    mechanics::Equilibrium<Element> equilibrium(problem);
+    mechanics::Equilibrium equilibrium(problem);
     std::vector<PlaneStress> all = unknowns_.deviator;
     for (std::size_t i = 0; i < all.size(); ++i) {
       all[i].add_identity(equilibrium.pressure(static_cast<int>(i / Element::points),
@@ -143,13 +144,13 @@ public:
   }
 
   mesh::Mesh2D mesh;
-  fem::ElementGeometry<Element> geometry;
+  mechanics::FormsOf<Element> forms;
   linalg::SparsityPattern pattern;
   mechanics::Workspace work;
-  mechanics::StepProblem<Element> problem;
+  mechanics::StepProblem<2> problem;
 
 private:
-  mechanics::StepUnknowns<Element> unknowns_;
+  mechanics::StepUnknowns<2> unknowns_;
 };
 
 /// A square or rectangle of equal cells from (0, 0), patches named as for a slab.

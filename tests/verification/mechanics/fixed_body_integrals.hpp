@@ -47,7 +47,7 @@ Errors relative_errors(const FixedBody<Element>& body,
     double area = 0.0;
     for (const IntegrationPoint& point : integration_points(body.mesh, e)) area += point.weight;
     for (std::size_t q = 0; q < Element::points; ++q) {
-      mean.add(body.geometry.cell(e).point[q].weight / body.geometry.cell(e).volume,
+      mean.add(body.forms.geometry().cell(e).point[q].weight / body.forms.geometry().cell(e).volume,
                computed[std::size_t(e) * Element::points + q]);
     }
     Vector2 centroid{};

@@ -108,7 +108,7 @@ private:
     return body_.mesh.point(body_.problem.contact[pair] / 2)[0];
   }
   std::vector<double> reaction() const {
-    mechanics::Equilibrium<Element> equilibrium(body_.problem);
+    mechanics::Equilibrium equilibrium(body_.problem);
     std::vector<double> residual(body_.problem.unknowns()), reaction;
     equilibrium.residual(body_.displacement(), residual, mechanics::return_map_law(body_.problem));
     for (int unknown : body_.problem.contact) reaction.push_back(residual[std::size_t(unknown)]);

@@ -199,8 +199,8 @@ void measure(const FixedBody<Element>& body, const std::vector<PlaneStress>& str
       if (distance_to_front(point.x, point.y) >= away_from_front) {
         away.add_point(point.weight, value, exact_u, s, exact_s);
       }
-      centroid[0] += point.weight * point.x / body.geometry.cell(e).volume;
-      centroid[1] += point.weight * point.y / body.geometry.cell(e).volume;
+      centroid[0] += point.weight * point.x / body.forms.geometry().cell(e).volume;
+      centroid[1] += point.weight * point.y / body.forms.geometry().cell(e).volume;
     }
     const PlaneStress exact = exact_stress(centroid[0], centroid[1]);
     whole.add_centroid(s, exact);
@@ -222,7 +222,7 @@ std::vector<PlaneStress> element_stresses(const FixedBody<Element>& body) {
   const auto at_points = body.stresses();
   std::vector<PlaneStress> mean(std::size_t(body.mesh.elements()));
   for (std::size_t i = 0; i < at_points.size(); ++i) {
-    const auto& cell = body.geometry.cell(static_cast<int>(i / Element::points));
+    const auto& cell = body.forms.geometry().cell(static_cast<int>(i / Element::points));
     mean[i / Element::points].add(cell.point[i % Element::points].weight / cell.volume,
                                   at_points[i]);
   }

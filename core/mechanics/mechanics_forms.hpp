@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/symmetric_tensor.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace dccast::mechanics {
+
+/// What a material law gives at a point: the stress deviator, and the tangent
+/// d s / d e = 2 shear I + normal n (x) n with n = s / |s|.
+template <int Dim>
+struct PointResponse {
+  SymmetricTensor<Dim> deviator;  ///< s [Pa]
+  double shear;                   ///< mu~ [Pa]
+  double normal;                  ///< [Pa], not positive
+  double norm;                    ///< |s| [Pa]
+};
+
+/// Elements first to end - 1. Work goes by blocks, small enough for the cache, so that a call costs
+/// nothing beside the work.
+struct ElementBlock {
+  std::size_t first = 0, end = 0;
+  std::size_t elements() const { return end - first; }
+};
+inline constexpr std::size_t elements_in_block = 64;
+
+/// What the algorithms of mechanics know of the elements of a mesh: strains of a displacement,
+/// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian of
+/// a ring.
+///
+/// Arrays by point run over the points of the elements of a block, arrays by element over its
+/// elements.
+template <int Dim>
+class MechanicsForms {
+public:
+  using Tensor = SymmetricTensor<Dim>;
+  using Response = PointResponse<Dim>;
+  using Mesh = mesh::Mesh<Dim>;
+
+  virtual ~MechanicsForms() = default;
+
+  /// Takes a mesh, which must stay where it is, or its new coordinates.
+  /// @param first  first element that is new or has moved
+  virtual void update(const Mesh& mesh, std::size_t first = 0) = 0;
+  virtual std::size_t elements() const = 0;
+  virtual std::size_t points() const = 0;  ///< of an element
+
+  /// Deviator of the strain at every point and mean dilatation of every element.
+  virtual void strains(ElementBlock block, std::span<const double> displacement,
+                       std::span<Tensor> deviator, std::span<double> dilatation) const = 0;
+  /// Adds the nodal forces of the stress deviators and mean normal stresses at the points.
+  /// @param squares  gets the squares of all element forces added
+  virtual void add_forces(ElementBlock block, std::span<const Response> response,
+                          std::span<const double> pressure, std::span<double> force,
+                          double& squares) const = 0;
+  /// Adds the stiffness of the responses at the points and of the bulk moduli of the elements.
+  virtual void add_stiffness(ElementBlock block, std::span<const Response> response,
+                             std::span<const double> bulk, const linalg::SparsityPattern& pattern,
+                             std::span<double> values) const = 0;
+
+  /// Strain at a point of an element, its trace the mean dilatation of the element.
+  virtual Tensor strain(std::size_t element, std::size_t point,
+                        std::span<const double> displacement) const = 0;
+  virtual double mean_dilatation(std::size_t element,
+                                 std::span<const double> displacement) const = 0;
+
+  virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], of a ring [m3/rad]
+  /// Sum of the squares of the nodal forces of a mean normal stress in every element.
+  virtual double squared_forces(std::span<const double> stress) const = 0;
+  /// Subtracts the weight of the elements from the forces along the last direction.
+  /// @param specific_weight  by element [N/m3]
+  /// @return                 the whole weight
+  virtual double subtract_weight(std::span<const double> specific_weight,
+                                 std::span<double> force) const = 0;
+  /// Integrals of the shape functions of an edge from `a` to `b` [m], of a ring [m2/rad].
+  virtual std::array<double, 2> edge_shares(const double* a, const double* b) const = 0;
+};
+
+/// The forms of the element of a section.
+std::unique_ptr<MechanicsForms<2>> make_mechanics_forms(mesh::ElementKind element,
+                                                        mesh::SectionKind section);
+
+}  // namespace dccast::mechanics
