@@ -115,8 +115,7 @@ void print_table(const JobCurl& curl) {
   }
   std::cout << table.text() << std::flush;
   if (curl.job.has_validity_loss())
-    std::cerr << render::validity_text(curl.job.validity_loss())
-              << "; figures after that time are not an answer\n";
+    std::cerr << render::validity_text(curl.job.validity_loss()) << '\n';
 }
 
 JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connection) {

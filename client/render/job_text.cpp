@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <ctime>
 
 #include "client/render/progress.hpp"
@@ -10,6 +11,13 @@
 
 namespace dccast::client::render {
 namespace {
+
+/// Steps are cut to milliseconds and less.
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g s", seconds);
+  return text;
+}
 
 std::string lower_words(std::string text) {
   for (char& c : text)
@@ -24,8 +32,7 @@ std::string where_and_when(const v1::Failure& failure) {
                      failure.time_s() != 0.0;
   std::string text;
   if (timed) text += "\nat " + fixed(failure.time_s(), 3) + " s";
-  if (failure.time_step_s() > 0.0)
-    text += " with a step of " + fixed(1e3 * failure.time_step_s(), 3) + " ms";
+  if (failure.time_step_s() > 0.0) text += " with a step of " + seconds_text(failure.time_step_s());
   if (!place.empty()) text += (timed ? ", " : "\nat ") + place;
   return text;
 }
@@ -129,9 +136,7 @@ std::string job_sheet(const v1::Job& job) {
                             std::to_string(step.elements()) + " elements");
     text += row("solver time", duration_text(step.solver_s()));
   }
-  if (job.has_validity_loss())
-    text += row("validity",
-                validity_text(job.validity_loss()) + "; figures after that time are not an answer");
+  if (job.has_validity_loss()) text += row("validity", validity_text(job.validity_loss()));
   if (job.has_failure()) text += row("failure", failure_text(job.failure()));
   for (const v1::Artifact& artifact : job.artifacts())
     text += row("artifact", artifact.name() + "  " + std::to_string(artifact.size_bytes()) +

@@ -13,8 +13,8 @@ inline constexpr const char* beyond_validity = "beyond validity";
 /// @param place_m  coordinates in the undeformed slab
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m);
 
-/// "beyond validity from 166.20 s on: motion too large: the butt slides (63.1 mm, limit 20 mm) at
-/// x 120.0 mm, y 0.0 mm": when, why, by how much and where, in one line.
+/// "beyond validity from 166.20 s on: at t = 166.2 s the butt ... has slid 63.1 mm ...": the message of
+/// the run, which says where and by how much, or what stands beside it where there is none.
 std::string validity_text(const v1::ValidityLoss& loss);
 
 }  // namespace dccast::client::render

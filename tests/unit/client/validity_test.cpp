@@ -23,7 +23,7 @@ using testing::Not;
 v1::ValidityLoss slide() {
   v1::ValidityLoss loss;
   loss.set_kind(v1::Failure::MOTION_TOO_LARGE);
-  loss.set_message("the butt slides");
+  loss.set_message("the butt has slid 63.1 mm over the bottom block");
   loss.set_time_s(3.0);
   loss.add_place_m(0.12);
   loss.add_place_m(0.003);
@@ -34,8 +34,7 @@ v1::ValidityLoss slide() {
 }
 
 constexpr const char* sentence =
-    "beyond validity from 3.00 s on: motion too large: the butt slides (63.1 mm, limit 20 mm) at "
-    "x 120.0 mm, y 3.0 mm";
+    "beyond validity from 3.00 s on: the butt has slid 63.1 mm over the bottom block";
 
 /// Five steps, the last three after the loss.
 std::vector<v1::JobEvent> events_with_a_loss() {
@@ -187,7 +186,7 @@ TEST(FailureText, HasKindPlaceAndFurtherCauses) {
   failure.add_further_causes("the results could not be published");
   EXPECT_EQ(render::failure_text(failure),
             "shell melted through: no solid path from the symmetry plane to the side\n"
-            "at 166.000 s with a step of 500.000 ms, x 120.0 mm, y 0.0 mm\n"
+            "at 166.000 s with a step of 0.5 s, x 120.0 mm, y 0.0 mm\n"
             "then: the results could not be published");
   EXPECT_EQ(to_json(failure)["further_causes"][0], "the results could not be published");
   for (int kind = v1::Failure::Kind_MIN; kind <= v1::Failure::Kind_MAX; ++kind)
