@@ -76,7 +76,7 @@ private:
   void find_boundaries();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
-  void be_born(State& state, int e, double metal_level, double at) const;
+  void solidify(State& state, int e, double metal_level, double at) const;
   void melt(State& state, int e) const;
   void set_phases(State& state, const SlabStepInput& input) const;
   void set_materials(const State& state, const SlabStepInput& input);

@@ -34,8 +34,8 @@ struct StepProblem {
   std::vector<double> thermal;    ///< thermal stretch of the end of the step [1]
   std::vector<double> prestress;  ///< [Pa], negative in a liquid under pressure
 
-  /// (element, point) strain that carries no stress: reference strain of birth and viscoplastic
-  /// strain up to the start of the step.
+  /// (element, point) strain that carries no stress: reference strain at solidification and
+  /// viscoplastic strain up to the start of the step.
   std::vector<Tensor> inelastic;
 
   // By unknown.

@@ -26,7 +26,7 @@ public:
 
 private:
   void run();
-  void throw_what_was_thrown();
+  void rethrow_background_error();
 
   std::mutex mutex_;
   std::condition_variable changed_;

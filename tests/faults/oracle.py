@@ -134,7 +134,7 @@ def count_listed(scene, count):
     listed = {}
     requests = {}
     for job in all_jobs(scene.client):
-        if job.id in scene.strangers:
+        if job.id in scene.foreign_jobs:
             continue
         listed[job.id] = listed.get(job.id, 0) + 1
         requests.setdefault(job.request_id, set()).add(job.id)

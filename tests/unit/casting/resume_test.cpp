@@ -12,8 +12,8 @@ namespace dccast::casting {
 namespace {
 
 using testing::bytes_of;
+using testing::equal_except_timing;
 using testing::Recorder;
-using testing::same_but_for_the_clock;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -224,7 +224,7 @@ TEST_P(Resume, GivesTheReportsAgainThatTheObserverLacks) {
     ASSERT_EQ(second.missed.size(), std::size_t(std::max<std::int64_t>(0, 14 - known)));
     for (const auto& report : second.missed) {
       const auto& original = first.reports.at(std::size_t(report.step - 1));
-      EXPECT_TRUE(same_but_for_the_clock(report, original)) << "step " << report.step;
+      EXPECT_TRUE(equal_except_timing(report, original)) << "step " << report.step;
       EXPECT_EQ(report.solver_seconds, original.solver_seconds);
     }
     const results::ResultReader reader(folder / "results.h5");

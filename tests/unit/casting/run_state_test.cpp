@@ -13,8 +13,8 @@ namespace dccast::casting {
 namespace {
 
 using testing::bytes_of;
+using testing::equal_except_timing;
 using testing::Recorder;
-using testing::same_but_for_the_clock;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -50,7 +50,7 @@ void expect_equal(const Given& one, const Given& other) {
   EXPECT_EQ(one.outcome.failures, other.outcome.failures);
   ASSERT_EQ(one.reports.size(), other.reports.size());
   for (std::size_t i = 0; i < one.reports.size(); ++i)
-    EXPECT_TRUE(same_but_for_the_clock(one.reports[i], other.reports[i])) << "step " << i + 1;
+    EXPECT_TRUE(equal_except_timing(one.reports[i], other.reports[i])) << "step " << i + 1;
   EXPECT_TRUE(one.results == other.results);
   EXPECT_TRUE(one.sidecar == other.sidecar);
 }
