@@ -56,7 +56,7 @@ public:
 
   /// What someone asks of a running job: kept in the store, then told to the worker.
   /// @throws StoreError  nothing has changed
-  void request(Attempt& attempt, Wish wish, const std::string& reason);
+  void request(Attempt& attempt, RequestedAction action, const std::string& reason);
   /// Lets every worker leave at a checkpoint; its job goes back into the queue.
   void stop_all();
   void order_stop(Attempt& attempt, bool checkpoint);
