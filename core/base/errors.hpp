@@ -31,7 +31,7 @@ private:
   std::vector<Fault> list_;
 };
 
-/// The user can mend it: all faults at once.
+/// The user can correct it: all faults at once.
 class InvalidCase : public std::runtime_error {
 public:
   explicit InvalidCase(Faults faults);

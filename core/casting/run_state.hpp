@@ -31,7 +31,7 @@ struct RunState {
   ValidityState validity;
 };
 
-/// What a run must have in common with a checkpoint to go on from it.
+/// What a run must have in common with a checkpoint to continue from it.
 struct CheckpointOrigin {
   std::string solver;     ///< solver_identity()
   std::string case_json;  ///< as in the results

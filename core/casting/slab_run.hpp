@@ -19,7 +19,7 @@
 
 namespace dccast::casting {
 
-/// What became of one try of one step.
+/// Outcome of one attempt at one step.
 struct Attempt {
   bool converged = false;
   std::string why;  ///< heat or mechanics, when it did not converge

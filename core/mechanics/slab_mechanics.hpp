@@ -17,7 +17,7 @@ struct SlabStepInput {
   double metal_level = 0.0;             ///< h(t) [m]
 };
 
-/// The checks every step is reported with; they are computed anew from displacement and state, not
+/// The checks every step is reported with; they are recomputed from displacement and state, not
 /// taken from the algorithm that found them.
 struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< relative to the forces that act

@@ -113,7 +113,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   return view(std::move(record));
 }
 
-/// Brings a new job to the disk: folder, event log, row. @return the job that has its request_id
+/// Stores a new job on disk: folder, event log, row. @return the job that has its request_id
 /// already, because someone was faster; nothing of the new one is left then
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {

@@ -69,7 +69,7 @@ Settlement settle_other_version(JobRecord& record, const Finished& finished,
     return {v1::FAILED, reason};
   }
   record.requested_action = RequestedAction::none;
-  return {v1::PAUSED, reason + "; ResumeJob begins the run anew"};
+  return {v1::PAUSED, reason + "; ResumeJob starts the run over"};
 }
 
 std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {

@@ -207,7 +207,7 @@ def fault_of_steps(events):
             just_started = event.state_change.state == job_pb2.RUNNING
         elif event.HasField("step"):
             step = event.step.step
-            if step == 1 and just_started:  # begun anew
+            if step == 1 and just_started:  # started over
                 last = 0
             just_started = False
             if step > last + 1:

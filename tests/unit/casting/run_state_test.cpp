@@ -175,7 +175,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
         if (longer == *reals) continue;
         results::Sections content = content_;
         content.set(name, longer);
-        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("begins anew"))
+        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts over"))
             << name << " by " << change;
       }
     }
@@ -195,7 +195,7 @@ TEST_F(Damage, NamesTheArray) {
 }
 
 /// Bits that flipped and bytes that are gone, each with a checksum that fits: the run goes on,
-/// begins anew or fails in words. Seeded, so that what it finds can be found again.
+/// starts over or fails in words. Seeded, so that what it finds can be found again.
 TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
   std::mt19937 random(20240607);
   const std::string whole = results::encode(content_);
@@ -213,7 +213,7 @@ TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
     if (!content) continue;
     const std::string said = resume_from(*content);
     EXPECT_FALSE(said.empty());
-    if (said.find("begins anew") != std::string::npos) ++begun_anew;
+    if (said.find("starts over") != std::string::npos) ++begun_anew;
   }
   EXPECT_GT(begun_anew, 0);
 }
