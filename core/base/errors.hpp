@@ -52,9 +52,9 @@ public:
   const std::vector<double>& residual_history() const { return residual_history_; }
 
 private:
-  double time_;
-  double time_step_;
-  std::vector<double> residual_history_;
+  double time_;                           ///< [s]
+  double time_step_;                      ///< [s]
+  std::vector<double> residual_history_;  ///< [1] by iteration
 };
 
 }  // namespace dccast

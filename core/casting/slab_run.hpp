@@ -23,7 +23,7 @@ namespace dccast::casting {
 struct Attempt {
   bool converged = false;
   std::string why;  ///< heat or mechanics, when it did not converge
-  double time_step = 0.0;
+  double time_step = 0.0;  ///< [s]
   thermal::HeatStepOutcome heat;
   mechanics::StepOutcome mechanics;
 };

@@ -21,7 +21,7 @@ struct ReferenceCreep {
   double stress = 0.0;            ///< [Pa]
   double strain_rate = 0.0;       ///< [1/s]
   double temperature = 0.0;       ///< [°C]
-  double stress_exponent = 1.0;   ///< q - 1
+  double stress_exponent = 1.0;   ///< q - 1 [1]
   double activation_energy = 0.0; ///< [J/mol]
 };
 

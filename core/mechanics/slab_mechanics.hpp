@@ -20,8 +20,8 @@ struct SlabStepInput {
 /// The checks every step is reported with; they are recomputed from displacement and state, not
 /// taken from the algorithm that found them.
 struct SlabChecks {
-  double equilibrium_residual = 0.0;   ///< relative to the forces that act
-  double complementarity_error = 0.0;  ///< of gap and reaction, against 1 mm and the weight
+  double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
+  double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
   double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad]
   double weight = 0.0;                 ///< [N/m], of a billet [N/rad]
   double contact_length = 0.0;         ///< [m] of the bottom that stands on the block

@@ -25,7 +25,7 @@ struct StepProblem {
   const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
 
   double dt = 0.0;        ///< [s]
-  double exponent = 2.0;  ///< q, the same in all elements
+  double exponent = 2.0;  ///< q [1], the same in all elements
 
   // By element.
   std::vector<double> bulk;       ///< [Pa]

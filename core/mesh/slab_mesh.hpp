@@ -42,9 +42,9 @@ private:
   void build();
 
   ElementKind kind_;
-  double growth_cell_;
-  std::vector<double> x_;
-  std::vector<double> y_;
+  double growth_cell_;     ///< [m]
+  std::vector<double> x_;  ///< [m] of the columns of nodes
+  std::vector<double> y_;  ///< [m] of the rows of nodes
   Mesh2D mesh_;
 };
 
