@@ -14,7 +14,7 @@ namespace dccast::contact {
 class ActiveSet {
 public:
   struct Tolerance {
-    double gap;    ///< [m] penetration below which a pair counts as closed
+    double gap;    ///< [m] penetration that counts as zero
     double force;  ///< [N/m] pull that counts as zero; scaled to the weight, not to thermal forces
   };
 
