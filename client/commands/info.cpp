@@ -35,7 +35,7 @@ ExitCode run(const Options& options, Program& program) {
             << " bytes of case and attachments\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
   if (!info.storage_fault().empty())
-    std::cout << "held     " << info.storage_fault() << "; no job starts until this is mended\n";
+    std::cout << "held     " << info.storage_fault() << "; no job starts until this is fixed\n";
   if (info.quarantined() > 0)
     std::cout << "aside    " << info.quarantined()
               << " folders without a job; `dccastd check` lists them\n";

@@ -26,7 +26,7 @@ struct CurlHistory {
   /// A step that was there already replaces itself and all that came after it: it is computed
   /// again.
   void add(const v1::StepReport& report);
-  /// Forgets the steps after this one: the run goes on from there. 0: it begins anew.
+  /// Forgets the steps after this one: the run goes on from there. 0: it starts over.
   void rewind(std::int64_t last_step);
   /// Marks the instants from this time on.
   void mark_beyond(double time_s);

@@ -80,7 +80,7 @@ std::string event_line(const v1::JobEvent& event) {
            event.message().text();
   if (event.has_resumed())
     return event.resumed().step() == 0
-               ? "begun anew"
+               ? "started over"
                : "resumed after step " + std::to_string(event.resumed().step()) + " at " +
                      fixed(event.resumed().time_s(), 2) + " s";
   if (event.has_validity_lost()) return "warning: " + validity_text(event.validity_lost());

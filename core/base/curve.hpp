@@ -7,7 +7,7 @@ namespace dccast {
 /// What the numbers of a Curve stand against; the unit is that of the quantity in SI and °C.
 enum class Abscissa { none, time, cast_length, temperature, gap, distance, liquid_fraction };
 
-/// A quantity given as a table: linear between its points, constant outside them.
+/// A quantity given as a table: interpolated linearly, constant outside its range.
 ///
 /// The constant continuation is deliberate and stated to the user: tables of material data end where
 /// the measurements end, and a straight-line continuation of a modulus or a conductivity can change

@@ -31,7 +31,7 @@ private:
   std::vector<Fault> list_;
 };
 
-/// The user can mend it: all faults at once.
+/// The user can correct it: all faults at once.
 class InvalidCase : public std::runtime_error {
 public:
   explicit InvalidCase(Faults faults);
@@ -52,9 +52,9 @@ public:
   const std::vector<double>& residual_history() const { return residual_history_; }
 
 private:
-  double time_;
-  double time_step_;
-  std::vector<double> residual_history_;
+  double time_;                           ///< [s]
+  double time_step_;                      ///< [s]
+  std::vector<double> residual_history_;  ///< [1] by iteration
 };
 
 }  // namespace dccast

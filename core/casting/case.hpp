@@ -27,7 +27,7 @@ struct Schedule {
 
 struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
-  double tolerance = 1e-11;
+  double tolerance = 1e-11;  ///< [1] residual relative to the heat that moves in a step
   int maximum_iterations = 60;
   std::filesystem::path file;  ///< prescribed temperature; empty: the heat solver
 };
@@ -62,7 +62,7 @@ struct OutputOptions {
 
 struct CheckpointPolicy {
   int every_steps = 50;         ///< 0: none by steps
-  double every_seconds = 30.0;  ///< of wall time; 0: none by time
+  double every_seconds = 30.0;  ///< [s] of wall time; 0: none by time
 };
 
 enum class WhenLost {
@@ -73,7 +73,7 @@ enum class WhenLost {
 /// Limits of the model; how they were chosen stands in docs/validity.md.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
-  double maximum_liquid_pressure_error = 0.15;  ///< relative; of the prestressed liquid only
+  double maximum_liquid_pressure_error = 0.15;  ///< [1] relative; of the prestressed liquid only
   double maximum_rotation = 10.0 * std::numbers::pi / 180.0;  ///< [rad]
   double maximum_slip = 0.02;                                 ///< [m]
   double minimum_shell = 0.0;                                 ///< [m]; 0: any solid path

@@ -14,8 +14,8 @@ struct Estimate {
   std::int64_t nodes = 0;  ///< at the end
   std::int64_t elements = 0;
   std::int64_t steps = 0;
-  double solver_seconds = 0.0;  ///< rough, one core
-  double memory_bytes = 0.0;
+  double solver_seconds = 0.0;  ///< [s] rough, one core
+  double memory_bytes = 0.0;    ///< [bytes]
 };
 
 /// Everything that is wrong with a case beyond the range of a single value: order of tables and

@@ -47,10 +47,10 @@ private:
   Schedule schedule_;
   Curve step_;
   bool water_;
-  double water_start_;
-  double begin_;
-  double end_;
-  std::vector<double> events_;  ///< increasing
+  double water_start_;          ///< [s]
+  double begin_;                ///< [s]
+  double end_;                  ///< [s]
+  std::vector<double> events_;  ///< [s] increasing
 };
 
 }  // namespace dccast::casting

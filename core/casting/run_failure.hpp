@@ -32,7 +32,7 @@ struct RunFailure {
   double time = 0.0;                     ///< [s]
   double time_step = 0.0;                ///< [s]
   std::vector<double> place;             ///< in the undeformed slab [m]; empty where there is none
-  std::vector<double> residual_history;  ///< relative, of the last attempt; of solve_failed only
+  std::vector<double> residual_history;  ///< [1] of the last attempt; of solve_failed only
   bool operator==(const RunFailure&) const = default;
 };
 

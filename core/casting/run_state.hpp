@@ -23,7 +23,7 @@ struct RunState {
   double cast_length = 0.0;  ///< [m]
   double next_frame = 0.0;   ///< [s]
   double step_limit = 0.0;   ///< of the step control [s]
-  double solver_seconds = 0.0;
+  double solver_seconds = 0.0;      ///< [s] of computing so far
   RunFailures failures;             ///< of the steps so far that let the run go on
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
@@ -31,7 +31,7 @@ struct RunState {
   ValidityState validity;
 };
 
-/// What a run must have in common with a checkpoint to go on from it.
+/// What a run must have in common with a checkpoint to continue from it.
 struct CheckpointOrigin {
   std::string solver;     ///< solver_identity()
   std::string case_json;  ///< as in the results

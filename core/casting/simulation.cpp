@@ -143,7 +143,7 @@ private:
     std::string reason = found.state ? run_.misfit(*found.state) : found.reason;
     if (reason.empty()) reason = go_on_from(*found.state, found.journal_records);
     if (!reason.empty())
-      observer_.on_message("no checkpoint to go on from (" + reason + "): the run begins anew");
+      observer_.on_message("no checkpoint to go on from (" + reason + "): the run starts over");
     return std::nullopt;
   }
 

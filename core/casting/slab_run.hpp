@@ -19,11 +19,11 @@
 
 namespace dccast::casting {
 
-/// What became of one try of one step.
+/// Outcome of one attempt at one step.
 struct Attempt {
   bool converged = false;
   std::string why;  ///< heat or mechanics, when it did not converge
-  double time_step = 0.0;
+  double time_step = 0.0;  ///< [s]
   thermal::HeatStepOutcome heat;
   mechanics::StepOutcome mechanics;
 };

@@ -20,8 +20,8 @@ public:
 
 private:
   static constexpr double unlimited = 1e300;
-  double smallest_;
-  double limit_ = unlimited;
+  double smallest_;           ///< [s]
+  double limit_ = unlimited;  ///< [s]
 };
 
 }  // namespace dccast::casting

@@ -14,8 +14,8 @@ namespace dccast::contact {
 class ActiveSet {
 public:
   struct Tolerance {
-    double gap;    ///< [m] penetration that is still none
-    double force;  ///< [N/m] pull that is still none; scaled to the weight, not to thermal forces
+    double gap;    ///< [m] penetration that counts as zero
+    double force;  ///< [N/m] pull that counts as zero; scaled to the weight, not to thermal forces
   };
 
   ActiveSet() = default;

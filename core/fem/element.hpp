@@ -93,16 +93,16 @@ struct BendingQuadrilateral : Q1Quadrilateral {};
 /// integrals carry the radius and leave 2 pi out: forces are per radian. A displacement away from
 /// the axis makes a hoop strain, the zz component.
 template <class Plane>
-struct Ring : Plane {};
+struct Axisymmetric : Plane {};
 
-using P1Ring = Ring<P1Triangle>;
-using Q1Ring = Ring<Q1Quadrilateral>;
-using BendingRing = Ring<BendingQuadrilateral>;
+using AxisymmetricP1 = Axisymmetric<P1Triangle>;
+using AxisymmetricQ1 = Axisymmetric<Q1Quadrilateral>;
+using AxisymmetricBending = Axisymmetric<BendingQuadrilateral>;
 
 template <class Element>
-inline constexpr bool is_ring = false;
+inline constexpr bool is_axisymmetric = false;
 template <class Plane>
-inline constexpr bool is_ring<Ring<Plane>> = true;
+inline constexpr bool is_axisymmetric<Axisymmetric<Plane>> = true;
 
 /// The strain of the element is its mean and two bending modes: see BendingQuadrilateral.
 template <class Element>
@@ -110,6 +110,6 @@ inline constexpr bool has_bending_modes = false;
 template <>
 inline constexpr bool has_bending_modes<BendingQuadrilateral> = true;
 template <>
-inline constexpr bool has_bending_modes<BendingRing> = true;
+inline constexpr bool has_bending_modes<AxisymmetricBending> = true;
 
 }  // namespace dccast::fem

@@ -11,9 +11,10 @@
 
 namespace dccast::fem {
 
-/// What a point of a ring needs besides: the hoop strain of a unit displacement of each node away from
-/// the axis, its shape function over the radius [1/m]. Nothing in other elements.
-template <class Element, bool = is_ring<Element>>
+/// What a point of an axisymmetric element needs besides: the hoop strain of a unit displacement of
+/// each node away from the axis, its shape function over the radius [1/m]. Nothing in other
+/// elements.
+template <class Element, bool = is_axisymmetric<Element>>
 struct HoopGradient {};
 template <class Element>
 struct HoopGradient<Element, true> {
@@ -44,11 +45,12 @@ template <class Element, bool = has_bending_modes<Element>>
 struct BendingModes {};
 template <class Element>
 struct BendingModes<Element, true> {
-  /// Stretch along the first axis and along the second; in a ring also around, across either.
-  std::array<BendingMode, is_ring<Element> ? 4 : 2> bending;
+  /// Stretch along the first axis and along the second; axisymmetric: also around, across either.
+  std::array<BendingMode, is_axisymmetric<Element> ? 4 : 2> bending;
 };
-/// Of a ring with bending modes, the mean of the hoop gradient, apart from the mean gradient.
-template <class Element, bool = is_ring<Element>&& has_bending_modes<Element>>
+/// Of an axisymmetric element with bending modes, the mean of the hoop gradient, apart from the
+/// mean gradient.
+template <class Element, bool = is_axisymmetric<Element>&& has_bending_modes<Element>>
 struct MeanHoop {};
 template <class Element>
 struct MeanHoop<Element, true> {
@@ -65,14 +67,15 @@ public:
   using Gradients = std::array<std::array<double, dimension>, nodes>;  ///< [1/m] by node
 
   struct Point : HoopGradient<Element>, PointStrain<Element> {
-    double weight;  ///< quadrature weight times Jacobian, positive [m^Dim], in a ring times r [m3/rad]
+    double weight;  ///< quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r
+                    ///< [m3/rad]
   };
   struct Cell : BendingModes<Element>, MeanHoop<Element> {
     std::array<Point, points> point;
     /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
-    /// gradient, in a ring and across with the hoop gradient.
+    /// gradient, across the axis with the hoop gradient if axisymmetric.
     Gradients mean_gradient;
-    double volume;  ///< [m^Dim], of a ring [m3/rad]
+    double volume;  ///< [m^Dim], axisymmetric: [m3/rad]
   };
 
   /// Computes the elements from `first` on; call with the first element that moved or is new.
@@ -102,7 +105,7 @@ private:
       const Eigen::Matrix<double, dimension, dimension> inverse = jacobian.inverse();
       Point& point = cell.point[q];
       point.weight = Element::weight[q] * jacobian.determinant();
-      if constexpr (is_ring<Element>) turn(mesh, node, q, point);
+      if constexpr (is_axisymmetric<Element>) add_radius(mesh, node, q, point);
       cell.volume += point.weight;
       for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
         for (std::size_t a = 0; a < std::size_t(dimension); ++a) {
@@ -113,7 +116,8 @@ private:
           if constexpr (!has_bending_modes<Element>) point.gradient[i][a] = g;
           cell.mean_gradient[i][a] += point.weight * g;
         }
-        if constexpr (is_ring<Element>) cell.mean_gradient[i][0] += point.weight * point.hoop[i];
+        if constexpr (is_axisymmetric<Element>)
+          cell.mean_gradient[i][0] += point.weight * point.hoop[i];
       }
     }
     for (auto& node_gradient : cell.mean_gradient) {
@@ -152,7 +156,7 @@ private:
       const double along = axis(0) * axis(0) / square, across = axis(1) * axis(1) / square;
       const double shear = axis(0) * axis(1) / square;
       mode.strain = {{along - across, across - along, 0.0, 2.0 * shear}};
-      if constexpr (is_ring<Element>) {
+      if constexpr (is_axisymmetric<Element>) {
         add_hoop_mode(cell, m);
         cell.bending[2 + m].strain = {{-across, -along, 1.0, shear}};
       }
@@ -191,8 +195,8 @@ private:
     }
   }
 
-  static void turn(const mesh::Mesh<dimension>& mesh, const int* node, std::size_t q,
-                   Point& point) {
+  static void add_radius(const mesh::Mesh<dimension>& mesh, const int* node, std::size_t q,
+                         Point& point) {
     point.hoop = Element::shape(Element::point[q]);
     double radius = 0.0;
     for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
@@ -205,11 +209,12 @@ private:
   std::vector<Cell> cells_;
 };
 
-/// Integrals of the two shape functions of an edge from `a` to `b` [m]; in a ring times r [m2/rad].
+/// Integrals of the two shape functions of an edge from `a` to `b` [m]; axisymmetric: times r
+/// [m2/rad].
 template <class Element>
 std::array<double, 2> edge_shares(const double* a, const double* b) {
   const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
-  if constexpr (is_ring<Element>) {
+  if constexpr (is_axisymmetric<Element>) {
     return {length * (2.0 * a[0] + b[0]) / 6.0, length * (a[0] + 2.0 * b[0]) / 6.0};
   } else {
     return {0.5 * length, 0.5 * length};

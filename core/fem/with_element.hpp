@@ -15,11 +15,13 @@ decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section
   const bool round = section == mesh::SectionKind::axisymmetric;
   switch (element) {
     case mesh::ElementKind::p1:
-      return round ? use.template operator()<P1Ring>() : use.template operator()<P1Triangle>();
+      return round ? use.template operator()<AxisymmetricP1>()
+                   : use.template operator()<P1Triangle>();
     case mesh::ElementKind::q1:
-      return round ? use.template operator()<Q1Ring>() : use.template operator()<Q1Quadrilateral>();
+      return round ? use.template operator()<AxisymmetricQ1>()
+                   : use.template operator()<Q1Quadrilateral>();
     case mesh::ElementKind::q1_bending:
-      return round ? use.template operator()<BendingRing>()
+      return round ? use.template operator()<AxisymmetricBending>()
                    : use.template operator()<BendingQuadrilateral>();
   }
   throw std::logic_error("with_element: an element without a type");

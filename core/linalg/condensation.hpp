@@ -26,7 +26,7 @@ public:
   ///                      their columns cost what a factorisation does
   explicit Condensation(std::size_t most_changes = 8) : most_changes_(most_changes) {}
 
-  /// Starts anew. All arguments must outlive the use of this object and stay as they are.
+  /// Starts over. All arguments must outlive the use of this object and stay as they are.
   /// @param values  entries of K, nothing held
   /// @param solver  holds the factor of K with the unknowns `held` decoupled
   /// @param held    (unknown) not zero where the factor holds an unknown

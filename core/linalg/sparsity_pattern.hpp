@@ -6,7 +6,7 @@
 
 namespace dccast::linalg {
 
-/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for every
+/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for goody
 /// element the place of each of its entries, so that assembly is one addition per entry.
 ///
 /// Built once per mesh; values are kept by the caller as a plain vector of `entries()` numbers.

@@ -21,7 +21,7 @@ struct ReferenceCreep {
   double stress = 0.0;            ///< [Pa]
   double strain_rate = 0.0;       ///< [1/s]
   double temperature = 0.0;       ///< [°C]
-  double stress_exponent = 1.0;   ///< q - 1
+  double stress_exponent = 1.0;   ///< q - 1 [1]
   double activation_energy = 0.0; ///< [J/mol]
 };
 
@@ -32,13 +32,13 @@ struct AlloyCard {
   std::string name;
   double liquidus = 0.0;   ///< [°C]
   double solidus = 0.0;    ///< [°C]; equal to the liquidus for a pure metal
-  double coherency = 0.0;  ///< [°C] below it the mush carries strain
+  double coherency = 0.0;  ///< [°C] below it the mush transmits stress
   double latent_heat = 0.0;          ///< [J/kg]
   Curve density;                     ///< [kg/m3]
   Curve specific_heat;               ///< [J/(kg K)]
   Curve conductivity;                ///< [W/(m K)]
   Curve melt_conductivity_factor;    ///< [1] against liquid fraction
-  /// [1] from 0 at the solidus to 1 at the liquidus, never falling; empty: linear between them
+  /// [1] from 0 at the solidus to 1 at the liquidus, never falling; empty: linear
   Curve liquid_fraction;
   Curve young_modulus;               ///< [Pa]
   Curve poisson_ratio;               ///< [1]

@@ -34,7 +34,7 @@ public:
 private:
   AlloyCard card_;
   NortonHoff creep_;
-  double liquid_density_;
+  double liquid_density_;  ///< [kg/m3]
 };
 
 }  // namespace dccast::material

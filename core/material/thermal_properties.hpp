@@ -70,7 +70,7 @@ private:
     double kirchhoff = 0.0;               ///< [W/m] at the anchor
     double h1 = 0.0, h2 = 0.0, h3 = 0.0;  ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3
     double k1 = 0.0, k2 = 0.0, k3 = 0.0;  ///< the same for Theta
-    double liquid_fraction = 0.0;         ///< at the anchor
+    double liquid_fraction = 0.0;         ///< [1] at the anchor
     double liquid_fraction_slope = 0.0;   ///< [1/K]; [m3/J] in an isothermal change
     bool isothermal = false;
   };
@@ -87,10 +87,10 @@ private:
   const Segment& segment_at_enthalpy(double enthalpy) const;
   static double invert(const Segment& segment, double enthalpy, double enthalpy_at_end);
 
-  double solidus_;
-  double liquidus_;
-  double solidus_enthalpy_ = 0.0;
-  double liquidus_enthalpy_ = 0.0;
+  double solidus_;                  ///< [°C]
+  double liquidus_;                 ///< [°C]
+  double solidus_enthalpy_ = 0.0;   ///< [J/m3]
+  double liquidus_enthalpy_ = 0.0;  ///< [J/m3]
   double largest_diffusivity_ = 0.0;
   double content_of_last_ = 0.0;    ///< [J/m3] across the last segment; while they are built
   double kirchhoff_of_last_ = 0.0;  ///< [W/m]

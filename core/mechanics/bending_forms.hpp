@@ -13,8 +13,8 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
   using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
       typename Base::Vectors;
-  static constexpr bool ring = fem::is_ring<Element>;
-  static constexpr std::size_t modes = ring ? 4 : 2;
+  static constexpr bool axisymmetric = fem::is_axisymmetric<Element>;
+  static constexpr std::size_t modes = axisymmetric ? 4 : 2;
 
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
     return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
@@ -27,7 +27,7 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
       const auto g = section_gradient(c, i);
       mean[0] += g[0] * v[i][0];
       mean[1] += g[1] * v[i][1];
-      if constexpr (ring) mean[2] += c.mean_hoop[i] * v[i][0];
+      if constexpr (axisymmetric) mean[2] += c.mean_hoop[i] * v[i][0];
       mean[3] += 0.5 * (g[0] * v[i][1] + g[1] * v[i][0]);
       for (std::size_t m = 0; m < modes; ++m) {
         const auto& share = c.bending[m].amplitude[i];
@@ -64,7 +64,7 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
         for (std::size_t m = 0; m < modes; ++m) f += bending[m] * c.bending[m].amplitude[i][a];
         force[i][a] = f;
       }
-      if constexpr (ring) force[i][0] += sum[2] * c.mean_hoop[i];
+      if constexpr (axisymmetric) force[i][0] += sum[2] * c.mean_hoop[i];
     }
     return force;
   }
@@ -107,7 +107,7 @@ private:
   /// Mean gradient of a shape function in the section, without the hoop.
   static std::array<double, 2> section_gradient(const Cell& c, std::size_t i) {
     std::array<double, 2> g = c.mean_gradient[i];
-    if constexpr (ring) g[0] -= c.mean_hoop[i];
+    if constexpr (axisymmetric) g[0] -= c.mean_hoop[i];
     return g;
   }
 
@@ -116,7 +116,7 @@ private:
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto g = section_gradient(c, i);
       double hoop = 0.0;
-      if constexpr (ring) hoop = c.mean_hoop[i];
+      if constexpr (axisymmetric) hoop = c.mean_hoop[i];
       strain[2 * i] = Tensor{{g[0], 0.0, hoop, 0.5 * g[1]}}.deviator();
       strain[2 * i + 1] = Tensor{{0.0, g[1], 0.0, 0.5 * g[0]}}.deviator();
     }

@@ -45,7 +45,7 @@ struct ElementForms : ElementFormsBase<Element> {
   using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
       typename Base::Vectors;
-  static constexpr bool ring = fem::is_ring<Element>;
+  static constexpr bool axisymmetric = fem::is_axisymmetric<Element>;
   static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
   using Point = typename fem::ElementGeometry<Element>::Point;
 
@@ -77,7 +77,7 @@ struct ElementForms : ElementFormsBase<Element> {
         for (std::size_t a = 0; a < dim; ++a) {
           double f = pressure[q] * c.mean_gradient[i][a];
           for (std::size_t b = 0; b < dim; ++b) f += s.at(a, b) * point.gradient[i][b];
-          if constexpr (ring) {
+          if constexpr (axisymmetric) {
             if (a == 0) f += s[hoop] * point.hoop[i];
           }
           force[i][a] += point.weight * f;
@@ -102,7 +102,7 @@ struct ElementForms : ElementFormsBase<Element> {
           for (std::size_t b = 0; b < dim; ++b) along[i][a] += r.deviator.at(a, b) * g[i][b];
         }
       }
-      if constexpr (ring) {
+      if constexpr (axisymmetric) {
         for (std::size_t i = 0; i < nodes; ++i)
           along[i][0] += r.deviator[hoop] * c.point[q].hoop[i];
       }
@@ -120,7 +120,7 @@ struct ElementForms : ElementFormsBase<Element> {
             }
             row[a] += mu * dot;
           }
-          if constexpr (ring) {
+          if constexpr (axisymmetric) {
             k[i * dim * unknowns + j * dim] += 2.0 * mu * c.point[q].hoop[i] * c.point[q].hoop[j];
           }
         }
@@ -141,14 +141,15 @@ private:
               0.5 * (point.gradient[i][a] * v[i][b] + point.gradient[i][b] * v[i][a]);
         }
       }
-      if constexpr (ring) strain[hoop] += point.hoop[i] * v[i][0];
+      if constexpr (axisymmetric) strain[hoop] += point.hoop[i] * v[i][0];
     }
     return strain;
   }
 
-  /// What a displacement dilates at a point: the gradient, in a ring and across with the hoop.
+  /// What a displacement dilates at a point: the gradient, across the axis with the hoop strain if
+  /// axisymmetric.
   static decltype(auto) dilatation_gradient(const Point& point) {
-    if constexpr (ring) {
+    if constexpr (axisymmetric) {
       typename fem::ElementGeometry<Element>::Gradients g = point.gradient;
       for (std::size_t i = 0; i < nodes; ++i) g[i][0] += point.hoop[i];
       return g;

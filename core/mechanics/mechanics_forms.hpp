@@ -31,8 +31,8 @@ struct ElementBlock {
 inline constexpr std::size_t elements_in_block = 64;
 
 /// What the algorithms of mechanics know of the elements of a mesh: strains of a displacement,
-/// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian of
-/// a ring.
+/// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian in
+/// an axisymmetric section.
 ///
 /// Arrays by point run over the points of the elements of a block, arrays by element over its
 /// elements.
@@ -70,7 +70,7 @@ public:
   virtual double mean_dilatation(std::size_t element,
                                  std::span<const double> displacement) const = 0;
 
-  virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], of a ring [m3/rad]
+  virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], axisymmetric: [m3/rad]
   /// Sum of the squares of the nodal forces of a mean normal stress in every element.
   virtual double squared_forces(std::span<const double> stress) const = 0;
   /// Subtracts the weight of the elements from the forces along the last direction.
@@ -78,7 +78,7 @@ public:
   /// @return                 the whole weight
   virtual double subtract_weight(std::span<const double> specific_weight,
                                  std::span<double> force) const = 0;
-  /// Integrals of the shape functions of an edge from `a` to `b` [m], of a ring [m2/rad].
+  /// Integrals of the shape functions of an edge from `a` to `b` [m], axisymmetric: [m2/rad].
   virtual std::array<double, 2> edge_shares(const double* a, const double* b) const = 0;
 };
 

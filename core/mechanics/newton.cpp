@@ -157,7 +157,7 @@ private:
     int changes = 0;
     if (descending_) {
       // A pair let go of that the next step pushed back at once had its pull from forces out of
-      // balance: they go first, or the two would take turns for ever.
+      // balance: they go first, or the two would alternate forever.
       if (relative <= release_from_residual && !pushed_back_) {
         changes = constraints_.release(unknowns_.displacement, work_.residual, one_by_one_);
       }

@@ -13,7 +13,7 @@ struct AlgorithmParameters {
   std::optional<double> lambda_p;   ///< [Pa s]; absent: 1 / (2 gamma_p)
   double gamma_c = 5e8;             ///< [Pa/m]
   std::optional<double> lambda_c;   ///< [m/Pa]; absent: 1 / (2 gamma_c)
-  double relaxation = 0.9;
+  double relaxation = 0.9;          ///< [1]
   bool plain = false;
   bool increment_test = false;
 };
@@ -24,12 +24,12 @@ struct Options {
   double gravity = 9.81;  ///< [m/s2]
   Liquid liquid = Liquid::prestressed;
   double liquid_modulus = 1e3;  ///< [Pa]
-  double liquid_epsilon = 1e-3;
-  double liquid_delta = 2.0;
-  double liquid_beta = 1.0;
+  double liquid_epsilon = 1e-3;  ///< [1]
+  double liquid_delta = 2.0;     ///< [1]
+  double liquid_beta = 1.0;      ///< [1]
   bool confinement = true;
   bool contact = true;
-  double tolerance = 1e-8;
+  double tolerance = 1e-8;                ///< [1] residual relative to the forces that act
   std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()
   AlgorithmParameters parameters;
 };

@@ -8,8 +8,8 @@ namespace dccast::mechanics {
 namespace {
 
 // Gap or penetration that may be left at a contact unknown [m]. The residual alone does not see it:
-// with the small gamma_c of a casting a penetration of 0.01 mm is a force of nothing beside the thermal
-// stresses.
+// with the small gamma_c of a casting a penetration of 0.01 mm is a force that is negligible beside
+// the thermal stresses.
 constexpr double contact_tolerance = 1e-6;
 
 /// gamma_p constant, but not zero creep compliance for elements without creep.

@@ -171,10 +171,10 @@ void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature
   }
 }
 
-/// Birth of solid: strain counts from the total strain of this moment, thermal strain from the
-/// temperature `at`, stress from minus the metallostatic pressure.
+/// Activates a cell as solid: strain counts from the total strain of this moment, thermal strain
+/// from the temperature `at`, stress from minus the metallostatic pressure.
 template <int Dim>
-void SlabMechanics<Dim>::be_born(State& state, int e, double metal_level, double at) const {
+void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
                           std::max(0.0, metal_level - centroid_height(e));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
@@ -206,7 +206,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) co
     const bool at_once = options_.liquid == Liquid::solid;
     const bool solid = at_once || t < properties_.coherency();
     if (solid && state.solid[std::size_t(e)] == 0) {
-      be_born(state, e, input.metal_level, at_once ? t : properties_.coherency());
+      solidify(state, e, input.metal_level, at_once ? t : properties_.coherency());
     }
     if (!solid && state.solid[std::size_t(e)] != 0) melt(state, e);
   }

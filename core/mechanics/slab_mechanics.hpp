@@ -17,11 +17,11 @@ struct SlabStepInput {
   double metal_level = 0.0;             ///< h(t) [m]
 };
 
-/// The checks every step is reported with; they are computed anew from displacement and state, not
+/// The checks every step is reported with; they are recomputed from displacement and state, not
 /// taken from the algorithm that found them.
 struct SlabChecks {
-  double equilibrium_residual = 0.0;   ///< relative to the forces that act
-  double complementarity_error = 0.0;  ///< of gap and reaction, against 1 mm and the weight
+  double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
+  double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
   double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad]
   double weight = 0.0;                 ///< [N/m], of a billet [N/rad]
   double contact_length = 0.0;         ///< [m] of the bottom that stands on the block
@@ -76,7 +76,7 @@ private:
   void find_boundaries();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
-  void be_born(State& state, int e, double metal_level, double at) const;
+  void solidify(State& state, int e, double metal_level, double at) const;
   void melt(State& state, int e) const;
   void set_phases(State& state, const SlabStepInput& input) const;
   void set_materials(const State& state, const SlabStepInput& input);

@@ -13,10 +13,10 @@ struct SlabState {
 
   bool started = false;              ///< before, the slab has no displacement and no history
   std::vector<double> displacement;  ///< (node, Dim) [m]
-  std::vector<char> released;        ///< (node) let go by the mould for good
+  std::vector<char> released;        ///< (node) released by the mould for good
   std::vector<char> solid;           ///< (element) carries stress
-  /// (element, point) strain that carries no stress: reference of birth, less its thermal stretch,
-  /// and viscoplastic strain since then.
+  /// (element, point) strain that carries no stress: reference at solidification, less its
+  /// thermal stretch, and viscoplastic strain since then.
   std::vector<Tensor> inelastic;
   std::vector<Tensor> viscoplastic;  ///< (element, point) the viscoplastic part alone
   std::vector<Tensor> deviator;      ///< (element, point) stress deviator [Pa]

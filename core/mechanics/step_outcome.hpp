@@ -15,9 +15,9 @@ struct StepOutcome {
   int contact_changes = 0;
   int factorizations = 0;
   int solves = 0;
-  double equilibrium_residual = 0.0;   ///< relative to the forces that act
-  double constitutive_residual = 0.0;  ///< relative; zero up to round-off where a return map is used
-  std::vector<double> residual_history;
+  double equilibrium_residual = 0.0;     ///< [1] relative to the forces that act
+  double constitutive_residual = 0.0;    ///< [1] relative; round-off where a return map is used
+  std::vector<double> residual_history;  ///< [1] relative, by iteration
 };
 
 /// What lives longer than a step: the factorisation's analysis and the storage, sized once per mesh.

@@ -25,7 +25,7 @@ struct StepProblem {
   const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
 
   double dt = 0.0;        ///< [s]
-  double exponent = 2.0;  ///< q, the same in all elements
+  double exponent = 2.0;  ///< q [1], the same in all elements
 
   // By element.
   std::vector<double> bulk;       ///< [Pa]
@@ -34,12 +34,12 @@ struct StepProblem {
   std::vector<double> thermal;    ///< thermal stretch of the end of the step [1]
   std::vector<double> prestress;  ///< [Pa], negative in a liquid under pressure
 
-  /// (element, point) strain that carries no stress: reference strain of birth and viscoplastic
-  /// strain up to the start of the step.
+  /// (element, point) strain that carries no stress: reference strain at solidification and
+  /// viscoplastic strain up to the start of the step.
   std::vector<Tensor> inelastic;
 
   // By unknown.
-  std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] in a ring, [N] in 3D
+  std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D
   std::vector<char> fixed;             ///< not zero: held at `target`
   std::vector<double> target;          ///< [m]
 
@@ -49,7 +49,7 @@ struct StepProblem {
   /// By contact unknown, how far the block lies below it before anything has moved [m]; empty where
   /// the block is flat against the slab.
   std::vector<double> initial_gap;
-  /// Share of the bottom that each stands for [m] in 2D, [m2/rad] in a ring.
+  /// Share of the bottom that each stands for [m] in 2D, [m2/rad] if axisymmetric.
   std::vector<double> contact_area;
   /// Force against which reactions are judged: the weight of the slab, in the unit of the forces.
   double weight = 0.0;

@@ -68,7 +68,7 @@ private:
 
   void fault(const std::string& message,
              const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
-             const std::string& remedy = "mend the mesh and export it again") {
+             const std::string& remedy = "correct the mesh and export it again") {
     faults_.add("mesh.file", name_, message, permitted, remedy);
   }
 

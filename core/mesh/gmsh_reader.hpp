@@ -19,7 +19,7 @@ namespace dccast::mesh {
 /// temperature file. Facets of a patch are ordered along it: from the symmetry plane, or upwards.
 ///
 /// @param path    the file
-/// @param kind    p1 wants triangles (tetrahedra in 3D), the others quadrilaterals (hexahedra)
+/// @param kind    p1 needs triangles (tetrahedra in 3D), the others quadrilaterals (hexahedra)
 /// @param faults  gets everything that is wrong, under the field "mesh.file"
 /// @return        nothing where there is a fault
 template <int Dim>

@@ -32,7 +32,7 @@ public:
   ///               row only stretched
   std::vector<double> grow_to(double level);
 
-  /// Puts back the state of a checkpoint. @param row_heights as `row_heights()` gave them
+  /// Restores the state of a checkpoint. @param row_heights as `row_heights()` gave them
   void restore(const std::vector<double>& row_heights);
 
 private:
@@ -42,9 +42,9 @@ private:
   void build();
 
   ElementKind kind_;
-  double growth_cell_;
-  std::vector<double> x_;
-  std::vector<double> y_;
+  double growth_cell_;     ///< [m]
+  std::vector<double> x_;  ///< [m] of the columns of nodes
+  std::vector<double> y_;  ///< [m] of the rows of nodes
   Mesh2D mesh_;
 };
 

@@ -23,7 +23,7 @@ void Background::post(std::function<void()> task) {
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return tasks_.size() < most_tasks; });
-    throw_what_was_thrown();
+    rethrow_background_error();
     tasks_.push_back(std::move(task));
   }
   changed_.notify_all();
@@ -33,10 +33,10 @@ void Background::post(std::function<void()> task) {
 void Background::wait() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return tasks_.empty(); });
-  throw_what_was_thrown();
+  rethrow_background_error();
 }
 
-void Background::throw_what_was_thrown() {
+void Background::rethrow_background_error() {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 

@@ -16,7 +16,7 @@ class Background {
 public:
   Background() = default;
   Background(const Background&) = delete;
-  /// Lets the tasks that were posted come to their end.
+  /// Finishes the tasks that were posted.
   ~Background();
 
   /// Waits only when the thread is two tasks behind: what they hold must not pile up.
@@ -26,7 +26,7 @@ public:
 
 private:
   void run();
-  void throw_what_was_thrown();
+  void rethrow_background_error();
 
   std::mutex mutex_;
   std::condition_variable changed_;

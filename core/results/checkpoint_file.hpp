@@ -20,7 +20,7 @@ struct CheckpointRead {
 /// The format is CHECKPOINT.md. @throws StorageError
 void write_checkpoint(const std::filesystem::path& path, const Sections& content);
 
-/// Never throws for what is in the file; a run without a readable checkpoint begins anew.
+/// Never throws for what is in the file; a run without a readable checkpoint starts over.
 /// @throws StorageError  the file is there but cannot be read (permission, disk)
 CheckpointRead read_checkpoint(const std::filesystem::path& path);
 

@@ -112,7 +112,7 @@ ResultWriter::Parts::~Parts() {
 }
 
 ResultFileBuilder ResultWriter::Parts::take_builder() {
-  // Where it throws it is lost, and the next one begins anew.
+  // Where it throws it is lost, and the next one starts over.
   if (auto begun = std::exchange(builder, std::nullopt)) return std::move(*begun);
   return {files.journal, unfinished(files.results)};
 }

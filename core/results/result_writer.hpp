@@ -41,13 +41,13 @@ public:
 
   /// Goes on after step `step`, of which there is a checkpoint; later steps and frames are dropped.
   /// No writer, but the reason, when the journal is missing, damaged, ends before that step or has
-  /// fewer records up to it than the checkpoint says: the run then begins anew.
+  /// fewer records up to it than the checkpoint says: the run then starts over.
   /// @param records  journal_records of the checkpoint; 0: not known
   static ResumedWriter resume(const RunFiles& files, std::int64_t step, std::int64_t records = 0);
 
   ResultWriter(ResultWriter&&) noexcept;
   ResultWriter& operator=(ResultWriter&&) noexcept;
-  /// What is under way comes to its end first. Nothing but the journal stays of unpublished
+  /// Work under way is finished first. Nothing but the journal stays of unpublished
   /// results.
   ~ResultWriter();
 

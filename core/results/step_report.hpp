@@ -11,34 +11,34 @@ namespace dccast::results {
 /// of circumference in an axisymmetric section.
 struct StepReport {
   std::int64_t step = 0;
-  double time = 0.0;
-  double time_step = 0.0;
-  double cast_length = 0.0;
+  double time = 0.0;         ///< [s] end of the step; the block starts at 0, a hold is negative
+  double time_step = 0.0;    ///< [s]
+  double cast_length = 0.0;  ///< [m] travel of the bottom block
   int iterations = 0;
   int heat_iterations = 0;
   int contact_changes = 0;
   int factorizations = 0;
   int solves = 0;
   int failed_attempts = 0;
-  std::vector<std::array<double, 2>> monitor_displacement;  ///< in the order of Case::monitors
-  double equilibrium_residual = 0.0;
-  double energy_balance_error = 0.0;
-  double wall_heat_flux = 0.0;
-  double bottom_reaction = 0.0;
-  double weight = 0.0;
-  double sump_depth = 0.0;
-  double contact_length = 0.0;
-  double solver_seconds = 0.0;
-  double progress = 0.0;
+  std::vector<std::array<double, 2>> monitor_displacement;  ///< [m], by Case::monitors
+  double equilibrium_residual = 0.0;                        ///< [1] relative to the forces that act
+  double energy_balance_error = 0.0;                        ///< [1] relative to the heat that moved
+  double wall_heat_flux = 0.0;                              ///< [W/m] out of side and bottom
+  double bottom_reaction = 0.0;                             ///< [N/m] upwards
+  double weight = 0.0;                                      ///< [N/m]
+  double sump_depth = 0.0;      ///< [m] below the metal level, on the symmetry plane
+  double contact_length = 0.0;  ///< [m] of the bottom that stands on the block
+  double solver_seconds = 0.0;  ///< [s] of computing so far
+  double progress = 0.0;        ///< [1] 0 to 1, of the simulated time
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
-  double mould_exit_temperature = 0.0;
-  double complementarity_error = 0.0;
-  double constitutive_residual = 0.0;
-  double liquid_pressure_error = 0.0;
+  double mould_exit_temperature = 0.0;  ///< [°C] largest of the surface
+  double complementarity_error = 0.0;   ///< [1] against 1 mm and the weight
+  double constitutive_residual = 0.0;   ///< [1] relative
+  double liquid_pressure_error = 0.0;   ///< [1] relative, on the liquidus front
   bool beyond_validity = false;
-  double maximum_rotation = 0.0;
-  double bottom_slip = 0.0;
+  double maximum_rotation = 0.0;  ///< [rad] of a solid element since it solidified
+  double bottom_slip = 0.0;       ///< [m] of the butt beyond its thermal contraction
   bool operator==(const StepReport&) const = default;
 };
 

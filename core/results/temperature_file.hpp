@@ -23,8 +23,8 @@ public:
   void at(double time, std::vector<double>& temperature) const;
 
 private:
-  std::vector<double> time_;
-  std::vector<double> temperature_;
+  std::vector<double> time_;         ///< [s]
+  std::vector<double> temperature_;  ///< [°C]
 };
 
 /// Reads an HDF5 file with the datasets `time_s` (t) and `temperature_c` (t, node).

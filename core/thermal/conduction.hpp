@@ -37,8 +37,8 @@ private:
 
   linalg::SparsityPattern pattern_;
   std::vector<int> element_node_;
-  std::vector<double> stiffness_;
-  std::vector<double> volume_;
+  std::vector<double> stiffness_;  ///< [1]
+  std::vector<double> volume_;     ///< [m2]
 };
 
 }  // namespace dccast::thermal

@@ -9,7 +9,7 @@ namespace dccast::thermal {
 /// Heat of a slab before metal was poured onto it, and heat that came with the metal.
 struct MetalEntry {
   double stored_before = 0.0;  ///< [J/m]; axisymmetric: per radian [J/rad]
-  double entered = 0.0;        ///< the same unit
+  double entered = 0.0;        ///< [J/m], [J/rad]
 };
 
 /// Carries nodal enthalpies over to a slab mesh that has grown (mesh::SlabMesh::grow_to), so that

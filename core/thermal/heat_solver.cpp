@@ -95,7 +95,7 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   const double middle = input.time - 0.5 * input.time_step;
   const bool water_runs =
       cooling_.water.enabled && middle > cooling_.water.start && input.water_flow > 0.0;
-  share_out_side(cooling_, mesh_, kind_, input.metal_level, water_runs, side_);
+  divide_side(cooling_, mesh_, kind_, input.metal_level, water_runs, side_);
   film_share_.clear();
   for (const SideShare& share : side_) {
     const double before = properties_.temperature(enthalpy_n_[std::size_t(share.node)]);

@@ -45,7 +45,7 @@ struct HeatBalance {
   double bottom = 0.0;   ///< [J/m] out
   double moved = 0.0;    ///< [J/m] all heat that moved, the measure of the errors
   /// |stored + side + bottom - top - entered|, rounding included, relative to `moved`.
-  double error = 0.0;
+  double error = 0.0;  ///< [1]
 };
 
 struct HeatStepOutcome {
@@ -53,7 +53,7 @@ struct HeatStepOutcome {
   int iterations = 0;
   int factorizations = 0;
   int solves = 0;
-  std::vector<double> residual_history;  ///< relative to the heat that moved, before each iteration
+  std::vector<double> residual_history;  ///< [1] of the heat that moved, before each iteration
   HeatBalance balance;
   double wall_heat_flux = 0.0;  ///< [W/m] out through the side
 };
@@ -119,7 +119,7 @@ private:
   material::ThermalProperties properties_;
   CoolingSpec cooling_;
   mesh::SectionKind kind_;
-  double tolerance_;
+  double tolerance_;  ///< [1]
   int maximum_iterations_;
 
   mesh::Mesh2D mesh_;

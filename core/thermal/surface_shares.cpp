@@ -103,8 +103,8 @@ void add_piece(const Line& line, double begin, double end, int law, bool by_dist
 
 }  // namespace
 
-void share_out_side(const CoolingSpec& cooling, const Mesh2D& mesh, SectionKind kind,
-                    double metal_level, bool water_runs, std::vector<SideShare>& shares) {
+void divide_side(const CoolingSpec& cooling, const Mesh2D& mesh, SectionKind kind,
+                 double metal_level, bool water_runs, std::vector<SideShare>& shares) {
   shares.clear();
   const std::vector<double> edges = side_edges(cooling);
   for (const auto& facet : mesh.facets(mesh::Patch::side)) {

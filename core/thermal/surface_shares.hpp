@@ -26,8 +26,8 @@ inline constexpr int law_dry = -2;
 /// weighted by the radius and 2 pi is left out.
 ///
 /// @param shares  replaced; its storage is kept from step to step
-void share_out_side(const CoolingSpec& cooling, const mesh::Mesh2D& mesh, mesh::SectionKind kind,
-                    double metal_level, bool water_runs, std::vector<SideShare>& shares);
+void divide_side(const CoolingSpec& cooling, const mesh::Mesh2D& mesh, mesh::SectionKind kind,
+                 double metal_level, bool water_runs, std::vector<SideShare>& shares);
 
 /// Integral of the shape function of each node of the bottom, in the order of
 /// `mesh::patch_nodes(mesh, Patch::bottom)` [m]; axisymmetric: times r [m2], 2 pi left out.

@@ -79,9 +79,11 @@ void Attempts::withdraw(const std::shared_ptr<Attempt>& attempt, const std::stri
   JobRecord& record = attempt->record;
   record.job.set_attempts(attempt->number - 1);
   Settlement settlement{v1::QUEUED, why};
-  if (record.wish == Wish::cancel) settlement = {v1::CANCELLED, cancel_cause(record)};
-  if (record.wish == Wish::pause) settlement = {v1::PAUSED, "paused by request"};
-  record.wish = Wish::none;
+  if (record.requested_action == RequestedAction::cancel)
+    settlement = {v1::CANCELLED, cancel_cause(record)};
+  if (record.requested_action == RequestedAction::pause)
+    settlement = {v1::PAUSED, "paused by request"};
+  record.requested_action = RequestedAction::none;
   settle(*attempt, settlement);
   if (news_.daemon_lacks.empty()) news_.daemon_lacks = why;
   conclude(attempt, why);
@@ -110,13 +112,13 @@ std::shared_ptr<Attempt> Attempts::find(const std::string& job_id, int number) c
   return found != attempts_.end() && found->second->number == number ? found->second : nullptr;
 }
 
-void Attempts::request(Attempt& attempt, Wish wish, const std::string& reason) {
+void Attempts::request(Attempt& attempt, RequestedAction action, const std::string& reason) {
   JobRecord next = attempt.record;
-  next.wish = wish;
-  next.wish_reason = reason;
+  next.requested_action = action;
+  next.request_reason = reason;
   store_.update(next, Durability::full);
   attempt.record = std::move(next);
-  order_stop(attempt, wish == Wish::pause);
+  order_stop(attempt, action == RequestedAction::pause);
 }
 
 void Attempts::order_stop(Attempt& attempt, bool checkpoint) {

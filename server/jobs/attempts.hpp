@@ -30,10 +30,10 @@ struct AttemptOptions {
 /// What happened to a job in its attempt that the queue must know of.
 struct AttemptNews {
   std::vector<v1::Job> requeued;  ///< jobs that wait again, their processes gone
-  std::string daemon_lacks;       ///< why nothing should be started now; empty: nothing lacks
+  std::string daemon_lacks;       ///< why nothing should be started now; empty: nothing is missing
 };
 
-/// The attempts under way: from the start of a worker, over what it says, to what its job becomes.
+/// The attempts under way, from the start of a worker to the outcome of its job.
 ///
 /// The scheduler's mutex guards everything but hear(), which takes only the attempt's own.
 class Attempts {
@@ -49,14 +49,14 @@ public:
   int count() const { return static_cast<int>(attempts_.size()); }
   int running() const;
 
-  /// The attempt whose worker still decides what its job becomes; null when there is none.
+  /// The attempt whose worker still decides the outcome of its job; null when there is none.
   Attempt* running(const std::string& job_id);
   /// The attempt whose job is settled, while its process is still there; null when there is none.
   Attempt* leaving(const std::string& job_id);
 
   /// What someone asks of a running job: kept in the store, then told to the worker.
   /// @throws StoreError  nothing has changed
-  void request(Attempt& attempt, Wish wish, const std::string& reason);
+  void request(Attempt& attempt, RequestedAction action, const std::string& reason);
   /// Lets every worker leave at a checkpoint; its job goes back into the queue.
   void stop_all();
   void order_stop(Attempt& attempt, bool checkpoint);

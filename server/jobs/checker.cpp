@@ -102,7 +102,7 @@ std::string Checker::ask(Question question, std::string_view text, const Patienc
   receive(bytes, patience);
   ::memcpy(head.data(), bytes.data(), sizeof head);
   if (head[0] > 1 || head[1] > largest_answer)
-    throw WorkerDidNotAnswer(Why::died, name_ + " answered what is no answer");
+    throw WorkerDidNotAnswer(Why::died, name_ + " sent an answer that cannot be read");
   bytes.resize(head[1]);
   receive(bytes, patience);
   ++answers_;

@@ -47,7 +47,7 @@ struct Patience {
 };
 
 /// One process of the worker program that answers question after question: a mesh or a result file
-/// that brings it down or keeps it busy for ever costs one answer, not the daemon.
+/// that brings it down or keeps it busy forever costs one answer, not the daemon.
 ///
 /// Both ends speak over a socket: a question is its number and its length, 4 bytes each in the
 /// machine's order, then as many bytes; an answer is 0 (answered) or 1 (the text says why not) and

@@ -20,7 +20,7 @@ struct CheckerLimits {
 };
 
 /// Checkers kept warm: starting the worker program takes 30 ms, an answer less than one. Safe to
-/// use from several threads; each question that is under way has a checker of its own, so who asks
+/// use from several threads; each question that is under way has a checker of its own, so a caller
 /// decides how many there are.
 class CheckerPool {
 public:

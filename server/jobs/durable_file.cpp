@@ -60,18 +60,18 @@ void write_at(int descriptor, std::int64_t offset, std::string_view bytes) {
 }
 
 void sync_file(int descriptor) {
-  if (::fdatasync(descriptor) != 0) fail("cannot bring a file to the disk");
+  if (::fdatasync(descriptor) != 0) fail("cannot sync a file to disk");
 }
 
 void sync_directory(const std::filesystem::path& directory) {
   const FileDescriptor opened = open_file(directory, O_RDONLY | O_DIRECTORY);
-  if (::fsync(opened.get()) != 0) fail("cannot bring " + directory.string() + " to the disk");
+  if (::fsync(opened.get()) != 0) fail("cannot sync " + directory.string() + " to disk");
 }
 
 void write_durably(const std::filesystem::path& path, std::string_view content) {
   const FileDescriptor file = open_file(path, O_WRONLY | O_CREAT | O_EXCL);
   write_at(file.get(), 0, content);
-  if (::fsync(file.get()) != 0) fail("cannot bring " + path.string() + " to the disk");
+  if (::fsync(file.get()) != 0) fail("cannot sync " + path.string() + " to disk");
 }
 
 void replace_file(const std::filesystem::path& path, std::string_view content) {

@@ -80,7 +80,7 @@ void EventLog::append(v1::JobEvent& event) {
       throw std::logic_error("an event log that has ended takes no more events");
     if (sync_error_ != 0)
       throw std::system_error(sync_error_, std::generic_category(),
-                              "cannot bring the event log to the disk");
+                              "cannot sync the event log to disk");
     event.set_sequence(content_.last_sequence + 1);
     if (!event.has_time()) *event.mutable_time() = now();
     const std::string record = framed(event.SerializeAsString());

@@ -29,7 +29,7 @@ public:
   /// @throws std::system_error   the file cannot be read or written
   /// @throws std::runtime_error  it is not an event log of this version
   explicit EventLog(const std::filesystem::path& path);
-  ~EventLog();  ///< brings the rest to the disk; a failure is logged
+  ~EventLog();  ///< syncs the rest to disk; a failure is logged
 
   /// Appends an event and gives it its sequence and, unless it has one, its time.
   /// @throws std::system_error   disk full or not writable, now or at the last sync(); the log is
@@ -37,7 +37,7 @@ public:
   /// @throws std::logic_error    the log has ended
   void append(v1::JobEvent& event);
 
-  /// Brings what was appended to the disk; cheap when nothing was. @throws std::system_error
+  /// Syncs what was appended to disk; cheap when nothing was. @throws std::system_error
   void sync();
 
   /// The event under the cursor, which moves on. @return nothing when there is none yet

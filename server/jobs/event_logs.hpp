@@ -22,8 +22,8 @@ public:
 };
 
 /// The open event logs: each file is open once, whoever uses it. Wakes watchers on a thread of its
-/// own, so that who appends never waits for who watches, and brings appended events to the disk
-/// about every 0.5 s.
+/// own, so that a writer never waits for a watcher, and syncs appended events to disk about
+/// every 0.5 s.
 class EventLogs {
 public:
   /// @param jobs_directory  with one folder per job

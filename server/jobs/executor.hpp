@@ -15,7 +15,7 @@ struct WorkerLaunch {
 };
 
 /// Starts workers somewhere and tells when they end. Nothing else: what a worker does goes over the
-/// worker link, and what becomes of its job is the scheduler's. A second executor starts workers on
+/// worker link, and the outcome of its job is the scheduler's. A second executor starts workers on
 /// other machines. Calls come from any thread and do not wait.
 class Executor {
 public:
@@ -23,7 +23,7 @@ public:
   struct Calls {
     /// @param handle  the worker in the executor's own words, for end_stray()
     std::function<void(const std::string& job_id, int attempt, const std::string& handle)> started;
-    /// The executor lacks something (descriptors, memory, the program): the job is not to blame.
+    /// The executor lacks a resource (descriptors, memory, the program): no fault of the job.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
     /// @param how  "exit code 1", "signal 9 (Killed)"
     std::function<void(const std::string& job_id, int attempt, const std::string& how)> ended;

@@ -9,7 +9,7 @@ namespace dccast::jobs {
 /// [bytes]
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum);
 
-/// Writes a file of some size into a directory, brings it to the disk and removes it again.
+/// Writes a file of some size into a directory, syncs it to disk and removes it again.
 /// @throws std::system_error  the directory takes nothing
 void probe_directory(const std::filesystem::path& directory);
 

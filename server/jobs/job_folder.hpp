@@ -36,7 +36,7 @@ bool was_accepted(const std::filesystem::path& folder);
 /// results and logs stay. A failure is logged: such files do no harm.
 void remove_run_files(const std::filesystem::path& folder);
 
-/// Takes a checkpoint of another version out of the way, so that the run begins anew.
+/// Takes a checkpoint of another version out of the way, so that the run starts over.
 void set_checkpoint_aside(const std::filesystem::path& folder);
 
 /// A folder for the attachments of a case that is only checked; removed with this object.

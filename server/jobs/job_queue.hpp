@@ -12,7 +12,7 @@
 namespace dccast::jobs {
 
 /// The order in which queued jobs start: by priority, then age. Each level of priority is worth
-/// half an hour of waiting, so that a low job cannot wait for ever behind a stream of high ones.
+/// half an hour of waiting, so that a low job cannot wait forever behind a stream of high ones.
 /// As all jobs age alike, that makes a fixed key: the time of submission minus the bonus.
 class JobQueue {
 public:

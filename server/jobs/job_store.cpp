@@ -95,8 +95,8 @@ JobRecord row(const Statement& statement) {
   job.set_attempts(static_cast<int>(statement.integer(9)));
   if (const std::string failure = statement.text(10); !failure.empty())
     job.mutable_failure()->ParseFromString(failure);
-  record.wish = static_cast<Wish>(statement.integer(12));
-  record.wish_reason = statement.text(13);
+  record.requested_action = static_cast<RequestedAction>(statement.integer(12));
+  record.request_reason = statement.text(13);
   record.losses = static_cast<int>(statement.integer(14));
   record.lost_step = statement.integer(15);
   record.first_loss = statement.text(16);
@@ -119,8 +119,8 @@ void bind_changing(Statement& statement, const JobRecord& record) {
   else
     statement.bind_null();
   statement.bind_blob(outcome_of(job))
-      .bind(static_cast<int>(record.wish))
-      .bind(record.wish_reason)
+      .bind(static_cast<int>(record.requested_action))
+      .bind(record.request_reason)
       .bind(record.losses)
       .bind(record.lost_step)
       .bind(record.first_loss)

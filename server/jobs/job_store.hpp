@@ -13,15 +13,15 @@
 
 namespace dccast::jobs {
 
-/// What someone asked of a job that has not come about yet. Kept in the store, so that a crash
-/// between the asking and the doing forgets nothing.
-enum class Wish { none, pause, cancel };
+/// What a caller requested of a job and has not been carried out yet. Kept in the store, so that it
+/// survives a crash.
+enum class RequestedAction { none, pause, cancel };
 
 /// A job with what the service keeps to itself.
 struct JobRecord {
   v1::Job job;
-  Wish wish = Wish::none;
-  std::string wish_reason;
+  RequestedAction requested_action = RequestedAction::none;
+  std::string request_reason;
   int losses = 0;               ///< times its worker died by itself
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept

@@ -23,7 +23,7 @@ public:
   /// @throws std::exception  the event cannot be written
   void transition(JobRecord& record, v1::JobState to, const std::string& cause);
 
-  /// A transition that has come about already, because a worker has left the job so: what the disk
+  /// A transition that has happened already, because a worker has left the job so: what the disk
   /// refuses now is kept, and written by retry(). A job whose own files are damaged fails.
   /// @return why it could not be written; empty when it was
   std::string settle(JobRecord& record, v1::JobState to, const std::string& cause);

@@ -27,9 +27,9 @@ void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record) {
         record, end->state_change().state(),
         "ended just before the last daemon did: " + end->state_change().cause());
   }
-  if (record.wish == Wish::cancel)
+  if (record.requested_action == RequestedAction::cancel)
     return ledger.transition(record, v1::CANCELLED, "cancelled before dccastd was restarted");
-  if (std::exchange(record.wish, Wish::none) == Wish::pause)
+  if (std::exchange(record.requested_action, RequestedAction::none) == RequestedAction::pause)
     return ledger.transition(record, v1::PAUSED, "paused before dccastd was restarted");
   // A transition is in the log before it is in the store.
   const v1::JobState state = log->last_state().value_or(record.job.state());

@@ -174,7 +174,7 @@ bool Scheduler::start_next() {
   return true;
 }
 
-/// A job that cannot be started waits for what the daemon lacks; it fails only for its own files.
+/// A job that cannot be started waits for the missing resource; it fails only for its own files.
 void Scheduler::refuse_start(const std::string& id, const std::exception& error) {
   if (const auto lack = daemon_lacks(error)) return hold(*lack);
   queue_.erase(id);
@@ -218,7 +218,7 @@ void Scheduler::report(const std::shared_ptr<Attempt>& attempt, const v1::Worker
       return;
     case v1::WorkerMessage::kHello:
     case v1::WorkerMessage::WHAT_NOT_SET:
-      spdlog::warn("job {}: its worker sent a message out of turn", attempt->job_id);
+      spdlog::warn("job {}: its worker sent an unexpected message", attempt->job_id);
   }
 }
 

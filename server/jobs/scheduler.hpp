@@ -61,7 +61,7 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// What became of a request about one job.
+/// Outcome of a request about one job.
 struct Reply {
   enum class Kind { done, not_found, wrong_state };
   Kind kind = Kind::done;

@@ -113,7 +113,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   return view(std::move(record));
 }
 
-/// Brings a new job to the disk: folder, event log, row. @return the job that has its request_id
+/// Stores a new job on disk: folder, event log, row. @return the job that has its request_id
 /// already, because someone was faster; nothing of the new one is left then
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {
@@ -224,8 +224,8 @@ Reply Scheduler::cancel(const std::string& id, const std::string& reason) {
   const auto held_open = log_if_any(id);
   const std::lock_guard lock(mutex_);
   if (Attempt* attempt = attempts_.running(id)) {
-    if (attempt->record.wish != Wish::cancel) {
-      attempts_.request(*attempt, Wish::cancel, reason);
+    if (attempt->record.requested_action != RequestedAction::cancel) {
+      attempts_.request(*attempt, RequestedAction::cancel, reason);
       spdlog::info("job {}: {}; its worker is asked to stop", id, cancel_cause(attempt->record));
     }
     changed_.notify_all();
@@ -234,7 +234,7 @@ Reply Scheduler::cancel(const std::string& id, const std::string& reason) {
   auto record = record_of(id);
   if (!record) return {Reply::Kind::not_found, {}};
   if (is_terminal(record->job.state())) return {Reply::Kind::done, view(*record)};
-  record->wish_reason = reason;
+  record->request_reason = reason;
   return settle_idle(*record, v1::CANCELLED, cancel_cause(*record));
 }
 
@@ -242,8 +242,8 @@ Reply Scheduler::pause(const std::string& id) {
   const auto held_open = log_if_any(id);
   const std::lock_guard lock(mutex_);
   if (Attempt* attempt = attempts_.running(id)) {
-    if (attempt->record.wish == Wish::none) {
-      attempts_.request(*attempt, Wish::pause, "");
+    if (attempt->record.requested_action == RequestedAction::none) {
+      attempts_.request(*attempt, RequestedAction::pause, "");
       spdlog::info("job {}: pause asked for; its worker goes on to a checkpoint", id);
     }
     changed_.notify_all();
@@ -262,7 +262,7 @@ Reply Scheduler::resume(const std::string& id) {
   auto record = record_of(id);
   if (!record) return {Reply::Kind::not_found, {}};
   if (record->job.state() != v1::PAUSED) return {Reply::Kind::wrong_state, view(*record)};
-  record->wish = Wish::none;
+  record->requested_action = RequestedAction::none;
   ledger_.transition(*record, v1::QUEUED, "resumed by request");
   if (Attempt* attempt = attempts_.leaving(id)) {
     attempt->requeue = true;

@@ -16,9 +16,9 @@ constexpr int most_storage_failures = 10;
 
 /// By order, at a checkpoint: what was asked for decides.
 Settlement settle_stopped(JobRecord& record, const std::string& cause) {
-  const Wish wish = std::exchange(record.wish, Wish::none);
-  if (wish == Wish::cancel) return {v1::CANCELLED, cancel_cause(record)};
-  if (wish == Wish::pause) return {v1::PAUSED, "paused by request"};
+  const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
+  if (requested == RequestedAction::cancel) return {v1::CANCELLED, cancel_cause(record)};
+  if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
   return {v1::QUEUED, cause};
 }
 
@@ -68,8 +68,8 @@ Settlement settle_other_version(JobRecord& record, const Finished& finished,
     *record.job.mutable_failure() = finished.failure();
     return {v1::FAILED, reason};
   }
-  record.wish = Wish::none;
-  return {v1::PAUSED, reason + "; ResumeJob begins the run anew"};
+  record.requested_action = RequestedAction::none;
+  return {v1::PAUSED, reason + "; ResumeJob starts the run over"};
 }
 
 std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {
@@ -82,7 +82,8 @@ std::string times_died(const JobRecord& record, bool same_step, std::int64_t ste
 }  // namespace
 
 std::string cancel_cause(const JobRecord& record) {
-  return record.wish_reason.empty() ? "cancelled by request" : "cancelled: " + record.wish_reason;
+  return record.request_reason.empty() ? "cancelled by request"
+                                       : "cancelled: " + record.request_reason;
 }
 
 Settlement settle_finished(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
@@ -103,7 +104,7 @@ Settlement settle_finished(JobRecord& record, const Finished& finished, const At
 
 Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts) {
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
-  if (record.wish != Wish::none || facts.shutting_down)
+  if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
   const std::string loss =
       "worker " + (facts.hung.empty() ? "died with " + how : facts.hung + " and was killed") +

@@ -32,7 +32,7 @@ struct AttemptFacts {
 Settlement settle_finished(JobRecord& record, const v1::WorkerMessage::Finished& finished,
                            const AttemptFacts& facts);
 
-/// The worker is gone without a last word.
+/// The worker died without a final report.
 /// @param how  "signal 9 (Killed)", "exit code 1"
 Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts);
 

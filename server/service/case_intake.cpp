@@ -27,11 +27,11 @@ Message parsed(const std::string& bytes) {
   return message;
 }
 
-/// What the core would say is not known until the first fault is mended.
+/// What the core would say is not known until the first fault is fixed.
 void say_that_checks_wait(v1::ValidateCaseResponse& verdict) {
   v1::Fault& waiting = *verdict.add_warnings();
   waiting.set_field(verdict.faults(0).field());
-  waiting.set_message("further checks wait until this is mended");
+  waiting.set_message("further checks wait until this is fixed");
 }
 
 /// Adds the core's faults, save those of keys that have one already.

@@ -19,7 +19,7 @@ public:
 
   WorkPool status{4, many};     ///< one look into the store, or one order
   WorkPool histories{2, many};  ///< reads event logs
-  WorkPool durable{4, many};    ///< brings new jobs to the disk
+  WorkPool durable{4, many};    ///< syncs new jobs to disk
   WorkPool checks;              ///< asks a checker; one thread for each that may be at work
 };
 

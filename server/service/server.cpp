@@ -34,8 +34,8 @@ void permit_pings(grpc::ServerBuilder& builder) {
 /// Workers that may call: as many as the schema permits to run, with those that wait and leave.
 constexpr std::size_t most_workers = 3 * 4096;
 
-/// What connects and says nothing, or nothing more, is let go: a client that is alive connects anew
-/// without noticing.
+/// A connection that is silent from the start, or falls silent, is closed: a client that is alive
+/// reconnects without noticing.
 void end_idle_connections(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000);

@@ -31,7 +31,7 @@ private:
   std::filesystem::path private_folder_;  ///< empty: the socket is in the data directory
 };
 
-/// The worker link, listening. Behind a Door too: gRPC 1.51 ends a listener of its own for ever
+/// The worker link, listening. Behind a Door too: gRPC 1.51 ends a listener of its own forever
 /// when a connection comes at a moment without a free descriptor, and no worker could call any
 /// more.
 class LinkServer {

@@ -50,7 +50,7 @@ grpc::Status internal(const std::string& what) {
   return {grpc::StatusCode::INTERNAL, what};
 }
 
-/// The log has the SQL that failed; a caller is told what is wrong with the store and who mends it.
+/// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs it.
 grpc::Status store_refuses(const jobs::StoreError& error) {
   spdlog::error("{}", error.what());
   switch (error.code()) {

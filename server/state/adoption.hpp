@@ -14,7 +14,7 @@ namespace dccast::state {
 void bring_up_to_log(jobs::JobRecord& record, const std::filesystem::path& log);
 
 /// Takes a folder of `jobs/` back into the store, in the state its event log ends with. What cannot
-/// be known is lost: a wish that was not carried out, and how often its worker died.
+/// be known is lost: a requested action that was not carried out, and how often its worker died.
 /// @throws std::runtime_error  it cannot be taken; the text is the reason
 void adopt(jobs::JobStore& store, const std::filesystem::path& folder);
 

@@ -62,7 +62,7 @@ bool copied(const fs::path& from, const fs::path& to) {
   throw std::runtime_error(from.string() + " changes too fast to be copied; try again");
 }
 
-/// Brings everything on the file system of `path` to the disk.
+/// Syncs the file system of `path` to disk.
 void sync_file_system(const fs::path& path) {
   const auto directory = jobs::open_file(path, O_RDONLY | O_DIRECTORY);
   if (::syncfs(directory.get()) != 0)

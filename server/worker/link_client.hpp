@@ -31,7 +31,7 @@ public:
   std::optional<v1::WorkerOrder::Start> begin(const v1::WorkerMessage::Hello& hello);
   /// Leaves a message to be sent. Waits only when the daemon is thousands of messages behind.
   void send(v1::WorkerMessage message);
-  /// What the run shall do; also after SIGTERM.
+  /// What the run is told to do; also after SIGTERM.
   casting::Order order() const;
   /// Sends the last message. @return whether the daemon has acknowledged it
   bool finish(v1::WorkerMessage::Finished finished);

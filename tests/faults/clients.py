@@ -142,7 +142,7 @@ class OversizeStrings(Fault):
     @staticmethod
     def must_be_refused(scene, case, rest, count):
         try:
-            scene.strangers.add(scene.client.submit(case, **rest).id)
+            scene.foreign_jobs.add(scene.client.submit(case, **rest).id)
             count.found("wrong", "a text of megabytes was accepted")
         except grpc.RpcError as error:
             if error.code() in NO_ANSWERS or not 0 < len(error.details()) < 2000:
@@ -184,7 +184,7 @@ class MalformedMessages(Fault):
         """A mutated message may be a sound one: what came of it is nobody's."""
         for job in all_jobs(scene.client):
             if job.id not in scene.acknowledged:
-                scene.strangers.add(job.id)
+                scene.foreign_jobs.add(job.id)
                 scene.client.cancel(job.id)
 
 

@@ -134,7 +134,7 @@ def count_listed(scene, count):
     listed = {}
     requests = {}
     for job in all_jobs(scene.client):
-        if job.id in scene.strangers:
+        if job.id in scene.foreign_jobs:
             continue
         listed[job.id] = listed.get(job.id, 0) + 1
         requests.setdefault(job.request_id, set()).add(job.id)
@@ -207,7 +207,7 @@ def fault_of_steps(events):
             just_started = event.state_change.state == job_pb2.RUNNING
         elif event.HasField("step"):
             step = event.step.step
-            if step == 1 and just_started:  # begun anew
+            if step == 1 and just_started:  # started over
                 last = 0
             just_started = False
             if step > last + 1:

@@ -43,7 +43,7 @@ class Scene:
         self.daemon.through = through
         self.acknowledged = {}  # id of a job -> Expected
         self.unsure = []        # submissions whose answer never came
-        self.strangers = set()  # ids of jobs that came of nonsense, which nobody answers for
+        self.foreign_jobs = set()  # ids of jobs that came of nonsense, which nobody answers for
         self.clients = []
         self.numbers = 0
         if prepare:

@@ -149,7 +149,7 @@ class Crash(ServiceTest):
             self.client.until_state(job_id, job_pb2.SUCCEEDED)
             self.sound_events(list(self.client.watch(job_id)))
 
-    def test_wishes_survive_a_crash(self):
+    def test_requested_actions_survive_a_crash(self):
         job = self.client.submit(fake_case("steps=10000 sleep_ms=5 deaf=1"))
         self.client.until_step(job.id, 1)
         self.client.cancel(job.id, "before the crash")

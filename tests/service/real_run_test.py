@@ -92,7 +92,7 @@ class RealRun(ServiceTest):
         self.assertEqual([fault["field"] for fault in answer["faults"]],
                          ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
         waits = {warning["field"]: warning["line"] for warning in answer["warnings"]
-                 if "wait until this is mended" in warning["message"]}
+                 if "wait until this is fixed" in warning["message"]}
         self.assertEqual(set(waits), {"section.half_width", "time.step"})
         self.assertTrue(all(line > 0 for line in waits.values()))
 

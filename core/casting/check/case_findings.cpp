@@ -48,7 +48,7 @@ bool CaseFindings::sound(const Keys& keys) {
 
 CheckedCase CaseFindings::answer() {
   for (const std::string& key : waited_for_) {
-    warning(key, "", "further checks wait until this is mended");
+    warning(key, "", "further checks wait until this is fixed");
   }
   return {std::move(faults), std::move(warnings_), estimate};
 }

@@ -50,7 +50,7 @@ std::string remedy_for_size(double drawn, double metres) {
     return std::string("it is in ") + unit.name +
            ": export it in metres, in Gmsh with Mesh.ScalingFactor = " + factor;
   }
-  return "export the mesh in metres, or mend section.half_width";
+  return "export the mesh in metres, or correct section.half_width";
 }
 
 void check_size(CaseFindings& found) {

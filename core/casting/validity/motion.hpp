@@ -21,7 +21,7 @@ double rotation(const mesh::Mesh2D& mesh, int element, std::span<const double> d
 /// The largest angle by which a solid element has turned since it solidified [rad].
 ///
 /// What a cell of melt went through before does not count: between a mould that holds and a shell
-/// that leaves it the melt shears at will, and the strain of solid counts from its birth.
+/// that leaves it the melt shears at will, and the strain of solid counts from solidification.
 ///
 /// @param solid        (element) carries stress
 /// @param growing      first element of the row that still stretches: its motion is the mesh's

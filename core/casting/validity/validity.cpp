@@ -29,11 +29,11 @@ std::string sentence(const char* format, Values... values) {
 ValidityJudge::ValidityJudge(const Case& c)
     : limits_(c.validity),
       properties_(c.alloy),
-      // A ring is held by its hoops, whatever becomes of the shell below its axis.
+      // A billet is held by its hoop stress, whatever happens to the shell below its axis.
       judges_shell_(c.section.kind == mesh::SectionKind::plane_strain &&
                     c.mechanics.options.liquid != mechanics::Liquid::solid),
       // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
-      // use it; who chooses it knows.
+      // use it; choosing it is the user's decision.
       judges_pressure_(c.mechanics.options.liquid == mechanics::Liquid::prestressed),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}

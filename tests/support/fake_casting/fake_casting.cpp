@@ -149,7 +149,7 @@ std::optional<RunOutcome> FakeRun::resume() {
     if (directory.other_version == OtherVersion::wait)
       return RunOutcome{RunEnd::other_version, {failure}};
     if (directory.other_version == OtherVersion::fail) return RunOutcome{RunEnd::failed, {failure}};
-    observer.on_message(failure.message + ": the run begins anew");
+    observer.on_message(failure.message + ": the run starts over");
     std::filesystem::remove(directory.path / "checkpoint.bin");
     return std::nullopt;
   }

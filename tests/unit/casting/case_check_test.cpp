@@ -167,7 +167,7 @@ TEST(CaseCheck, WhatFollowsFromAValueAtFaultWaitsForItAndSaysSo) {
   EXPECT_THAT(fields(checked.faults), ElementsAre("monitor[2].y"));
   EXPECT_THAT(fields(checked.warnings), ElementsAre("section.half_width"));
   EXPECT_THAT(checked.warnings.list()[0].message,
-              ::testing::HasSubstr("wait until this is mended"));
+              ::testing::HasSubstr("wait until this is fixed"));
 }
 
 TEST(CaseCheck, ASoundCaseWaitsForNothing) {

@@ -57,7 +57,7 @@ TEST_P(Motion, StretchingTurnsNothing) {
 }
 
 /// The melt may shear as it likes; the solid it becomes has turned by what comes after.
-TEST_P(Motion, TurnsCountFromTheBirthOfSolid) {
+TEST_P(Motion, RotationCountsFromSolidification) {
   solid.assign(solid.size(), 0);
   EXPECT_EQ(largest_rotation(mesh, solid, turned(0.5), mesh.elements(), when_liquid).value, 0.0);
   solid[3] = 1;

@@ -12,8 +12,8 @@ namespace dccast::casting {
 namespace {
 
 using testing::bytes_of;
+using testing::equal_except_timing;
 using testing::Recorder;
-using testing::same_but_for_the_clock;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -114,7 +114,7 @@ TEST_P(Resume, AfterAKillGoesOnFromTheLastCheckpoint) {
     // The checkpoint of a step is written after the observer has seen it.
     const std::int64_t last = (stop - 1) / 7 * 7;
     EXPECT_EQ(second.resumed_from, last > 0 ? last : -1);
-    EXPECT_EQ(second.messages.empty(), last > 0) << "that it begins anew is said";
+    EXPECT_EQ(second.messages.empty(), last > 0) << "that it starts over is said";
     EXPECT_TRUE(bytes_of(folder / "results.h5") == whole) << "killed after step " << stop;
   }
 }
@@ -132,7 +132,7 @@ TEST_P(Resume, TakesNoCheckpointOfAnotherCase) {
   EXPECT_EQ(second.resumed_from, -1);
   EXPECT_EQ(second.messages,
             std::vector<std::string>{
-                "no checkpoint to go on from (it is of another case): the run begins anew"});
+                "no checkpoint to go on from (it is of another case): the run starts over"});
   EXPECT_EQ(second.reports.front().step, 1);
 }
 
@@ -157,7 +157,7 @@ TEST(CheckpointOfAnotherVersion, LetsTheRunBeginAnewAndSaysWhy) {
   ASSERT_EQ(recorder.messages.size(), 1u);
   EXPECT_EQ(recorder.messages[0],
             "no checkpoint to go on from (it is of another version: dccast 0.0.9; this is " +
-                solver_identity() + "): the run begins anew");
+                solver_identity() + "): the run starts over");
 }
 
 TEST(CheckpointOfAnotherVersion, WaitsUntilToldToBeginAnew) {
@@ -178,7 +178,7 @@ TEST(CheckpointOfAnotherVersion, WaitsUntilToldToBeginAnew) {
   Recorder last;
   EXPECT_EQ(run(small_casting(), {folder / "", true, OtherVersion::wait}, last).end,
             RunEnd::succeeded)
-      << "begun anew once, it does not meet the old checkpoint again";
+      << "started over once, it does not meet the old checkpoint again";
 }
 
 TEST(CheckpointOfAnotherVersion, FailsTheRunWhereTheCaseIsSo) {
@@ -224,7 +224,7 @@ TEST_P(Resume, GivesTheReportsAgainThatTheObserverLacks) {
     ASSERT_EQ(second.missed.size(), std::size_t(std::max<std::int64_t>(0, 14 - known)));
     for (const auto& report : second.missed) {
       const auto& original = first.reports.at(std::size_t(report.step - 1));
-      EXPECT_TRUE(same_but_for_the_clock(report, original)) << "step " << report.step;
+      EXPECT_TRUE(equal_except_timing(report, original)) << "step " << report.step;
       EXPECT_EQ(report.solver_seconds, original.solver_seconds);
     }
     const results::ResultReader reader(folder / "results.h5");

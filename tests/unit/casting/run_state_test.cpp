@@ -13,8 +13,8 @@ namespace dccast::casting {
 namespace {
 
 using testing::bytes_of;
+using testing::equal_except_timing;
 using testing::Recorder;
-using testing::same_but_for_the_clock;
 using testing::small_casting;
 using testing::TemporaryFolder;
 
@@ -50,7 +50,7 @@ void expect_equal(const Given& one, const Given& other) {
   EXPECT_EQ(one.outcome.failures, other.outcome.failures);
   ASSERT_EQ(one.reports.size(), other.reports.size());
   for (std::size_t i = 0; i < one.reports.size(); ++i)
-    EXPECT_TRUE(same_but_for_the_clock(one.reports[i], other.reports[i])) << "step " << i + 1;
+    EXPECT_TRUE(equal_except_timing(one.reports[i], other.reports[i])) << "step " << i + 1;
   EXPECT_TRUE(one.results == other.results);
   EXPECT_TRUE(one.sidecar == other.sidecar);
 }
@@ -175,7 +175,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
         if (longer == *reals) continue;
         results::Sections content = content_;
         content.set(name, longer);
-        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("begins anew"))
+        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts over"))
             << name << " by " << change;
       }
     }
@@ -195,7 +195,7 @@ TEST_F(Damage, NamesTheArray) {
 }
 
 /// Bits that flipped and bytes that are gone, each with a checksum that fits: the run goes on,
-/// begins anew or fails in words. Seeded, so that what it finds can be found again.
+/// starts over or fails in words. Seeded, so that what it finds can be found again.
 TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
   std::mt19937 random(20240607);
   const std::string whole = results::encode(content_);
@@ -213,7 +213,7 @@ TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
     if (!content) continue;
     const std::string said = resume_from(*content);
     EXPECT_FALSE(said.empty());
-    if (said.find("begins anew") != std::string::npos) ++begun_anew;
+    if (said.find("starts over") != std::string::npos) ++begun_anew;
   }
   EXPECT_GT(begun_anew, 0);
 }

@@ -80,7 +80,7 @@ public:
 };
 
 /// Whether two steps agree bit by bit in all but the seconds of the processor.
-inline bool same_but_for_the_clock(results::StepReport a, results::StepReport b) {
+inline bool equal_except_timing(results::StepReport a, results::StepReport b) {
   const auto bits = [](const auto& points) {
     std::vector<std::uint64_t> all;  // a monitor above the metal is no number, which equals nothing
     for (const auto& point : points)

@@ -168,7 +168,7 @@ TEST(ShellOfARun, IsNotJudgedByHeatAlone) {
   expect_sound(result_of(c));
 }
 
-/// A ring is held by its hoops, whatever becomes of the shell below its axis.
+/// A billet is held by its hoop stress, whatever happens to the shell below its axis.
 TEST(ShellOfARun, IsNotJudgedInARoundBillet) {
   Case c = melting_shell(hot);
   c.section.kind = mesh::SectionKind::axisymmetric;

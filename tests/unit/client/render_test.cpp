@@ -98,7 +98,7 @@ TEST(Progress, ARunBegunAnewHasOneCurve) {
   anew.mutable_resumed()->set_time_s(-30.0);
   progress.show(anew);
   EXPECT_TRUE(progress.history().time_s.empty());
-  EXPECT_THAT(stream.str(), HasSubstr("begun anew"));
+  EXPECT_THAT(stream.str(), HasSubstr("started over"));
   for (const v1::JobEvent& event : events) progress.show(event);
   EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4, 5));
 }

@@ -76,18 +76,18 @@ TEST(ElementGeometry, VolumesAreThoseOfThePolygons) {
 }
 
 /// Pappus: a section turned by one radian sweeps its area times the radius of its centroid.
-TEST(ElementGeometry, VolumesOfRingsArePerRadian) {
-  ElementGeometry<P1Ring> flat;
+TEST(ElementGeometry, AxisymmetricVolumesArePerRadian) {
+  ElementGeometry<AxisymmetricP1> flat;
   flat.update(triangle);
   EXPECT_DOUBLE_EQ(flat.cell(0).volume, polygon_area(triangle) * (0.1 + 1.3 + 0.5) / 3.0);
   const auto rectangle = one_element<2>({0.5, 0.0, 2.0, 0.0, 2.0, 1.0, 0.5, 1.0});
-  ElementGeometry<Q1Ring> square;
+  ElementGeometry<AxisymmetricQ1> square;
   square.update(rectangle);
   EXPECT_DOUBLE_EQ(square.cell(0).volume, 0.5 * (2.0 * 2.0 - 0.5 * 0.5));
 }
 
 /// u = r dilates by 2: by 1 across and by 1 around, at every point and in the mean.
-TEST(ElementGeometry, RingsKnowTheHoop) {
+TEST(ElementGeometry, AxisymmetricElementsHaveAHoopGradient) {
   const auto check = []<class Element>(const ElementGeometry<Element>& geometry,
                                        const mesh::Mesh2D& mesh) {
     const auto& cell = geometry.cell(0);
@@ -104,11 +104,11 @@ TEST(ElementGeometry, RingsKnowTheHoop) {
       EXPECT_NEAR(hoop, 1.0, 1e-14);
     }
   };
-  ElementGeometry<P1Ring> flat;
+  ElementGeometry<AxisymmetricP1> flat;
   flat.update(triangle);
   check(flat, triangle);
   const auto skewed = one_element<2>({0.0, 0.0, 2.0, 0.3, 1.7, 1.9, 0.2, 1.1});
-  ElementGeometry<Q1Ring> square;
+  ElementGeometry<AxisymmetricQ1> square;
   square.update(skewed);
   check(square, skewed);
 }
@@ -119,9 +119,9 @@ TEST(EdgeShares, AddUpToTheArea) {
   const auto flat = edge_shares<Q1Quadrilateral>(inner, outer);
   EXPECT_DOUBLE_EQ(flat[0], 0.25);
   EXPECT_DOUBLE_EQ(flat[1], 0.25);
-  const auto turned = edge_shares<Q1Ring>(inner, outer);
-  EXPECT_DOUBLE_EQ(turned[0] + turned[1], 0.5 * 0.3);  // length times mean radius
-  EXPECT_DOUBLE_EQ(turned[1] - turned[0], 0.5 * 0.4 / 6.0);
+  const auto shares = edge_shares<AxisymmetricQ1>(inner, outer);
+  EXPECT_DOUBLE_EQ(shares[0] + shares[1], 0.5 * 0.3);  // length times mean radius
+  EXPECT_DOUBLE_EQ(shares[1] - shares[0], 0.5 * 0.4 / 6.0);
 }
 
 TEST(ElementGeometry, VolumeOfASkewedBoxIsItsDeterminant) {

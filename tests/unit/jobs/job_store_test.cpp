@@ -55,8 +55,8 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   record.job.mutable_failure()->set_message("cause");
   record.job.mutable_last_step()->set_step(17);
   record.job.add_artifacts()->set_name("results.h5");
-  record.wish = Wish::cancel;
-  record.wish_reason = "why";
+  record.requested_action = RequestedAction::cancel;
+  record.request_reason = "why";
   record.losses = 2;
   record.lost_step = 16;
   record.first_loss = "signal 9";
@@ -66,8 +66,8 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   const auto found = again.find(record.job.id());
   ASSERT_TRUE(found);
   EXPECT_TRUE(same(found->job, record.job)) << found->job.DebugString();
-  EXPECT_EQ(found->wish, Wish::cancel);
-  EXPECT_EQ(found->wish_reason, "why");
+  EXPECT_EQ(found->requested_action, RequestedAction::cancel);
+  EXPECT_EQ(found->request_reason, "why");
   EXPECT_EQ(found->losses, 2);
   EXPECT_EQ(found->lost_step, 16);
   EXPECT_EQ(found->first_loss, "signal 9");

@@ -263,7 +263,7 @@ TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsAsked)
   daemon.scheduler.report(attempt_, other);
   end_worker(daemon, "exit code 0");
   EXPECT_EQ(state(daemon, id_), v1::PAUSED);
-  EXPECT_FALSE(fs::exists(checkpoint));  // so that it begins anew
+  EXPECT_FALSE(fs::exists(checkpoint));  // so that it starts over
   EXPECT_EQ(daemon.scheduler.resume(id_).job.state(), v1::QUEUED);
 }
 

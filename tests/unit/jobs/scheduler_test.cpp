@@ -34,9 +34,9 @@ TEST_F(SchedulerTest, KnowsItsWorkersByTheirToken) {
   daemon.scheduler.start();
   daemon.scheduler.submit(new_job(), {});
   auto launch = daemon.executor.wait_for_launch(1);
-  auto stranger = launch;
-  stranger.token.back() = stranger.token.back() == '0' ? '1' : '0';
-  EXPECT_FALSE(attach(daemon, stranger));
+  auto foreign = launch;
+  foreign.token.back() = foreign.token.back() == '0' ? '1' : '0';
+  EXPECT_FALSE(attach(daemon, foreign));
   EXPECT_TRUE(attach(daemon, launch));
   EXPECT_FALSE(attach(daemon, launch));  // a second one with the same token
 }

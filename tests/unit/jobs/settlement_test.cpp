@@ -57,8 +57,8 @@ TEST(Settlement, AFailedCheckWhoseResultsWereNotWrittenIsRunToItsEndAgain) {
 
 TEST(Settlement, WhatWasAskedForComesAboutAlsoWhenStorageFails) {
   JobRecord record = running();
-  record.wish = Wish::cancel;
-  record.wish_reason = "wrong alloy";
+  record.requested_action = RequestedAction::cancel;
+  record.request_reason = "wrong alloy";
   const auto settlement = settle_lost(record, "signal 9", {.storage_error = "disk full"});
   EXPECT_EQ(settlement.state, v1::CANCELLED);
   EXPECT_EQ(settlement.cause, "cancelled: wrong alloy");

@@ -65,8 +65,9 @@ protected:
   double creep_ = 0.0;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
-                                  fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
+using Families =
+    ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
+                     fem::AxisymmetricP1, fem::AxisymmetricQ1, fem::AxisymmetricBending>;
 TYPED_TEST_SUITE(AlgorithmsOn, Families);
 
 TYPED_TEST(AlgorithmsOn, AgreeOnACreepingPartialContact) {

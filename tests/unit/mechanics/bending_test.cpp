@@ -56,16 +56,16 @@ int modes_without_energy(const Eigen::MatrixXd& k) {
 template <class Element>
 class ModesOf : public ::testing::Test {};
 using Quadrilaterals = ::testing::Types<fem::Q1Quadrilateral, fem::BendingQuadrilateral,
-                                        fem::Q1Ring, fem::BendingRing>;
+                                        fem::AxisymmetricQ1, fem::AxisymmetricBending>;
 TYPED_TEST_SUITE(ModesOf, Quadrilaterals);
 
-/// Two translations and a rotation in the plane, a translation along the axis in a ring, and no
-/// hourglass, whatever the shape of the cell and Poisson's ratio.
+/// Two translations and a rotation in the plane, a translation along the axis if axisymmetric, and
+/// no hourglass, whatever the shape of the cell and Poisson's ratio.
 TYPED_TEST(ModesOf, OnlyRigidBodiesMoveWithoutEnergy) {
   for (const auto& corners : {skewed, needle}) {
     for (const double poisson : {0.0, 0.45, 0.4999}) {
       EXPECT_EQ(modes_without_energy(stiffness_of_cell<TypeParam>(corners, poisson)),
-                fem::is_ring<TypeParam> ? 1 : 3);
+                fem::is_axisymmetric<TypeParam> ? 1 : 3);
     }
   }
 }
@@ -185,13 +185,15 @@ double deflection_of_disc(double poisson, int columns, int layers) {
 
 /// A disc bends in two directions, and its hoop strain too is balanced across the plate. What is
 /// left with a few cells over the radius comes from the weight of the radius in a cell at the axis.
-TEST(BendingRing, LongCellsBendInBothDirections) {
+TEST(AxisymmetricBending, LongCellsBendInBothDirections) {
   for (const auto& [columns, error] :
        {std::pair{2, 0.12}, std::pair{4, 0.04}, std::pair{20, 0.04}}) {
-    EXPECT_NEAR(deflection_of_disc<fem::BendingRing>(0.4999, columns, 1), 1.0, error) << columns;
-    EXPECT_NEAR(deflection_of_disc<fem::BendingRing>(0.3, columns, 4), 1.0, error) << columns;
+    EXPECT_NEAR(deflection_of_disc<fem::AxisymmetricBending>(0.4999, columns, 1), 1.0, error)
+        << columns;
+    EXPECT_NEAR(deflection_of_disc<fem::AxisymmetricBending>(0.3, columns, 4), 1.0, error)
+        << columns;
   }
-  EXPECT_LE(deflection_of_disc<fem::Q1Ring>(0.3, 2, 4), 0.2) << "Q1 locks";
+  EXPECT_LE(deflection_of_disc<fem::AxisymmetricQ1>(0.3, 2, 4), 0.2) << "Q1 locks";
 }
 
 /// A block squeezed by a tenth of its height while it creeps, with an hourglass of strain in it at

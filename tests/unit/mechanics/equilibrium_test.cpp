@@ -47,8 +47,9 @@ protected:
   FixedBody<Element> body;
 };
 
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
-                                  fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
+using Families =
+    ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral,
+                     fem::AxisymmetricP1, fem::AxisymmetricQ1, fem::AxisymmetricBending>;
 TYPED_TEST_SUITE(EquilibriumOf, Families);
 
 /// Of bodies that may rotate in their plane.

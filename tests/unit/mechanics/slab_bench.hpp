@@ -29,7 +29,7 @@ class SlabBench {
 public:
   static constexpr double width = 0.28, depth = 0.10, gravity = 9.81;
   /// Area of the bottom that forces are taken over [m2/m], of a billet [m2/rad].
-  static constexpr double face = fem::is_ring<Element> ? 0.5 * width * width : width;
+  static constexpr double face = fem::is_axisymmetric<Element> ? 0.5 * width * width : width;
   using Field = std::function<double(double, double)>;
   using Tensor = SymmetricTensor<2>;
 

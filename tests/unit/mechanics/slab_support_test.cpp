@@ -29,8 +29,8 @@ protected:
     return highest;
   }
 };
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring,
-                                  fem::BendingQuadrilateral, fem::BendingRing>;
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::AxisymmetricQ1,
+                                  fem::BendingQuadrilateral, fem::AxisymmetricBending>;
 TYPED_TEST_SUITE(SupportOf, Families);
 
 TYPED_TEST(SupportOf, TheBlockCarriesTheWeightWhateverTheSlabDoes) {

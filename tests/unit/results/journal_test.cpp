@@ -19,7 +19,7 @@ constexpr std::int64_t last_step = 400;
 constexpr std::int64_t steps_per_frame = 7;
 constexpr std::int64_t steps_per_checkpoint = 20;
 
-/// A run as casting makes it, from its checkpoint on if there is one. @return false: begun anew
+/// A run as casting makes it, from its checkpoint on if there is one. @return false: started over
 bool run_sample(const TemporaryFolder& folder) {
   const RunFiles files{folder / "results.journal", folder / "results.h5"};
   std::int64_t step = 0;

@@ -23,7 +23,7 @@ std::vector<SideShare> shares_of(const CoolingSpec& cooling, double level, bool 
                                  mesh::SectionKind kind = mesh::SectionKind::plane_strain) {
   const mesh::SlabMesh slab(casting_section(mesh::ElementKind::p1));
   std::vector<SideShare> shares;
-  share_out_side(cooling, slab.mesh(), kind, level, water_runs, shares);
+  divide_side(cooling, slab.mesh(), kind, level, water_runs, shares);
   return shares;
 }
 
@@ -52,8 +52,7 @@ TEST(SideShares, FirstMomentIsExact) {
   // The weights of a law, times the height of the nodes, give the integral of the height.
   const mesh::SlabMesh slab(casting_section(mesh::ElementKind::q1));
   std::vector<SideShare> shares;
-  share_out_side(casting_cooling(), slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true,
-                 shares);
+  divide_side(casting_cooling(), slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
   std::map<int, double> moment;
   for (const SideShare& share : shares) {
     moment[share.law] += share.weight * slab.mesh().point(share.node)[1];
@@ -73,7 +72,7 @@ TEST(SideShares, AreContinuousInEveryEdge) {
     cooling.water.from = cooling.zones[1].to = water_line;
     std::vector<double> water(std::size_t(slab.mesh().nodes()), 0.0);
     std::vector<SideShare> shares;
-    share_out_side(cooling, slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
+    divide_side(cooling, slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
     for (const SideShare& share : shares) {
       if (share.law == law_water) water[std::size_t(share.node)] += share.weight;
     }

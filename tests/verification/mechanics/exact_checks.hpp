@@ -31,7 +31,7 @@ Result run_modes(const TestRun& run);
 
 /// Patch test of an axisymmetric body: uniform strain across, around and along the axis on a
 /// distorted mesh that reaches the axis.
-Result run_ring_patch(const TestRun& run);
+Result run_axisymmetric_patch(const TestRun& run);
 
 /// Thick-walled tube under inner pressure in plane strain along its axis (Timoshenko): displacement
 /// and stress, their orders against cells twice as large, and errors at Poisson's ratio 0.4999.

@@ -20,8 +20,8 @@ using Vector2 = std::array<double, 2>;
 using PlaneStress = SymmetricTensor<2>;
 
 /// A body of fixed shape and constant elastic and creep data, stepped through time: what the
-/// paper's tests T1 to T4 need of the mechanics, without a casting around it. Forces of a ring are
-/// per radian.
+/// paper's tests T1 to T4 need of the mechanics, without a casting around it. Axisymmetric forces
+/// are per radian.
 template <class Element>
 class FixedBody {
 public:
@@ -95,7 +95,7 @@ public:
         const double x = a[0] + at[k] * (b[0] - a[0]);
         const Vector2 t = traction(x, a[1] + at[k] * (b[1] - a[1]));
         for (std::size_t d = 0; d < 2; ++d) {
-          const double f = weight[k] * length * turned(x) * t[d];
+          const double f = weight[k] * length * radius_factor(x) * t[d];
           problem.external_force[2 * std::size_t(facet.node[0]) + d] += (1.0 - at[k]) * f;
           problem.external_force[2 * std::size_t(facet.node[1]) + d] += at[k] * f;
         }
@@ -124,8 +124,8 @@ public:
   const std::vector<double>& displacement() const { return unknowns_.displacement; }
   const mechanics::StepUnknowns<2>& unknowns() const { return unknowns_; }
 
-  /// What an integral over the section carries at a distance from the axis: that, in a ring [m].
-  static double turned(double x) { return fem::is_ring<Element> ? x : 1.0; }
+  /// Factor of an integral over the section at a distance `x` from the axis: x if axisymmetric [m].
+  static double radius_factor(double x) { return fem::is_axisymmetric<Element> ? x : 1.0; }
 
   /// Stress at a quadrature point [Pa], of the last step's end.
   PlaneStress stress(int element, std::size_t point) const {

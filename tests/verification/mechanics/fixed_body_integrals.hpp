@@ -13,7 +13,7 @@ void FixedBody<Element>::add_body_force(const std::function<Vector2(double, doub
       for (std::size_t i = 0; i < Element::nodes; ++i) {
         for (std::size_t d = 0; d < 2; ++d) {
           problem.external_force[2 * std::size_t(node[i]) + d] +=
-              turned(point.x) * point.weight * point.shape[i] * f[d];
+              radius_factor(point.x) * point.weight * point.shape[i] * f[d];
         }
       }
     }

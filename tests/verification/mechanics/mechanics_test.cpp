@@ -77,10 +77,10 @@ TEST_P(MechanicsOn, ContactWithACylinderOpensAsItClosed) {
   EXPECT_LE(figures.more.at("difference_after_cycle"), 1e-10);
 }
 
-TEST_P(MechanicsOn, UniformStrainOfARingPassesThePatchTest) {
+TEST_P(MechanicsOn, AxisymmetricUniformStrainPassesThePatchTest) {
   TestRun run;
   run.element = GetParam();
-  const Figures figures = figures_of(run_ring_patch(run));
+  const Figures figures = figures_of(run_axisymmetric_patch(run));
   EXPECT_LT(figures.displacement_error, 1e-12);
   EXPECT_LT(figures.stress_error, 1e-11);
 }

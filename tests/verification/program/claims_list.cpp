@@ -178,7 +178,7 @@ void add_exact_checks(std::vector<Claim>& all) {
                  Relation::within, 1.0, 0.1});
 }
 
-void add_rings(std::vector<Claim>& all) {
+void add_axisymmetric(std::vector<Claim>& all) {
   const auto claim = [&all](const RunRequest& request, const std::string& what, const char* key,
                             Relation relation, double bound, double tolerance = 0.0) {
     all.push_back({what, request, key, relation, bound, tolerance});
@@ -272,7 +272,7 @@ const std::vector<Claim>& claims() {
     add_iterations(list);
     add_heat(list);
     add_exact_checks(list);
-    add_rings(list);
+    add_axisymmetric(list);
     add_hertz(list);
     return list;
   }();

@@ -13,9 +13,9 @@ constexpr double mu = young / (2.0 * (1.0 + poisson));
 constexpr double bulk = young / (3.0 * (1.0 - 2.0 * poisson));
 
 template <class Element>
-class RingOf : public ::testing::Test {
+class AxisymmetricBody : public ::testing::Test {
 protected:
-  RingOf() : body(distorted_rectangle<Element>(radius, height, 4, 4)) {
+  AxisymmetricBody() : body(distorted_rectangle<Element>(radius, height, 4, 4)) {
     body.set_material(young, poisson, 0.0, 6.0);
     body.problem.dt = 1.0;
   }
@@ -37,11 +37,12 @@ protected:
 
   FixedBody<Element> body;
 };
-using Families = ::testing::Types<fem::P1Ring, fem::Q1Ring, fem::BendingRing>;
-TYPED_TEST_SUITE(RingOf, Families);
+using Families =
+    ::testing::Types<fem::AxisymmetricP1, fem::AxisymmetricQ1, fem::AxisymmetricBending>;
+TYPED_TEST_SUITE(AxisymmetricBody, Families);
 
 /// A swelling a r stretches around as much as across; a shear strain comes with it.
-TYPED_TEST(RingOf, StrainKnowsTheHoop) {
+TYPED_TEST(AxisymmetricBody, StrainIncludesTheHoop) {
   constexpr double across = 2e-3, along = -1e-3, shear = 4e-4;
   const auto u = this->field([](double r, double z) {
     return Vector2{across * r, along * z + 2.0 * shear * r};
@@ -58,7 +59,7 @@ TYPED_TEST(RingOf, StrainKnowsTheHoop) {
 
 /// Uniform strain with creep: one stress everywhere, a hoop stress with it, and inner nodes in
 /// balance.
-TYPED_TEST(RingOf, PassesThePatchTestWithCreep) {
+TYPED_TEST(AxisymmetricBody, PassesThePatchTestWithCreep) {
   constexpr double across = 2e-3, along = -1.5e-3, kappa = 1e-38;
   const auto linear = [](double r, double z) { return Vector2{across * r, along * z}; };
   this->body.set_material(young, poisson, kappa, 6.0);
@@ -80,7 +81,7 @@ TYPED_TEST(RingOf, PassesThePatchTestWithCreep) {
 }
 
 /// The pull on the rim of a swelling disc without axial stress, by hand: s_rr R h, per radian.
-TYPED_TEST(RingOf, ForcesArePerRadian) {
+TYPED_TEST(AxisymmetricBody, ForcesArePerRadian) {
   constexpr double across = 1e-3;
   // s_zz = 0: e_zz = -2 nu / (1 - nu) e_rr, s_rr = E / (1 - nu) e_rr.
   const auto r = this->residual(this->field([](double x, double z) {
@@ -102,14 +103,14 @@ TYPED_TEST(RingOf, ForcesArePerRadian) {
   EXPECT_NEAR(within, 0.0, 1e-12 * exact) << "the hoop stress balances the radial one";
 }
 
-TYPED_TEST(RingOf, ARigidLiftLeavesNoForce) {
+TYPED_TEST(AxisymmetricBody, ARigidLiftLeavesNoForce) {
   for (double f : this->residual(this->field([](double, double) { return Vector2{0.0, 0.01}; }))) {
     EXPECT_LE(std::abs(f), 1e-14 * young * 0.01 * radius);
   }
 }
 
 /// Forces along the axis are in balance, whatever the displacement.
-TYPED_TEST(RingOf, AxialForcesAreInBalance) {
+TYPED_TEST(AxisymmetricBody, AxialForcesAreInBalance) {
   const auto r = this->residual(this->field([](double x, double z) {
     return Vector2{1e-3 * x * std::sin(9.0 * z), 1e-3 * std::cos(7.0 * x + 5.0 * z)};
   }));
@@ -120,7 +121,7 @@ TYPED_TEST(RingOf, AxialForcesAreInBalance) {
 
 /// Free to expand in all directions, a billet warms or cools evenly without any stress; in plane
 /// strain it would have one across the section.
-TYPED_TEST(RingOf, AFreeThermalExpansionLeavesNoStress) {
+TYPED_TEST(AxisymmetricBody, AFreeThermalExpansionLeavesNoStress) {
   constexpr double stretch = -0.02;
   for (double& thermal : this->body.problem.thermal) thermal = stretch;
   for (int n = 0; n < this->body.mesh.nodes(); ++n) {

@@ -19,10 +19,10 @@ int cells_of(const TestRun& run) {
 }
 
 template <class Run>
-Result with_ring(mesh::ElementKind kind, Run&& run) {
-  if (kind == mesh::ElementKind::p1) return run.template operator()<fem::P1Ring>();
-  if (kind == mesh::ElementKind::q1) return run.template operator()<fem::Q1Ring>();
-  return run.template operator()<fem::BendingRing>();
+Result with_axisymmetric_element(mesh::ElementKind kind, Run&& run) {
+  if (kind == mesh::ElementKind::p1) return run.template operator()<fem::AxisymmetricP1>();
+  if (kind == mesh::ElementKind::q1) return run.template operator()<fem::AxisymmetricQ1>();
+  return run.template operator()<fem::AxisymmetricBending>();
 }
 
 template <class Element>
@@ -162,16 +162,19 @@ Result creeping_tube(const TestRun& run) {
 
 }  // namespace
 
-Result run_ring_patch(const TestRun& run) {
-  return with_ring(run.element, [&]<class Element>() { return patch<Element>(run); });
+Result run_axisymmetric_patch(const TestRun& run) {
+  return with_axisymmetric_element(run.element,
+                                   [&]<class Element>() { return patch<Element>(run); });
 }
 
 Result run_tube(const TestRun& run) {
-  return with_ring(run.element, [&]<class Element>() { return tube<Element>(run); });
+  return with_axisymmetric_element(run.element,
+                                   [&]<class Element>() { return tube<Element>(run); });
 }
 
 Result run_tube_creep(const TestRun& run) {
-  return with_ring(run.element, [&]<class Element>() { return creeping_tube<Element>(run); });
+  return with_axisymmetric_element(run.element,
+                                   [&]<class Element>() { return creeping_tube<Element>(run); });
 }
 
 }  // namespace dccast::verification

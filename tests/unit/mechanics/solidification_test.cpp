@@ -11,20 +11,20 @@ using ::testing::Each;
 double molten(double, double) {
   return 680.0;
 }
-// So little below the coherency temperature that the thermal strain since is nothing.
+// So little below the coherency temperature that the thermal strain since is negligible.
 constexpr double just_solid = 649.0 - 1e-10;
 
 template <class Element>
-class BirthOf : public ::testing::Test {
+class Solidification : public ::testing::Test {
 protected:
   SlabBench<Element> bench_;
   int elements() const { return bench_.slab.mesh().elements(); }
 };
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::Q1Ring,
-                                  fem::BendingQuadrilateral, fem::BendingRing>;
-TYPED_TEST_SUITE(BirthOf, Families);
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::AxisymmetricQ1,
+                                  fem::BendingQuadrilateral, fem::AxisymmetricBending>;
+TYPED_TEST_SUITE(Solidification, Families);
 
-TYPED_TEST(BirthOf, LiquidStandsUnderItsOwnPressure) {
+TYPED_TEST(Solidification, LiquidStandsUnderItsOwnPressure) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
@@ -38,7 +38,7 @@ TYPED_TEST(BirthOf, LiquidStandsUnderItsOwnPressure) {
 }
 
 /// The lower part freezes without cooling further: the solid starts at minus the pressure.
-TYPED_TEST(BirthOf, SolidStartsAtMinusTheMetallostaticPressure) {
+TYPED_TEST(Solidification, SolidStartsAtMinusTheMetallostaticPressure) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
@@ -55,7 +55,7 @@ TYPED_TEST(BirthOf, SolidStartsAtMinusTheMetallostaticPressure) {
 
 /// numerics 3: what the fictitious liquid was strained by is forgotten. Kept, a strain of a percent
 /// would be hundreds of MPa.
-TYPED_TEST(BirthOf, TheStrainOfTheLiquidLeavesNoStress) {
+TYPED_TEST(Solidification, TheStrainOfTheLiquidLeavesNoStress) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
@@ -76,8 +76,8 @@ TYPED_TEST(BirthOf, TheStrainOfTheLiquidLeavesNoStress) {
   }
 }
 
-/// After its birth the solid contracts by exactly the stretch since the coherency temperature.
-TYPED_TEST(BirthOf, ThermalStrainCountsFromTheCoherencyTemperature) {
+/// After solidification the solid contracts by exactly the stretch since the coherency temperature.
+TYPED_TEST(Solidification, ThermalStrainCountsFromTheCoherencyTemperature) {
   Options free_side = balanced_to(hydrostatic);
   free_side.confinement = false;
   SlabBench<TypeParam> bench(free_side);
@@ -86,13 +86,13 @@ TYPED_TEST(BirthOf, ThermalStrainCountsFromTheCoherencyTemperature) {
   bench.step([](double, double) { return 600.0; }, 1e-9);
   const material::MechanicalProperties paper(material::testing::paper_card());
   // Free in its plane, held across it: strain (1 + nu) times the thermal one. A billet is free.
-  const double freedom = fem::is_ring<TypeParam> ? 1.0 : 1.0 + 0.45;
+  const double freedom = fem::is_axisymmetric<TypeParam> ? 1.0 : 1.0 + 0.45;
   const double exact = freedom * (paper.thermal_stretch(600.0) - 1.0) * bench.width;
   // The weight adds some kilopascals over 40 GPa.
   EXPECT_NEAR(bench.across(bench.slab.columns()), exact, 1e-5 * std::abs(exact));
 }
 
-TYPED_TEST(BirthOf, MeltingAgainForgetsTheSolid) {
+TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
@@ -108,7 +108,7 @@ TYPED_TEST(BirthOf, MeltingAgainForgetsTheSolid) {
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 20.0);
 }
 
-TYPED_TEST(BirthOf, TheShellOfTheStartHasNoStress) {
+TYPED_TEST(Solidification, TheShellOfTheStartHasNoStress) {
   auto& bench = this->bench_;
   const auto shell = [](double x, double y) {
     return std::min(680.0, 400.0 + 5000.0 * y + 200.0 * x);
@@ -123,7 +123,7 @@ TYPED_TEST(BirthOf, TheShellOfTheStartHasNoStress) {
   for (double u : bench.state.displacement) EXPECT_LE(std::abs(u), 1e-6);
 }
 
-TYPED_TEST(BirthOf, WithoutALiquidAllIsSolidFromTheStart) {
+TYPED_TEST(Solidification, WithoutALiquidAllIsSolidFromTheStart) {
   Options options = balanced_to(hydrostatic);
   options.liquid = Liquid::solid;
   SlabBench<TypeParam> bench(options);
@@ -134,7 +134,7 @@ TYPED_TEST(BirthOf, WithoutALiquidAllIsSolidFromTheStart) {
   EXPECT_THAT(bench.state.solid, Each(1));
 }
 
-TYPED_TEST(BirthOf, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
+TYPED_TEST(Solidification, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
   Options options = balanced_to(hydrostatic);
   options.liquid = Liquid::solid;
   SlabBench<TypeParam> bench(options);
@@ -148,12 +148,13 @@ TYPED_TEST(BirthOf, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
   bench.step(molten);
   EXPECT_THAT(bench.state.solid, Each(1));
   for (int e = 0; e < bench.slab.mesh().elements(); ++e) {
-    EXPECT_LE(bench.state.pressure[std::size_t(e) * TypeParam::points], 0.0) << "it rests in itself";
+    EXPECT_LE(bench.state.pressure[std::size_t(e) * TypeParam::points], 0.0)
+        << "it rests in itself";
   }
 }
 
 /// Metal that is called solid at 780 °C creeps as at its liquidus, not twelve times as fast.
-TYPED_TEST(BirthOf, WithoutALiquidCreepIsHeldAtTheLiquidus) {
+TYPED_TEST(Solidification, WithoutALiquidCreepIsHeldAtTheLiquidus) {
   const auto creep_at = [](double temperature) {
     Options options = balanced_to(hydrostatic);
     options.liquid = Liquid::solid;
