@@ -1,6 +1,7 @@
 // What it does stands in tests/support/fake_casting/README.md.
 #include <signal.h>
 
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -30,7 +31,10 @@ public:
   }
   std::int64_t number(const std::string& key, std::int64_t otherwise) const {
     const auto found = words_.find(key);
-    return found == words_.end() ? otherwise : std::stoll(found->second);
+    if (found == words_.end()) return otherwise;
+    std::int64_t number = otherwise;  // also of a title that a test has mutated
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+    return number;
   }
   std::string word(const std::string& key) const {
     const auto found = words_.find(key);
