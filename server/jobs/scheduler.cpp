@@ -177,11 +177,20 @@ bool Scheduler::start_next() {
 /// A job that cannot be started waits for the missing resource; it fails only for its own files.
 void Scheduler::refuse_start(const std::string& id, const std::exception& error) {
   if (const auto lack = daemon_lacks(error)) return hold(*lack);
-  queue_.erase(id);
+  try {
+    fail_waiting(id, error.what());
+  } catch (const std::exception& unreadable) {  // the store: what becomes of the job is seen later
+    hold(unreadable.what());
+  }
+}
+
+void Scheduler::fail_waiting(const std::string& id, const std::string& why) {
   auto record = ledger_.find(id);
+  queue_.erase(id);
   if (!record || record->job.state() != v1::QUEUED) return;
-  add_failure(record->job, v1::Failure::STORAGE, error.what());
-  ledger_.settle(*record, v1::FAILED, error.what());
+  add_failure(record->job, v1::Failure::STORAGE, why);
+  ledger_.settle(*record, v1::FAILED, why);
+  take_news();
 }
 
 std::shared_ptr<Attempt> Scheduler::attach(const v1::WorkerMessage::Hello& hello,

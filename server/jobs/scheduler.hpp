@@ -129,6 +129,7 @@ private:
   Reply settle_idle(JobRecord& record, v1::JobState to, const std::string& cause);
   bool may_start();
   void refuse_start(const std::string& id, const std::exception& error);
+  void fail_waiting(const std::string& id, const std::string& why);
 
   // These take mutex_ themselves, and wait for the disk without it.
   void start_jobs();

@@ -138,6 +138,22 @@ TEST_F(SchedulerFaults, AStoreThatCannotBeReadEndsNoThread) {
   EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id_);
 }
 
+// Its event log is damaged and, at the same moment, its row cannot be read.
+TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
+  Daemon daemon(folder_.path());
+  id_ = daemon.scheduler.submit(new_job(), {}).id();
+  const auto log = folder_.path() / id_ / "events.log";
+  fs::remove(log);
+  fs::create_directory(log);
+  daemon.store.refuses_reads = true;
+  daemon.scheduler.start();
+  EXPECT_TRUE(eventually([&] { return !daemon.scheduler.held().empty(); }));
+  EXPECT_EQ(daemon.scheduler.queued(), 1);
+  daemon.store.refuses_reads = false;
+  EXPECT_TRUE(eventually([&] { return state(daemon, id_) == v1::FAILED; }));
+  EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Failure::STORAGE);
+}
+
 TEST_F(SchedulerFaults, ACaseThatCannotBeReadNowIsReadLater) {
   Daemon daemon(folder_.path());
   daemon.scheduler.start();
