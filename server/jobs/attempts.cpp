@@ -78,13 +78,7 @@ void Attempts::begin(JobRecord record) {
 void Attempts::withdraw(const std::shared_ptr<Attempt>& attempt, const std::string& why) {
   JobRecord& record = attempt->record;
   record.job.set_attempts(attempt->number - 1);
-  Settlement settlement{v1::QUEUED, why};
-  if (record.requested_action == RequestedAction::cancel)
-    settlement = {v1::CANCELLED, cancel_cause(record)};
-  if (record.requested_action == RequestedAction::pause)
-    settlement = {v1::PAUSED, "paused by request"};
-  record.requested_action = RequestedAction::none;
-  settle(*attempt, settlement);
+  settle(*attempt, settle_stopped(record, why));
   if (news_.daemon_lacks.empty()) news_.daemon_lacks = why;
   conclude(attempt, why);
 }

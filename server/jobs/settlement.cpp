@@ -14,14 +14,6 @@ using Finished = v1::WorkerMessage::Finished;
 /// The queue was held between them until the daemon could write: it is this job that cannot.
 constexpr int most_storage_failures = 10;
 
-/// By order, at a checkpoint: what was asked for decides.
-Settlement settle_stopped(JobRecord& record, const std::string& cause) {
-  const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
-  if (requested == RequestedAction::cancel) return {v1::CANCELLED, cancel_cause(record)};
-  if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
-  return {v1::QUEUED, cause};
-}
-
 /// Something could not be written. That is the daemon's trouble as long as it may pass.
 Settlement settle_for_storage(JobRecord& record, const std::string& error,
                               const AttemptFacts& facts) {
@@ -84,6 +76,13 @@ std::string times_died(const JobRecord& record, bool same_step, std::int64_t ste
 std::string cancel_cause(const JobRecord& record) {
   return record.request_reason.empty() ? "cancelled by request"
                                        : "cancelled: " + record.request_reason;
+}
+
+Settlement settle_stopped(JobRecord& record, const std::string& cause) {
+  const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
+  if (requested == RequestedAction::cancel) return {v1::CANCELLED, cancel_cause(record)};
+  if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
+  return {v1::QUEUED, cause};
 }
 
 Settlement settle_finished(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {

@@ -32,6 +32,11 @@ struct AttemptFacts {
 Settlement settle_finished(JobRecord& record, const v1::WorkerMessage::Finished& finished,
                            const AttemptFacts& facts);
 
+/// The attempt was stopped by order, or never began: what was requested decides; without a request
+/// the job waits again.
+/// @param cause  why it waits, for people
+Settlement settle_stopped(JobRecord& record, const std::string& cause);
+
 /// The worker died without a final report.
 /// @param how  "signal 9 (Killed)", "exit code 1"
 Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts);
