@@ -46,7 +46,7 @@ std::optional<Place> inside_quadrilateral(const mesh::Mesh2D& mesh, int e, doubl
 }
 
 /// Nodes of a patch by height, lowest first.
-std::vector<int> by_height(const mesh::Mesh2D& mesh, mesh::Patch patch) {
+std::vector<int> by_height(const mesh::Mesh2D& mesh, mesh::PatchKind patch) {
   std::vector<int> nodes = mesh::patch_nodes(mesh, patch);
   std::sort(nodes.begin(), nodes.end(),
             [&](int a, int b) { return mesh.point(a)[1] < mesh.point(b)[1]; });
@@ -89,7 +89,7 @@ std::array<double, 2> displacement_at(const mesh::Mesh2D& mesh, const Place& pla
 
 double side_temperature(const mesh::Mesh2D& mesh, std::span<const double> temperature,
                         double height) {
-  const std::vector<int> side = by_height(mesh, mesh::Patch::side);
+  const std::vector<int> side = by_height(mesh, mesh::PatchKind::side);
   if (side.empty()) return 0.0;
   std::size_t above = 0;
   while (above < side.size() && mesh.point(side[above])[1] < height) ++above;
@@ -102,7 +102,7 @@ double side_temperature(const mesh::Mesh2D& mesh, std::span<const double> temper
 
 double sump_depth(const mesh::Mesh2D& mesh, std::span<const double> temperature,
                   double metal_level, double isotherm) {
-  const std::vector<int> axis = by_height(mesh, mesh::Patch::symmetry);
+  const std::vector<int> axis = by_height(mesh, mesh::PatchKind::symmetry);
   for (std::size_t i = axis.size(); i-- > 1;) {
     const double above = temperature[std::size_t(axis[i])];
     const double below = temperature[std::size_t(axis[i - 1])];

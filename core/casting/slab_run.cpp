@@ -141,7 +141,7 @@ Attempt SlabRun::attempt(double dt) {
 bool SlabRun::grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry) {
   const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
-  mesh::SlabMesh& slab = mesh_.slab();
+  mesh::SlabMesh2D& slab = mesh_.slab();
   const mesh::Mesh2D before = slab.mesh();
   const int first_moved = before.elements() / slab.rows() * (slab.rows() - 1);
   slab.grow_to(level);

@@ -34,12 +34,12 @@ public:
   explicit RunMesh(const Case& casting_case);
   const mesh::Mesh2D& mesh() const { return slab_ ? slab_->mesh() : imported_; }
   bool grows() const { return slab_.has_value() && grows_; }
-  mesh::SlabMesh& slab() { return *slab_; }
-  const mesh::SlabMesh* built_in() const { return slab_ ? &*slab_ : nullptr; }
+  mesh::SlabMesh2D& slab() { return *slab_; }
+  const mesh::SlabMesh2D* built_in() const { return slab_ ? &*slab_ : nullptr; }
 
 private:
   bool grows_;
-  std::optional<mesh::SlabMesh> slab_;
+  std::optional<mesh::SlabMesh2D> slab_;
   mesh::Mesh2D imported_;
 };
 

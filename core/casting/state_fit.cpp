@@ -83,7 +83,7 @@ std::string SlabRun::misfit(const RunState& state) const {
   Shape shape{std::size_t(mesh().nodes()), std::size_t(mesh().elements()), 0,
               mechanics_.bottom_nodes().size()};
   const auto& heights = state.row_heights;
-  if (const mesh::SlabMesh* slab = mesh_.built_in()) {
+  if (const mesh::SlabMesh2D* slab = mesh_.built_in()) {
     reasons.require_finite(heights, "row heights");
     reasons.require(heights.size() > std::size_t(slab->rows()), "it has too few rows");
     reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");

@@ -65,9 +65,9 @@ void SlabMechanics<Dim>::new_pattern() {
 
 template <int Dim>
 void SlabMechanics<Dim>::find_boundaries() {
-  bottom_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::bottom);
-  side_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::side);
-  symmetry_nodes_ = mesh::patch_nodes(*mesh_, mesh::Patch::symmetry);
+  bottom_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::bottom);
+  side_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::side);
+  symmetry_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::symmetry);
   std::vector<int> place(std::size_t(mesh_->nodes()), -1);
   for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
     place[std::size_t(bottom_nodes_[i])] = static_cast<int>(i);
@@ -76,7 +76,7 @@ void SlabMechanics<Dim>::find_boundaries() {
   for (int n : bottom_nodes_) problem_.contact.push_back(n * Dim + up<Dim>);
   problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
   bottom_length_.assign(bottom_nodes_.size(), 0.0);
-  for (const auto& facet : mesh_->facets(mesh::Patch::bottom)) {
+  for (const auto& facet : mesh_->facets(mesh::PatchKind::bottom)) {
     const double* a = mesh_->point(facet.node[0]);
     const double* b = mesh_->point(facet.node[1]);
     const auto area = forms_->edge_shares(a, b);
@@ -121,7 +121,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
     state.displacement.push_back(state.displacement[i - stride]);
   }
-  for (int n : mesh::patch_nodes(grown, mesh::Patch::side)) {
+  for (int n : mesh::patch_nodes(grown, mesh::PatchKind::side)) {
     // A node that is new stands at the mould, whatever the one below it did.
     if (n >= static_cast<int>(state.released.size())) {
       state.displacement[std::size_t(n) * Dim + across] = 0.0;

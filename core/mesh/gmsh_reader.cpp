@@ -1,6 +1,7 @@
 #include "core/mesh/gmsh_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -13,7 +14,6 @@ namespace dccast::mesh {
 
 namespace {
 
-constexpr const char* patch_name[patch_count] = {"symmetry", "bottom", "side", "top"};
 constexpr const char* shape_name[] = {"",           "lines",    "triangles", "quadrilaterals",
                                       "tetrahedra", "hexahedra"};
 
@@ -37,6 +37,25 @@ int shape_for(int dimension, ElementKind kind) {
   return kind == ElementKind::p1 ? gmsh::tetrahedron : gmsh::hexahedron;
 }
 
+/// Mean of the outward normals of facets, by area [1].
+std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3>>& facets) {
+  std::array<double, 3> sum{};
+  for (const Facet<3>& facet : facets) {
+    // Half the cross product of the diagonals, in a triangle of two edges.
+    const double* a = mesh.point(facet.node[0]);
+    const double* b = mesh.point(facet.node[1]);
+    const double* c = mesh.point(facet.node[2]);
+    const double* d = facet.nodes == 4 ? mesh.point(facet.node[3]) : a;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      sum[i] += 0.5 * ((c[j] - a[j]) * (d[k] - b[k]) - (c[k] - a[k]) * (d[j] - b[j]));
+    }
+  }
+  const double length = std::hypot(sum[0], sum[1], sum[2]);
+  for (double& component : sum) component /= length > 0.0 ? length : 1.0;
+  return sum;
+}
+
 /// Makes a Mesh of what stands in a file, collecting faults on the way.
 template <int Dim>
 class Builder {
@@ -54,6 +73,7 @@ public:
     if (sound()) add_patches();
     if (!sound()) return std::nullopt;
     sort_patches();
+    find_normals();
     return std::move(mesh_);
   }
 
@@ -215,31 +235,53 @@ private:
     }
   }
 
-  /// The patch of a physical group; -1 (and a fault, once) when it is none of ours.
+  /// In 3D there may be several planes of symmetry and several sides: symmetry_x, side_2.
+  static std::optional<PatchKind> kind_of(const std::string& name) {
+    for (std::size_t k = 0; k < patch_kinds; ++k) {
+      const PatchKind kind = PatchKind(k);
+      const std::string plain = name_of(kind);
+      const bool several = kind == PatchKind::symmetry || kind == PatchKind::side;
+      if (name == plain || (Dim == 3 && several && name.starts_with(plain + "_"))) return kind;
+    }
+    return std::nullopt;
+  }
+
+  /// The number of the patch of a physical group; -1 (and a fault, once) when it is none of ours.
   int patch_of(int group) {
     const auto found = file_.group_name.find({Dim - 1, group});
     const std::string name =
         found == file_.group_name.end() ? std::to_string(group) : found->second;
-    const auto* const match = std::find(std::begin(patch_name), std::end(patch_name), name);
-    if (match != std::end(patch_name)) return static_cast<int>(match - std::begin(patch_name));
+    auto& patches = mesh_.patches;
+    const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
+    if (known != patches.end()) return static_cast<int>(known - patches.begin());
+    if (const auto kind = kind_of(name)) {
+      patches.push_back({name, *kind, usual_normal<Dim>(*kind), {}});
+      return static_cast<int>(patches.size()) - 1;
+    }
     if (unknown_.insert(name).second)
       fault("has the unknown physical group '" + name.substr(0, 60) + "'",
-            "symmetry, bottom, side, top");
+            Dim == 2
+                ? "symmetry, bottom, side, top"
+                : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
     return -1;
+  }
+
+  const std::string& name_of_patch(int patch) const {
+    return mesh_.patches[std::size_t(patch)].name;
   }
 
   void add_facet(const std::vector<int>& nodes, int patch) {
     const auto found = boundary_.find(key_of(nodes, nodes.size()));
     if (found == boundary_.end() || found->second.elements != 1)
-      return fault(std::string("has a facet of group ") + patch_name[patch] +
+      return fault("has a facet of group " + name_of_patch(patch) +
                    " that is not on the boundary of the mesh");
     Boundary& boundary = found->second;
     if (boundary.patch == patch) return;  // Gmsh repeats a facet for each of its groups
     if (boundary.patch >= 0)
-      return fault(std::string("has a facet in two groups, ") + patch_name[boundary.patch] +
-                   " and " + patch_name[patch]);
+      return fault("has a facet in two groups, " + name_of_patch(boundary.patch) + " and " +
+                   name_of_patch(patch));
     boundary.patch = patch;
-    mesh_.patch[static_cast<std::size_t>(patch)].push_back(boundary.facet);
+    mesh_.patches[std::size_t(patch)].facets.push_back(boundary.facet);
   }
 
   void add_patches() {
@@ -255,22 +297,29 @@ private:
         if (faults_.list().size() != faults_before) return;  // the next ones would say the same
       }
     }
-    if (mesh_.facets(Patch::bottom).empty())
+    if (mesh_.facets(PatchKind::bottom).empty())
       fault("has no physical group 'bottom'", "the part of the boundary that stands on the block");
   }
 
   /// Along the bottom and the top from the symmetry plane, along the others upwards.
   void sort_patches() {
-    for (std::size_t p = 0; p < patch_count; ++p) {
-      const bool level = Patch(p) == Patch::bottom || Patch(p) == Patch::top;
+    for (Patch<Dim>& patch : mesh_.patches) {
+      const bool level = patch.kind == PatchKind::bottom || patch.kind == PatchKind::top;
       const int axis = level ? 0 : Dim - 1;
       const auto place = [&](const Facet<Dim>& facet) {
         double sum = 0.0;
         for (int i = 0; i < facet.nodes; ++i) sum += at(facet.node[std::size_t(i)])[axis];
         return sum / facet.nodes;
       };
-      std::stable_sort(mesh_.patch[p].begin(), mesh_.patch[p].end(),
+      std::stable_sort(patch.facets.begin(), patch.facets.end(),
                        [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    }
+  }
+
+  /// In 3D a wall stands where its facets do.
+  void find_normals() {
+    if constexpr (Dim == 3) {
+      for (Patch<3>& patch : mesh_.patches) patch.normal = mean_normal(mesh_, patch.facets);
     }
   }
 

@@ -13,10 +13,11 @@ namespace dccast::mesh {
 
 /// Reads a Gmsh mesh, MSH 2.2 or 4.1 in ASCII, length unit the metre.
 ///
-/// Boundary facets belong to physical groups named symmetry, bottom, side and top; bottom must be
-/// there, boundary without a group is free and insulated. Elements of negative orientation are
-/// turned round. Nodes keep the order of the file, which is the order of the columns of a
-/// temperature file. Facets of a patch are ordered along it: from the symmetry plane, or upwards.
+/// Boundary facets belong to physical groups named symmetry, bottom, side and top, in 3D also
+/// symmetry_x, symmetry_y and any name that begins with side_; bottom must be there, boundary
+/// without a group is free and insulated. Elements of negative orientation are turned round. Nodes
+/// keep the order of the file, which is the order of the columns of a temperature file. Facets of a
+/// patch are ordered along it: from the symmetry plane, or upwards.
 ///
 /// @param path    the file
 /// @param kind    p1 needs triangles (tetrahedra in 3D), the others quadrilaterals (hexahedra)

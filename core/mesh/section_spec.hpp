@@ -3,24 +3,38 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/base/curve.hpp"
+
 namespace dccast::mesh {
 
-enum class SectionKind { plane_strain, axisymmetric };
+enum class SectionKind { plane_strain, axisymmetric, quarter_slab };
 enum class ElementKind { p1, q1, q1_bending };
 
-/// The section of the slab and how it is divided; tables `section` and `mesh` of a case.
+/// Number of coordinates of a section.
+constexpr int dimension_of(SectionKind kind) {
+  return kind == SectionKind::quarter_slab ? 3 : 2;
+}
+
+/// The part of the slab that is computed and how it is divided; tables `section` and `mesh` of a
+/// case. Columns are cells from the symmetry plane (x = 0) to the side, of a quarter slab to its
+/// narrow face; layers are cells from y = 0 to the wide face.
 struct SectionSpec {
   SectionKind kind = SectionKind::plane_strain;
-  double half_width = 0.0;     ///< [m]
+  double half_width = 0.0;  ///< [m]; of a quarter slab half the length of its wide face
+  /// [m] of a quarter slab against distance from x = 0: half the opening of the mould in y,
+  /// piecewise linear; a constant is a rectangle, points above the end's value make it convex.
+  Curve half_thickness;
   double initial_depth = 0.0;  ///< [m]
   ElementKind element = ElementKind::q1_bending;
   int columns = 30;
+  int layers = 8;
   int rows = 22;
-  double side_cell = 3e-3;              ///< [m]
-  double bottom_cell = 3e-3;            ///< [m]
-  std::optional<double> growth_cell;    ///< [m]; absent: height of the topmost initial row
+  double side_cell = 3e-3;            ///< [m] column at the side
+  double wide_side_cell = 3e-3;       ///< [m] layer at the wide face, where x = 0
+  double bottom_cell = 3e-3;          ///< [m]
+  std::optional<double> growth_cell;  ///< [m]; absent: height of the topmost initial row
   int refinement = 1;
-  std::filesystem::path file;           ///< Gmsh mesh; empty: the built-in one
+  std::filesystem::path file;  ///< Gmsh mesh; empty: the built-in one
   bool growth = true;
 };
 

@@ -12,7 +12,7 @@ struct MetalEntry {
   double entered = 0.0;        ///< [J/m], [J/rad]
 };
 
-/// Carries nodal enthalpies over to a slab mesh that has grown (mesh::SlabMesh::grow_to), so that
+/// Carries nodal enthalpies over to a slab mesh that has grown (mesh::SlabMesh2D::grow_to), so that
 /// no heat is lost or made: the sum of volume times enthalpy rises by exactly the metal that
 /// entered.
 ///

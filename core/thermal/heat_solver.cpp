@@ -56,9 +56,9 @@ void HeatSolver::set_mesh(const mesh::Mesh2D& mesh) {
     }
     state_.assign(nodes, ThermalState{});
     matrix_.assign(conduction_.pattern().entries(), 0.0);
-    bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::Patch::bottom);
+    bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
     top_nodes_.clear();
-    if (cooling_.top == Top::pouring) top_nodes_ = mesh::patch_nodes(mesh_, mesh::Patch::top);
+    if (cooling_.top == Top::pouring) top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
     held_.assign(nodes, 0);
     for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
   }

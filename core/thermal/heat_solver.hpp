@@ -30,7 +30,7 @@ struct HeatStepInput {
   /// [m2/s]. Water runs in a step in whose middle Water::start has passed; else, and without flow,
   /// the side below the water line is dry.
   double water_flow = 0.0;
-  /// [m], in the order of mesh::patch_nodes(mesh, Patch::bottom); empty: contact everywhere.
+  /// [m], in the order of mesh::patch_nodes(mesh, PatchKind::bottom); empty: contact everywhere.
   std::span<const double> bottom_gap;
   /// What carry_enthalpy() gave, so that the balance covers the growth too.
   std::optional<MetalEntry> entry;

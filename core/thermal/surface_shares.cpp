@@ -107,7 +107,7 @@ void divide_side(const CoolingSpec& cooling, const Mesh2D& mesh, SectionKind kin
                  double metal_level, bool water_runs, std::vector<SideShare>& shares) {
   shares.clear();
   const std::vector<double> edges = side_edges(cooling);
-  for (const auto& facet : mesh.facets(mesh::Patch::side)) {
+  for (const auto& facet : mesh.facets(mesh::PatchKind::side)) {
     const Line line = line_of(mesh, facet, kind, metal_level);
     const double rise = line.distance[1] - line.distance[0];
     const auto piece = [&](double begin, double end) {
@@ -135,7 +135,7 @@ std::vector<double> bottom_weights(const Mesh2D& mesh, SectionKind kind,
                                    const std::vector<int>& bottom_nodes) {
   std::vector<double> by_node(std::size_t(mesh.nodes()), 0.0);
   std::vector<SideShare> shares;
-  for (const auto& facet : mesh.facets(mesh::Patch::bottom)) {
+  for (const auto& facet : mesh.facets(mesh::PatchKind::bottom)) {
     add_piece(line_of(mesh, facet, kind, 0.0), 0.0, 1.0, law_dry, false, shares);
   }
   for (const SideShare& share : shares) by_node[std::size_t(share.node)] += share.weight;

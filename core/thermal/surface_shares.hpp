@@ -30,7 +30,7 @@ void divide_side(const CoolingSpec& cooling, const mesh::Mesh2D& mesh, mesh::Sec
                  double metal_level, bool water_runs, std::vector<SideShare>& shares);
 
 /// Integral of the shape function of each node of the bottom, in the order of
-/// `mesh::patch_nodes(mesh, Patch::bottom)` [m]; axisymmetric: times r [m2], 2 pi left out.
+/// `mesh::patch_nodes(mesh, PatchKind::bottom)` [m]; axisymmetric: times r [m2], 2 pi left out.
 std::vector<double> bottom_weights(const mesh::Mesh2D& mesh, mesh::SectionKind kind,
                                    const std::vector<int>& bottom_nodes);
 

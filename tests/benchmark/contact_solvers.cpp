@@ -27,7 +27,7 @@ struct Scene {
     body.set_material(5e10, 0.4, 1e-40, 6.0);
     body.set_contact();
     body.problem.dt = 1.0;
-    for (int n : mesh::patch_nodes(body.mesh, mesh::Patch::symmetry)) body.fix(n, 0, 0.0);
+    for (int n : mesh::patch_nodes(body.mesh, mesh::PatchKind::symmetry)) body.fix(n, 0, 0.0);
     for (int n = 0; n < body.mesh.nodes(); ++n) {
       const double x = body.mesh.point(n)[0], y = body.mesh.point(n)[1];
       u.push_back(1e-3 * x * (1.0 + y));

@@ -73,7 +73,7 @@ void check_size(CaseFindings& found) {
 }
 
 struct NeededGroup {
-  mesh::Patch patch;
+  mesh::PatchKind patch;
   const char* name;
   const char* message;
   const char* remedy;
@@ -91,18 +91,18 @@ void check_groups(CaseFindings& found) {
   const bool heat_is_solved = c.thermal.file.empty();
   if (heat_is_solved && found.sound({"thermal.file"})) {
     need(found,
-         {mesh::Patch::side, "side", "has no group 'side': neither mould nor water would cool it",
+         {mesh::PatchKind::side, "side", "has no group 'side': neither mould nor water would cool it",
           "name the face in Gmsh, Physical Curve(\"side\") = {...}, and export the mesh again"});
     if (c.cooling.top == thermal::Top::pouring && found.sound({"cooling.top"})) {
       need(found,
-           {mesh::Patch::top, "top", "has no group 'top': nothing would be poured in",
+           {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
             "name the surface of the metal in Gmsh, Physical Curve(\"top\") = {...}, or write "
             "cooling.top = \"insulated\""});
     }
   }
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
     need(found,
-         {mesh::Patch::symmetry, "symmetry",
+         {mesh::PatchKind::symmetry, "symmetry",
           "has no group 'symmetry': nothing would hold the slab sideways",
           "name the symmetry plane or axis in Gmsh, Physical Curve(\"symmetry\") = {...}, or "
           "write mechanics.enabled = false"});

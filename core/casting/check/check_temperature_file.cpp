@@ -12,7 +12,7 @@ std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
   if (found.imported) return std::size_t(found.imported->nodes());
   if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
     return std::nullopt;
-  return std::size_t(mesh::SlabMesh(found.casting.section).mesh().nodes());
+  return std::size_t(mesh::SlabMesh2D(found.casting.section).mesh().nodes());
 }
 
 void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {

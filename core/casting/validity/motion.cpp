@@ -65,7 +65,7 @@ Extreme largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
     const double beyond = std::max(u, -contraction - u);
     if (beyond > slip.value) slip = {beyond, {mesh.point(n)[0], mesh.point(n)[1]}};
   };
-  for (const auto& edge : mesh.facets(mesh::Patch::bottom)) {
+  for (const auto& edge : mesh.facets(mesh::PatchKind::bottom)) {
     if (solid[std::size_t(edge.element)] == 0) continue;
     const int a = edge.node[0], b = edge.node[1];
     const double mean = 0.5 * (temperature[std::size_t(a)] + temperature[std::size_t(b)]);

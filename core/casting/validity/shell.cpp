@@ -91,7 +91,7 @@ std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const 
     shortest[std::size_t(n)] = length;
     tips.push({length, n, begin});
   };
-  for (int n : mesh::patch_nodes(mesh, mesh::Patch::bottom)) go_to(n, 0.0, n);
+  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) go_to(n, 0.0, n);
   while (!tips.empty()) {
     const Tip tip = tips.top();
     tips.pop();
@@ -112,7 +112,7 @@ std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const 
 
 bool melt_touches_bottom(const mesh::Mesh2D& mesh, std::span<const char> solid) {
   std::vector<char> at_bottom(std::size_t(mesh.nodes()), 0);
-  for (int n : mesh::patch_nodes(mesh, mesh::Patch::bottom)) at_bottom[std::size_t(n)] = 1;
+  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) at_bottom[std::size_t(n)] = 1;
   for (int e = 0; e < mesh.elements(); ++e) {
     if (solid[std::size_t(e)] != 0) continue;
     for (int n : corners(mesh, e)) {

@@ -12,7 +12,7 @@ namespace {
 
 class Monitors : public ::testing::TestWithParam<mesh::ElementKind> {
 protected:
-  const mesh::SlabMesh slab{testing::small_casting(GetParam()).section};
+  const mesh::SlabMesh2D slab{testing::small_casting(GetParam()).section};
   const mesh::Mesh2D& mesh = slab.mesh();
 };
 

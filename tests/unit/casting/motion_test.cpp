@@ -13,7 +13,7 @@ namespace {
 class Motion : public ::testing::TestWithParam<mesh::ElementKind> {
 protected:
   const Case casting = testing::small_casting(GetParam());
-  const mesh::SlabMesh slab{casting.section};
+  const mesh::SlabMesh2D slab{casting.section};
   const mesh::Mesh2D& mesh = slab.mesh();
   const material::MechanicalProperties properties{casting.alloy};
   std::vector<char> solid = std::vector<char>(std::size_t(mesh.elements()), 1);

@@ -27,11 +27,11 @@ void write_gmsh(const mesh::Mesh2D& mesh, const std::filesystem::path& path) {
     file << n + 1 << " " << mesh.point(n)[0] << " " << mesh.point(n)[1] << " 0\n";
   }
   std::size_t elements = std::size_t(mesh.elements());
-  for (const auto& patch : mesh.patch) elements += patch.size();
+  for (const auto& patch : mesh.patches) elements += patch.facets.size();
   file << "$EndNodes\n$Elements\n" << elements << "\n";
   int tag = 0;
-  for (std::size_t p = 0; p < mesh::patch_count; ++p) {
-    for (const auto& facet : mesh.patch[p]) {
+  for (std::size_t p = 0; p < mesh::patch_kinds; ++p) {
+    for (const auto& facet : std::as_const(mesh).facets(mesh::PatchKind(p))) {
       file << ++tag << " 1 2 " << p + 1 << " 1 " << facet.node[0] + 1 << " " << facet.node[1] + 1
            << "\n";
     }
@@ -67,7 +67,7 @@ protected:
   /// A block that cools by the file, on the mesh of the small casting read from a file.
   Case block(double warmest) {
     Case c = small_casting(GetParam());
-    const mesh::Mesh2D mesh = mesh::SlabMesh(c.section).mesh();
+    const mesh::Mesh2D mesh = mesh::SlabMesh2D(c.section).mesh();
     write_gmsh(mesh, folder_ / "slab.msh");
     write_temperature(mesh, folder_ / "t.h5", warmest);
     c.section.file = folder_ / "slab.msh";
@@ -169,7 +169,7 @@ protected:
     c.monitors.pop_back();  // the one that waits for its metal
     return c;
   }();
-  mesh::Mesh2D mesh_ = mesh::SlabMesh(small_casting(mesh::ElementKind::q1).section).mesh();
+  mesh::Mesh2D mesh_ = mesh::SlabMesh2D(small_casting(mesh::ElementKind::q1).section).mesh();
 
   CheckedCase checked() {
     write_gmsh(mesh_, casting_.section.file);
@@ -211,10 +211,10 @@ TEST_F(ImportedMesh, OfAnotherHeightIsWarnedOf) {
 }
 
 TEST_F(ImportedMesh, WantsEveryGroupThatTheCaseNeeds) {
-  for (const auto& [patch, name] : {std::pair{mesh::Patch::side, "'side'"},
-                                    std::pair{mesh::Patch::top, "'top'"},
-                                    std::pair{mesh::Patch::symmetry, "'symmetry'"},
-                                    std::pair{mesh::Patch::bottom, "bottom"}}) {
+  for (const auto& [patch, name] : {std::pair{mesh::PatchKind::side, "'side'"},
+                                    std::pair{mesh::PatchKind::top, "'top'"},
+                                    std::pair{mesh::PatchKind::symmetry, "'symmetry'"},
+                                    std::pair{mesh::PatchKind::bottom, "bottom"}}) {
     const auto facets = std::exchange(mesh_.facets(patch), {});
     const auto found = faults();
     ASSERT_EQ(found.size(), 1u) << name;
@@ -227,10 +227,10 @@ TEST_F(ImportedMesh, WantsEveryGroupThatTheCaseNeeds) {
 }
 
 TEST_F(ImportedMesh, WantsNoGroupThatTheCaseDoesWithout) {
-  mesh_.facets(mesh::Patch::top).clear();
+  mesh_.facets(mesh::PatchKind::top).clear();
   casting_.cooling.top = thermal::Top::insulated;
   EXPECT_TRUE(faults().empty());
-  mesh_.facets(mesh::Patch::symmetry).clear();
+  mesh_.facets(mesh::PatchKind::symmetry).clear();
   casting_.mechanics.enabled = false;
   EXPECT_TRUE(faults().empty());
 }
@@ -238,7 +238,7 @@ TEST_F(ImportedMesh, WantsNoGroupThatTheCaseDoesWithout) {
 TEST(ImportedBillet, LiesOnOneSideOfItsAxis) {
   const TemporaryFolder folder;
   Case c = small_casting(mesh::ElementKind::q1);
-  mesh::Mesh2D mesh = mesh::SlabMesh(c.section).mesh();
+  mesh::Mesh2D mesh = mesh::SlabMesh2D(c.section).mesh();
   c.section.kind = mesh::SectionKind::axisymmetric;
   c.section.file = folder / "billet.msh";
   c.section.growth = false;

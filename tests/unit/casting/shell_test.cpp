@@ -24,18 +24,18 @@ mesh::SectionSpec even_cells(mesh::ElementKind element) {
 
 class Shell : public ::testing::TestWithParam<mesh::ElementKind> {
 protected:
-  const mesh::SlabMesh slab{even_cells(GetParam())};
+  const mesh::SlabMesh2D slab{even_cells(GetParam())};
   std::vector<char> solid = std::vector<char>(std::size_t(slab.mesh().elements()), 0);
 
-  int elements_in_cell() const { return slab.mesh().elements() / (slab.rows() * slab.columns()); }
+  int elements_in_cell() const { return slab.mesh().elements() / (slab.rows() * slab.cells_per_row()); }
   void set(int column, int row, bool is_solid) {
-    const int cell = row * slab.columns() + column;
+    const int cell = row * slab.cells_per_row() + column;
     for (int i = 0; i < elements_in_cell(); ++i)
       solid[std::size_t(cell * elements_in_cell() + i)] = is_solid ? 1 : 0;
   }
   void fill_rows(int rows) {
     for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < slab.columns(); ++column) set(column, row, true);
+      for (int column = 0; column < slab.cells_per_row(); ++column) set(column, row, true);
   }
   Extreme thinnest() const { return thinnest_shell(slab.mesh(), solid).value(); }
 };
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Elements, Shell,
 
 /// Left half two rows high, right half rows three and four: they touch in one node.
 TEST(ShellOfQuadrilaterals, DoesNotHoldByACornerAlone) {
-  const mesh::SlabMesh slab(even_cells(mesh::ElementKind::q1));
+  const mesh::SlabMesh2D slab(even_cells(mesh::ElementKind::q1));
   std::vector<char> solid(std::size_t(slab.mesh().elements()), 0);
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 7; ++column)
@@ -112,8 +112,8 @@ TEST(ShellOfQuadrilaterals, DoesNotHoldByACornerAlone) {
 }
 
 TEST(ShellOfAnImportedMesh, IsNotKnownWithoutABottom) {
-  mesh::Mesh2D mesh = mesh::SlabMesh(even_cells(mesh::ElementKind::q1)).mesh();
-  mesh.facets(mesh::Patch::bottom).clear();
+  mesh::Mesh2D mesh = mesh::SlabMesh2D(even_cells(mesh::ElementKind::q1)).mesh();
+  mesh.facets(mesh::PatchKind::bottom).clear();
   EXPECT_FALSE(thinnest_shell(mesh, std::vector<char>(std::size_t(mesh.elements()), 1)));
 }
 

@@ -128,7 +128,7 @@ double deflection(const Plate& plate) {
   body.set_material(young, plate.poisson, 0.0, 2.0);
   for (int n = 0; n < body.mesh.nodes(); n += columns + 1) body.fix(n, 0, 0.0);
   body.fix(0, 1, 0.0);
-  body.add_traction(mesh::Patch::side, [](double, double y) {
+  body.add_traction(mesh::PatchKind::side, [](double, double y) {
     return Vector2{slope * (y - 0.5), 0.0};
   });
   EXPECT_TRUE(body.step(tight(1e-8), 1.0).converged);
@@ -175,7 +175,7 @@ double deflection_of_disc(double poisson, int columns, int layers) {
   body.set_material(young, poisson, 0.0, 2.0);
   for (int n = 0; n < body.mesh.nodes(); n += columns + 1) body.fix(n, 0, 0.0);
   body.fix(0, 1, 0.0);
-  body.add_traction(mesh::Patch::side, [](double, double y) {
+  body.add_traction(mesh::PatchKind::side, [](double, double y) {
     return Vector2{slope * (y - 0.5), 0.0};
   });
   EXPECT_TRUE(body.step(tight(1e-8), 1.0).converged);

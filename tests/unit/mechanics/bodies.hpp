@@ -30,8 +30,8 @@ mesh::Mesh2D distorted_rectangle(double width, double height, int columns, int r
 }
 
 inline bool on_boundary(const mesh::Mesh2D& mesh, int node) {
-  for (const auto& patch : mesh.patch) {
-    for (const auto& facet : patch) {
+  for (const auto& patch : mesh.patches) {
+    for (const auto& facet : patch.facets) {
       if (facet.node[0] == node || facet.node[1] == node) return true;
     }
   }

@@ -85,7 +85,7 @@ TYPED_TEST(CreepOf, CreepUnderALoadFollowsItsEquation) {
       if (body.mesh.point(n)[0] == 0.0) body.fix(n, 0, 0.0);
       if (body.mesh.point(n)[1] == 0.0) body.fix(n, 1, 0.0);
     }
-    body.add_traction(mesh::Patch::side, [](double, double) { return Vector2{stress, 0.0}; });
+    body.add_traction(mesh::PatchKind::side, [](double, double) { return Vector2{stress, 0.0}; });
     const int steps = 50 << level;
     ASSERT_TRUE(body.step(tight(1e-12), 1e-12).converged);
     for (int i = 0; i < steps; ++i) ASSERT_TRUE(body.step(tight(1e-12), end / steps).converged);

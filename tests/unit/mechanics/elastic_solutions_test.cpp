@@ -110,7 +110,7 @@ double error_of_bending(int rows) {
   }
   const int middle = rows / 2 * (4 * rows + 1);
   body.fix(middle, 1, 0.0);
-  body.add_traction(mesh::Patch::side, [](double, double y) {
+  body.add_traction(mesh::PatchKind::side, [](double, double y) {
     return Vector2{slope * (y - 0.5 * height), 0.0};
   });
   EXPECT_TRUE(body.step(tight(1e-9), 1.0).converged);

@@ -93,7 +93,7 @@ public:
   double across(int node) const { return state.displacement[2 * std::size_t(node)]; }
   double upwards(int node) const { return state.displacement[2 * std::size_t(node) + 1]; }
 
-  mesh::SlabMesh slab;
+  mesh::SlabMesh2D slab;
   SlabMechanics<2> mechanics;
   SlabState<2> state;
 

@@ -71,7 +71,7 @@ TYPED_TEST(SupportOf, TheMouldLetsGoOnceAndForAll) {
   const auto mushy = [](double, double) { return 630.0; };
   bench.start(mushy);
   bench.step(mushy);
-  const auto side = mesh::patch_nodes(bench.slab.mesh(), mesh::Patch::side);
+  const auto side = mesh::patch_nodes(bench.slab.mesh(), mesh::PatchKind::side);
   for (int n : side) {
     EXPECT_EQ(bench.state.released[std::size_t(n)], 0);
     EXPECT_EQ(bench.across(n), 0.0);
@@ -99,9 +99,9 @@ TYPED_TEST(SupportOf, WithoutConfinementTheSideIsFree) {
   const auto mushy = [](double, double) { return 640.0; };
   bench.start(mushy);
   bench.step([](double, double) { return 630.0; });
-  for (int n : mesh::patch_nodes(bench.slab.mesh(), mesh::Patch::side))
+  for (int n : mesh::patch_nodes(bench.slab.mesh(), mesh::PatchKind::side))
     EXPECT_LT(bench.across(n), -1e-5);
-  for (int n : mesh::patch_nodes(bench.slab.mesh(), mesh::Patch::symmetry)) {
+  for (int n : mesh::patch_nodes(bench.slab.mesh(), mesh::PatchKind::symmetry)) {
     EXPECT_EQ(bench.across(n), 0.0);
   }
 }

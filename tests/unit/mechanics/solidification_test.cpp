@@ -89,7 +89,7 @@ TYPED_TEST(Solidification, ThermalStrainCountsFromTheCoherencyTemperature) {
   const double freedom = fem::is_axisymmetric<TypeParam> ? 1.0 : 1.0 + 0.45;
   const double exact = freedom * (paper.thermal_stretch(600.0) - 1.0) * bench.width;
   // The weight adds some kilopascals over 40 GPa.
-  EXPECT_NEAR(bench.across(bench.slab.columns()), exact, 1e-5 * std::abs(exact));
+  EXPECT_NEAR(bench.across(bench.slab.cells_per_row()), exact, 1e-5 * std::abs(exact));
 }
 
 TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {

@@ -88,16 +88,16 @@ void expect_the_strip(const Mesh2D& mesh, int elements) {
   EXPECT_EQ(mesh.node, (std::vector<double>{0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1}));
   ASSERT_EQ(mesh.elements(), elements);
   for (int e = 0; e < elements; ++e) EXPECT_EQ(doubled_area(mesh, e), 4.0 / elements);
-  EXPECT_EQ(patch_nodes(mesh, Patch::bottom), (std::vector{0, 1, 2}));
-  EXPECT_EQ(patch_nodes(mesh, Patch::side), (std::vector{2, 5}));
-  EXPECT_EQ(patch_nodes(mesh, Patch::symmetry), (std::vector{3, 0}));
-  EXPECT_EQ(mesh.facets(Patch::top).size(), 2u);
+  EXPECT_EQ(patch_nodes(mesh, PatchKind::bottom), (std::vector{0, 1, 2}));
+  EXPECT_EQ(patch_nodes(mesh, PatchKind::side), (std::vector{2, 5}));
+  EXPECT_EQ(patch_nodes(mesh, PatchKind::symmetry), (std::vector{3, 0}));
+  EXPECT_EQ(mesh.facets(PatchKind::top).size(), 2u);
 }
 
 /// The domain lies to the left of a facet of its element.
 void expect_facets_of_their_elements(const Mesh2D& mesh) {
-  for (const auto& patch : mesh.patch) {
-    for (const auto& facet : patch) {
+  for (const auto& patch : mesh.patches) {
+    for (const auto& facet : patch.facets) {
       const int* nodes = mesh.nodes_of(facet.element);
       int found = 0;
       for (int i = 0; i < mesh.nodes_per_element; ++i)
@@ -145,8 +145,8 @@ TEST(GmshReader, TurnsSolidElementsRound) {
         "cube.msh", ElementKind::q1, faults);
     ASSERT_TRUE(mesh) << faults.list()[0].message;
     EXPECT_EQ(mesh->element_node, (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
-    ASSERT_EQ(mesh->facets(Patch::bottom).size(), 1u);
-    EXPECT_EQ(mesh->facets(Patch::bottom)[0].node, (std::array{0, 3, 2, 1}));  // normal downwards
+    ASSERT_EQ(mesh->facets(PatchKind::bottom).size(), 1u);
+    EXPECT_EQ(mesh->facets(PatchKind::bottom)[0].node, (std::array{0, 3, 2, 1}));  // normal downwards
   }
   Faults faults;
   const auto tetrahedron =
@@ -155,12 +155,12 @@ TEST(GmshReader, TurnsSolidElementsRound) {
                     "tetrahedron.msh", ElementKind::p1, faults);
   ASSERT_TRUE(tetrahedron) << faults.list()[0].message;
   EXPECT_EQ(tetrahedron->element_node, (std::vector{0, 1, 2, 3}));
-  EXPECT_EQ(tetrahedron->facets(Patch::bottom)[0].nodes, 3);
+  EXPECT_EQ(tetrahedron->facets(PatchKind::bottom)[0].nodes, 3);
 }
 
 TEST(GmshReader, AllowsBoundaryWithoutAGroup) {
   EXPECT_EQ(mesh_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 0 3 13 23"))
-                .facets(Patch::side)
+                .facets(PatchKind::side)
                 .size(),
             0u);
 }

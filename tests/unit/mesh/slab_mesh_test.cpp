@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/mesh/graded_cells.hpp"
+
 namespace dccast::mesh {
 namespace {
 
@@ -47,8 +49,8 @@ void expect_to_cover(const Mesh2D& mesh, double width, double height) {
 void expect_closed_boundary(const Mesh2D& mesh, double width, double height) {
   std::map<int, int> next;
   double twice = 0.0;
-  for (const auto& patch : mesh.patch) {
-    for (const auto& facet : patch) {
+  for (const auto& patch : mesh.patches) {
+    for (const auto& facet : patch.facets) {
       ASSERT_TRUE(next.emplace(facet.node[0], facet.node[1]).second) << "two facets leave one node";
       const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
       twice += a[0] * b[1] - b[0] * a[1];
@@ -72,20 +74,22 @@ void expect_closed_boundary(const Mesh2D& mesh, double width, double height) {
 }
 
 void expect_patches_in_place(const Mesh2D& mesh, double width, double height) {
-  for (int n : patch_nodes(mesh, Patch::symmetry)) EXPECT_EQ(mesh.point(n)[0], 0.0);
-  for (int n : patch_nodes(mesh, Patch::side)) EXPECT_EQ(mesh.point(n)[0], width);
-  for (int n : patch_nodes(mesh, Patch::bottom)) EXPECT_EQ(mesh.point(n)[1], 0.0);
-  for (int n : patch_nodes(mesh, Patch::top)) EXPECT_EQ(mesh.point(n)[1], height);
+  for (int n : patch_nodes(mesh, PatchKind::symmetry)) EXPECT_EQ(mesh.point(n)[0], 0.0);
+  for (int n : patch_nodes(mesh, PatchKind::side)) EXPECT_EQ(mesh.point(n)[0], width);
+  for (int n : patch_nodes(mesh, PatchKind::bottom)) EXPECT_EQ(mesh.point(n)[1], 0.0);
+  for (int n : patch_nodes(mesh, PatchKind::top)) EXPECT_EQ(mesh.point(n)[1], height);
 }
 
 void expect_same(const Mesh2D& a, const Mesh2D& b) {
   EXPECT_EQ(a.node, b.node);
   EXPECT_EQ(a.element_node, b.element_node);
-  for (std::size_t p = 0; p < patch_count; ++p) {
-    ASSERT_EQ(a.patch[p].size(), b.patch[p].size()) << p;
-    for (std::size_t i = 0; i < a.patch[p].size(); ++i) {
-      EXPECT_EQ(a.patch[p][i].node, b.patch[p][i].node);
-      EXPECT_EQ(a.patch[p][i].element, b.patch[p][i].element);
+  ASSERT_EQ(a.patches.size(), b.patches.size());
+  for (std::size_t p = 0; p < a.patches.size(); ++p) {
+    const auto &one = a.patches[p].facets, &other = b.patches[p].facets;
+    ASSERT_EQ(one.size(), other.size()) << a.patches[p].name;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(one[i].node, other[i].node);
+      EXPECT_EQ(one[i].element, other[i].element);
     }
   }
 }
@@ -115,8 +119,8 @@ TEST_P(Slab, HasTheNumbersItsSpecAsksFor) {
   const int per_cell = GetParam() == ElementKind::p1 ? 2 : 1;
   for (int refinement : {1, 3}) {
     spec.refinement = refinement;
-    const SlabMesh slab(spec);
-    EXPECT_EQ(slab.columns(), 7 * refinement);
+    const SlabMesh2D slab(spec);
+    EXPECT_EQ(slab.cells_per_row(), 7 * refinement);
     EXPECT_EQ(slab.rows(), 5 * refinement);
     EXPECT_EQ(slab.mesh().nodes(), (7 * refinement + 1) * (5 * refinement + 1));
     EXPECT_EQ(slab.mesh().elements(), per_cell * 35 * refinement * refinement);
@@ -129,7 +133,7 @@ TEST_P(Slab, HasTheNumbersItsSpecAsksFor) {
 
 /// numerics 3: cells of a given size where metal is cooled, larger ones inside.
 TEST_P(Slab, IsFineAtTheSideAndAtTheBottom) {
-  const SlabMesh slab(small_section(GetParam()));
+  const SlabMesh2D slab(small_section(GetParam()));
   const Mesh2D& mesh = slab.mesh();
   EXPECT_NEAR(mesh.point(7)[0] - mesh.point(6)[0], 0.01, 1e-9);
   EXPECT_GT(mesh.point(1)[0], 0.05);
@@ -138,9 +142,9 @@ TEST_P(Slab, IsFineAtTheSideAndAtTheBottom) {
 
 TEST_P(Slab, RefinementDividesTheCoarseCells) {
   SectionSpec spec = small_section(GetParam());
-  const SlabMesh coarse(spec);
+  const SlabMesh2D coarse(spec);
   spec.refinement = 2;
-  const SlabMesh fine(spec);
+  const SlabMesh2D fine(spec);
   for (int row = 0; row <= 5; ++row) {
     for (int column = 0; column <= 7; ++column) {
       const double* a = coarse.mesh().point(row * 8 + column);
@@ -152,7 +156,7 @@ TEST_P(Slab, RefinementDividesTheCoarseCells) {
 }
 
 TEST_P(Slab, GrowthOnlyAppends) {
-  SlabMesh slab(small_section(GetParam()));
+  SlabMesh2D slab(small_section(GetParam()));
   double level = 0.10;
   for (double rise : {1e-4, 0.003, 0.0, 0.02, 0.011, 0.05, 1e-12, 0.0049}) {
     const Mesh2D before = slab.mesh();
@@ -184,16 +188,16 @@ TEST_P(Slab, GrowthOnlyAppends) {
 }
 
 TEST_P(Slab, RestoredEqualsGrown) {
-  SlabMesh grown(small_section(GetParam()));
+  SlabMesh2D grown(small_section(GetParam()));
   for (double level : {0.104, 0.121, 0.1211, 0.18, 0.1999}) {
     grown.grow_to(level);
-    SlabMesh restored(small_section(GetParam()));
+    SlabMesh2D restored(small_section(GetParam()));
     restored.grow_to(0.3);  // whatever it was before
     restored.restore(grown.row_heights());
     expect_same(restored.mesh(), grown.mesh());
     EXPECT_EQ(restored.rows(), grown.rows());
     // And goes on the same way.
-    SlabMesh copy = grown;
+    SlabMesh2D copy = grown;
     copy.grow_to(level + 0.0177);
     restored.grow_to(level + 0.0177);
     expect_same(restored.mesh(), copy.mesh());
@@ -202,13 +206,13 @@ TEST_P(Slab, RestoredEqualsGrown) {
 
 TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
   const SectionSpec spec = small_section(GetParam());
-  SlabMesh by_small(spec);
+  SlabMesh2D by_small(spec);
   for (int i = 1; i <= 700; ++i) {
     const double level = 0.10 + 3.3e-4 * i;
     by_small.grow_to(level);
     EXPECT_EQ(rows_at(spec, level), by_small.rows()) << level;
     if (i % 50 != 0) continue;
-    SlabMesh at_once(spec);
+    SlabMesh2D at_once(spec);
     at_once.grow_to(level);
     EXPECT_EQ(at_once.rows(), by_small.rows()) << level;
     for (int row = 0; row <= at_once.rows(); ++row) {
@@ -219,7 +223,7 @@ TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
 }
 
 TEST_P(Slab, TheLevelCannotSink) {
-  SlabMesh slab(small_section(GetParam()));
+  SlabMesh2D slab(small_section(GetParam()));
   EXPECT_THROW(slab.grow_to(0.09), std::logic_error);
 }
 

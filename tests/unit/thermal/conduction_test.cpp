@@ -21,7 +21,7 @@ protected:
 };
 
 TEST_P(ConductionOf, VolumesSumToTheSection) {
-  const mesh::SlabMesh slab(casting_section(element()));
+  const mesh::SlabMesh2D slab(casting_section(element()));
   const auto volume = nodal_volumes(slab.mesh(), kind());
   const double expected = round() ? 0.5 * 0.28 * 0.28 * 0.1 : 0.28 * 0.1;
   EXPECT_NEAR(std::accumulate(volume.begin(), volume.end(), 0.0), expected, 1e-14);
@@ -31,7 +31,7 @@ TEST_P(ConductionOf, VolumesSumToTheSection) {
 /// Patch test: a temperature linear in height makes no source inside; and the heat that passes the
 /// bottom is its gradient times the area.
 TEST_P(ConductionOf, LinearFieldIsInEquilibrium) {
-  const mesh::SlabMesh slab(casting_section(element()));
+  const mesh::SlabMesh2D slab(casting_section(element()));
   Conduction conduction;
   EXPECT_TRUE(conduction.set_mesh(slab.mesh(), kind()));
   EXPECT_FALSE(conduction.set_mesh(slab.mesh(), kind()));
@@ -47,7 +47,7 @@ TEST_P(ConductionOf, LinearFieldIsInEquilibrium) {
 
 /// Maximum principle: no positive coupling, whatever the aspect ratio of the graded cells.
 TEST_P(ConductionOf, CouplingsAreNeverPositive) {
-  const mesh::SlabMesh slab(casting_section(element()));
+  const mesh::SlabMesh2D slab(casting_section(element()));
   Conduction conduction;
   conduction.set_mesh(slab.mesh(), kind());
   const auto& start = conduction.pattern().column_start();

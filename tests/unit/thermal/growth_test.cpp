@@ -26,7 +26,7 @@ class Growth : public ::testing::TestWithParam<std::tuple<ElementKind, SectionKi
 /// A small stretch; a stretch that divides the top row; one that adds several rows at once.
 TEST_P(Growth, HeatRisesByTheMetalThatEnters) {
   const auto [element, kind, rise] = GetParam();
-  mesh::SlabMesh slab(casting_section(element));
+  mesh::SlabMesh2D slab(casting_section(element));
   std::vector<double> enthalpy;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     const double* x = slab.mesh().point(n);
@@ -47,7 +47,7 @@ TEST_P(Growth, HeatRisesByTheMetalThatEnters) {
 
 TEST_P(Growth, UniformMetalStaysUniform) {
   const auto [element, kind, rise] = GetParam();
-  mesh::SlabMesh slab(casting_section(element));
+  mesh::SlabMesh2D slab(casting_section(element));
   std::vector<double> enthalpy(std::size_t(slab.mesh().nodes()), 2.9e9);
   const mesh::Mesh2D old_mesh = slab.mesh();
   slab.grow_to(0.10 + rise);
@@ -58,7 +58,7 @@ TEST_P(Growth, UniformMetalStaysUniform) {
 /// Frozen below, liquid at the top, another profile in every column: nothing may leave the range.
 TEST_P(Growth, NewRowsStayBetweenTheirNeighbours) {
   const auto [element, kind, rise] = GetParam();
-  mesh::SlabMesh slab(casting_section(element));
+  mesh::SlabMesh2D slab(casting_section(element));
   std::vector<double> enthalpy;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     enthalpy.push_back(n % 2 == 0 && slab.mesh().point(n)[1] < 0.0999 ? 1.2e9 : 2.9e9);
@@ -75,7 +75,7 @@ TEST_P(Growth, NewRowsStayBetweenTheirNeighbours) {
 TEST_P(Growth, LinearProfileStaysLinearOnRectangles) {
   const auto [element, kind, rise] = GetParam();
   if (element == ElementKind::p1) GTEST_SKIP() << "triangles conserve, see growth.cpp";
-  mesh::SlabMesh slab(casting_section(element));
+  mesh::SlabMesh2D slab(casting_section(element));
   const double below = slab.row_heights()[slab.row_heights().size() - 2];
   std::vector<double> enthalpy(std::size_t(slab.mesh().nodes()), 1e9);
   std::fill(enthalpy.end() - slab.nodes_per_row(), enthalpy.end(), 2e9);

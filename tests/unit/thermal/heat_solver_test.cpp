@@ -29,7 +29,7 @@ struct Casting {
 
 Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, ElementKind element,
              SectionKind kind, double end, double step = 1.0) {
-  mesh::SlabMesh slab(casting_section(element));
+  mesh::SlabMesh2D slab(casting_section(element));
   HeatSolver solver(material::ThermalProperties(alloy), cooling, kind);
   solver.set_mesh(slab.mesh());
   Casting casting;
@@ -109,7 +109,7 @@ TEST(HeatSolver, FallingCoefficientsKeepNewtonFast) {
 }
 
 TEST(HeatSolver, WaterRunsInAStepWhoseMiddleIsAfterItsStart) {
-  const mesh::SlabMesh slab(casting_section(ElementKind::p1));
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
                     SectionKind::plane_strain);
   solver.set_mesh(slab.mesh());
@@ -141,7 +141,7 @@ TEST(HeatSolver, AnEdgeMovedByAPicometreChangesNothingVisible) {
 
 TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
   mesh::SectionSpec section = casting_section(ElementKind::p1);
-  const mesh::SlabMesh slab(section);
+  const mesh::SlabMesh2D slab(section);
   HeatSolver used(material::ThermalProperties(casting_alloy()), casting_cooling(),
                   SectionKind::plane_strain);
   used.set_mesh(slab.mesh());
@@ -161,7 +161,7 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
 }
 
 TEST(HeatSolver, NonConvergenceIsAnOutcomeAndLeavesTheField) {
-  const mesh::SlabMesh slab(casting_section(ElementKind::p1));
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
                     SectionKind::plane_strain, 1e-11, 1);
   solver.set_mesh(slab.mesh());
@@ -182,7 +182,7 @@ TEST(HeatSolver, InsulatedBlockWithoutCoolingStaysAsItIs) {
   cooling.water.enabled = false;
   cooling.dry_coefficient = 0.0;
   cooling.bottom_block.contact_coefficient = Curve(0.0);
-  const mesh::SlabMesh slab(casting_section(ElementKind::q1));
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::q1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), cooling,
                     SectionKind::plane_strain);
   solver.set_mesh(slab.mesh());
@@ -194,7 +194,7 @@ TEST(HeatSolver, InsulatedBlockWithoutCoolingStaysAsItIs) {
 }
 
 TEST(HeatSolver, OpenGapCoolsLess) {
-  const mesh::SlabMesh slab(casting_section(ElementKind::p1));
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
                     SectionKind::plane_strain);
   solver.set_mesh(slab.mesh());

@@ -21,7 +21,7 @@ std::map<int, double> length_by_law(const std::vector<SideShare>& shares) {
 
 std::vector<SideShare> shares_of(const CoolingSpec& cooling, double level, bool water_runs,
                                  mesh::SectionKind kind = mesh::SectionKind::plane_strain) {
-  const mesh::SlabMesh slab(casting_section(mesh::ElementKind::p1));
+  const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::p1));
   std::vector<SideShare> shares;
   divide_side(cooling, slab.mesh(), kind, level, water_runs, shares);
   return shares;
@@ -50,7 +50,7 @@ TEST(SideShares, AxisymmetricOnesAreTimesTheRadius) {
 
 TEST(SideShares, FirstMomentIsExact) {
   // The weights of a law, times the height of the nodes, give the integral of the height.
-  const mesh::SlabMesh slab(casting_section(mesh::ElementKind::q1));
+  const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::q1));
   std::vector<SideShare> shares;
   divide_side(casting_cooling(), slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
   std::map<int, double> moment;
@@ -65,7 +65,7 @@ TEST(SideShares, FirstMomentIsExact) {
 
 TEST(SideShares, AreContinuousInEveryEdge) {
   // The edge passes a node of the side: nothing may jump.
-  const mesh::SlabMesh slab(casting_section(mesh::ElementKind::p1));
+  const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::p1));
   const double node_distance = 0.10 - slab.row_heights()[9];
   const auto weight_of_node = [&](double water_line) {
     CoolingSpec cooling = casting_cooling();
@@ -94,8 +94,8 @@ TEST(SideShares, TablesAgainstDistanceAreIntegratedExactly) {
 }
 
 TEST(BottomWeights, SumToTheSection) {
-  const mesh::SlabMesh slab(casting_section(mesh::ElementKind::q1));
-  const auto nodes = mesh::patch_nodes(slab.mesh(), mesh::Patch::bottom);
+  const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::q1));
+  const auto nodes = mesh::patch_nodes(slab.mesh(), mesh::PatchKind::bottom);
   double plane = 0.0, round = 0.0;
   for (double w : bottom_weights(slab.mesh(), mesh::SectionKind::plane_strain, nodes)) plane += w;
   for (double w : bottom_weights(slab.mesh(), mesh::SectionKind::axisymmetric, nodes)) round += w;

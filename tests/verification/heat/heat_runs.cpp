@@ -181,7 +181,7 @@ public:
   }
 
 private:
-  mesh::SlabMesh slab_;
+  mesh::SlabMesh2D slab_;
   HeatSolver solver_;
   double length_;
 };
@@ -371,7 +371,7 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
   card.conductivity = Curve(diffusivity * 2500.0 * 1000.0);
   CoolingSpec cooling = insulated();
   cooling.top = thermal::Top::insulated;
-  const mesh::SlabMesh slab(uniform_section(side, cells, side, cells, element));
+  const mesh::SlabMesh2D slab(uniform_section(side, cells, side, cells, element));
   HeatSolver solver(material::ThermalProperties(card), cooling, kind);
   solver.set_mesh(slab.mesh());
   const bool round = kind == mesh::SectionKind::axisymmetric;

@@ -31,8 +31,8 @@ Result patch(const TestRun& run) {
   const int cells = cells_of(run);
   auto mesh = uniform_rectangle(side, side, cells, cells, run.element);
   std::vector<char> held(std::size_t(mesh.nodes()), 0);
-  for (const auto& patch : mesh.patch) {
-    for (const auto& facet : patch)
+  for (const auto& patch : mesh.patches) {
+    for (const auto& facet : patch.facets)
       held[std::size_t(facet.node[0])] = held[std::size_t(facet.node[1])] = 1;
   }
   for (int n = 0; n < mesh.nodes(); ++n) {
@@ -72,7 +72,7 @@ public:
       const double z = this->mesh.point(n)[1];
       if (z == 0.0 || z == top) this->fix(n, 1, 0.0);
     }
-    this->add_traction(mesh::Patch::symmetry, [](double, double) {
+    this->add_traction(mesh::PatchKind::symmetry, [](double, double) {
       return Vector2{tube_pressure, 0.0};
     });
   }

@@ -22,7 +22,7 @@ Result bent_plate(TestRun run, double poisson, double cell, int layers) {
   body.set_material(young, poisson, 0.0, 2.0);
   for (int n = 0; n < body.mesh.nodes(); n += columns + 1) body.fix(n, 0, 0.0);
   body.fix(0, 1, 0.0);
-  body.add_traction(mesh::Patch::side, [](double, double y) {
+  body.add_traction(mesh::PatchKind::side, [](double, double y) {
     return Vector2{slope * (y - 0.5 * thickness), 0.0};
   });
   run.dt = 1.0;

@@ -80,8 +80,8 @@ Result creep(const TestRun& run) {
   FixedBody<Element> body(uniform_rectangle(side, side, cells_of(run), cells_of(run), run.element));
   body.set_material(young, poisson, kappa, exponent);
   hold_symmetry(body);
-  body.add_traction(mesh::Patch::side, [](double, double) { return Vector2{traction, 0.0}; });
-  body.add_traction(mesh::Patch::top, [](double, double) { return Vector2{0.0, -traction}; });
+  body.add_traction(mesh::PatchKind::side, [](double, double) { return Vector2{traction, 0.0}; });
+  body.add_traction(mesh::PatchKind::top, [](double, double) { return Vector2{0.0, -traction}; });
   TestRun loaded = run;
   loaded.options.contact = false;
   Result result = step_through(body, loaded, end, [](double) {});

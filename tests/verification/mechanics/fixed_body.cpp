@@ -20,7 +20,7 @@ mesh::Mesh2D uniform_rectangle(double width, double height, int columns, int row
   spec.rows = rows;
   spec.side_cell = width / columns;
   spec.bottom_cell = height / rows;
-  return mesh::SlabMesh(spec).mesh();
+  return mesh::SlabMesh2D(spec).mesh();
 }
 
 namespace {

@@ -60,11 +60,11 @@ public:
 
   /// Makes the bottom's vertical unknowns contact unknowns, all closed at first.
   void set_contact() {
-    for (int n : mesh::patch_nodes(mesh, mesh::Patch::bottom)) {
+    for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) {
       problem.contact.push_back(2 * n + 1);
       problem.contact_area.push_back(0.0);
     }
-    for (const auto& facet : mesh.facets(mesh::Patch::bottom)) {
+    for (const auto& facet : mesh.facets(mesh::PatchKind::bottom)) {
       const auto area =
           fem::edge_shares<Element>(mesh.point(facet.node[0]), mesh.point(facet.node[1]));
       for (std::size_t k = 0; k < area.size(); ++k) {
@@ -84,7 +84,7 @@ public:
   }
 
   /// Adds the nodal forces of a traction on a patch, by three Gauss points an edge.
-  void add_traction(mesh::Patch patch, const std::function<Vector2(double, double)>& traction) {
+  void add_traction(mesh::PatchKind patch, const std::function<Vector2(double, double)>& traction) {
     constexpr double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
     constexpr double weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
     for (const auto& facet : mesh.facets(patch)) {

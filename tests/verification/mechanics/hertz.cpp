@@ -56,8 +56,8 @@ public:
   Result press(double force, const PressedHalfPlane& around) {
     return step_through(body_, run_, 1.0, [&](double) {
       body_.clear_forces();
-      for (const auto& [patch, normal] : {std::pair{mesh::Patch::side, Vector2{1, 0}},
-                                          std::pair{mesh::Patch::top, Vector2{0, 1}}}) {
+      for (const auto& [patch, normal] : {std::pair{mesh::PatchKind::side, Vector2{1, 0}},
+                                          std::pair{mesh::PatchKind::top, Vector2{0, 1}}}) {
         body_.add_traction(
             patch, [&, n = normal](double x, double y) { return around.traction(x, y, n); });
       }

@@ -100,13 +100,13 @@ private:
   void add_facets() {
     const int loaded = run_.rows * 5 / 6;
     for (int j = 0; j < loaded; ++j) {
-      mesh_.facets(mesh::Patch::side)
+      mesh_.facets(mesh::PatchKind::side)
           .push_back({{node(run_.columns, j), node(run_.columns, j + 1)}});
-      mesh_.facets(mesh::Patch::side).push_back({{node(0, j + 1), node(0, j)}});
+      mesh_.facets(mesh::PatchKind::side).push_back({{node(0, j + 1), node(0, j)}});
     }
     if (liquid_rows_ > 0) return;
     for (int i = run_.columns; i > 0; --i) {
-      mesh_.facets(mesh::Patch::top).push_back({{node(i, run_.rows), node(i - 1, run_.rows)}});
+      mesh_.facets(mesh::PatchKind::top).push_back({{node(i, run_.rows), node(i - 1, run_.rows)}});
     }
   }
 
@@ -132,10 +132,10 @@ void set_materials(FixedBody<Element>& body, const T1Run& run, int solid_element
 template <class Element>
 void load(FixedBody<Element>& body) {
   body.add_body_force([](double, double) { return Vector2{0.0, -weight}; });
-  body.add_traction(mesh::Patch::side, [](double x, double y) {
+  body.add_traction(mesh::PatchKind::side, [](double x, double y) {
     return Vector2{weight * (y - height) * (x > 0.0 ? 1.0 : -1.0), 0.0};
   });
-  body.add_traction(mesh::Patch::top, [](double x, double y) {
+  body.add_traction(mesh::PatchKind::top, [](double x, double y) {
     const double p = weight * (y - height) / std::sqrt(41.0);
     return Vector2{x > 0.0 ? -4.0 * p : 4.0 * p, 5.0 * p};
   });

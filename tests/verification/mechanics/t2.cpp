@@ -51,11 +51,11 @@ template <class Element>
 void load(FixedBody<Element>& body, double t) {
   body.clear_forces();
   body.add_body_force([t](double x, double y) { return body_force(x, y, t); });
-  body.add_traction(mesh::Patch::side, [t](double x, double) {
+  body.add_traction(mesh::PatchKind::side, [t](double x, double) {
     const double h = x - front(t);
     return Vector2{0.0, 3.0 * mu * h * h};
   });
-  body.add_traction(mesh::Patch::bottom, [t](double x, double) {
+  body.add_traction(mesh::PatchKind::bottom, [t](double x, double) {
     const double h = x - front(t);
     return Vector2{h > 0.0 ? -3.0 * mu * h * h : 0.0, 0.0};
   });

@@ -18,8 +18,8 @@ template <class Element>
 void load(FixedBody<Element>& body, double t, bool contact) {
   const double h = stretch(t), p = traction_rate * t;
   body.clear_forces();
-  body.add_traction(mesh::Patch::side, [p](double, double) { return Vector2{p, 0.0}; });
-  body.add_traction(mesh::Patch::top, [p](double, double) { return Vector2{0.0, -p}; });
+  body.add_traction(mesh::PatchKind::side, [p](double, double) { return Vector2{p, 0.0}; });
+  body.add_traction(mesh::PatchKind::top, [p](double, double) { return Vector2{0.0, -p}; });
   for (int n = 0; n < body.mesh.nodes(); ++n) {
     const double x = body.mesh.point(n)[0], y = body.mesh.point(n)[1];
     if (x == 0.0 || (!contact && y == 0.0)) {

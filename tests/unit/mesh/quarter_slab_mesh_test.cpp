@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/mesh/slab_mesh.hpp"
+
+namespace dccast::mesh {
+namespace {
+
+constexpr double length = 0.66, thickness = 0.285, depth = 0.07;
+
+SectionSpec quarter(ElementKind element) {
+  SectionSpec spec;
+  spec.kind = SectionKind::quarter_slab;
+  spec.half_width = length;
+  spec.half_thickness = Curve(thickness);
+  spec.initial_depth = depth;
+  spec.element = element;
+  spec.columns = 6;
+  spec.layers = 4;
+  spec.rows = 3;
+  spec.side_cell = 0.03;
+  spec.wide_side_cell = 0.02;
+  spec.bottom_cell = 0.01;
+  spec.growth_cell = 0.012;
+  return spec;
+}
+
+/// The opening of figure 3 of the paper in its kind: 20 mm more at the middle, straight pieces.
+SectionSpec convex(ElementKind element) {
+  SectionSpec spec = quarter(element);
+  spec.half_thickness = Curve(Abscissa::distance, {0.0, 0.2, 0.5, length},
+                              {thickness + 0.02, thickness + 0.02, thickness + 0.008, thickness});
+  return spec;
+}
+
+using Vector = std::array<double, 3>;
+
+Vector between(const double* a, const double* b) {
+  return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+}
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// Area times outward normal of a plane facet.
+Vector area_of(const Mesh3D& mesh, const Facet<3>& facet) {
+  const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]),
+               *c = mesh.point(facet.node[2]),
+               *d = facet.nodes == 4 ? mesh.point(facet.node[3]) : a;
+  Vector area = cross(between(a, c), between(b, d));
+  for (double& component : area) component *= 0.5;
+  return area;
+}
+
+double volume_of(const Mesh3D& mesh, int e) {
+  const int* n = mesh.nodes_of(e);
+  const auto tetrahedron = [&](int a, int b, int c, int d) {
+    const double* o = mesh.point(n[a]);
+    return dot(cross(between(o, mesh.point(n[b])), between(o, mesh.point(n[c]))),
+               between(o, mesh.point(n[d]))) /
+           6.0;
+  };
+  if (mesh.nodes_per_element == 4) return tetrahedron(0, 1, 2, 3);
+  // The six tetrahedra around the diagonal from 0 to 6.
+  return tetrahedron(0, 1, 2, 6) + tetrahedron(0, 5, 1, 6) + tetrahedron(0, 2, 3, 6) +
+         tetrahedron(0, 3, 7, 6) + tetrahedron(0, 4, 5, 6) + tetrahedron(0, 7, 4, 6);
+}
+
+double plan_area(const SectionSpec& spec) {
+  return spec.half_thickness.constant() ? length * thickness
+                                        : spec.half_thickness.integral(0.0, length);
+}
+
+class QuarterSlabMesh : public ::testing::TestWithParam<std::tuple<ElementKind, bool>> {
+protected:
+  SectionSpec spec() const {
+    const auto [element, is_convex] = GetParam();
+    return is_convex ? convex(element) : quarter(element);
+  }
+};
+
+TEST_P(QuarterSlabMesh, FillsThePlanWithPositiveElements) {
+  const SlabMesh3D slab(spec());
+  double volume = 0.0;
+  for (int e = 0; e < slab.mesh().elements(); ++e) {
+    ASSERT_GT(volume_of(slab.mesh(), e), 0.0) << "element " << e;
+    volume += volume_of(slab.mesh(), e);
+  }
+  EXPECT_NEAR(volume, plan_area(spec()) * depth, 1e-14);
+  EXPECT_EQ(slab.mesh().elements(), slab.rows() * slab.elements_per_row());
+}
+
+/// Each facet is one of the element it names, no two elements have it, and by Gauss the facets
+/// enclose the volume.
+TEST_P(QuarterSlabMesh, PatchesCloseTheBoundaryWithOutwardNormals) {
+  SlabMesh3D slab(spec());
+  slab.grow_to(depth + 0.031);
+  const Mesh3D& mesh = slab.mesh();
+  std::set<std::set<int>> seen;
+  Vector closed{};
+  double volume = 0.0;
+  for (const auto& patch : mesh.patches) {
+    for (const auto& facet : patch.facets) {
+      const std::set<int> nodes(facet.node.begin(), facet.node.begin() + facet.nodes);
+      EXPECT_TRUE(seen.insert(nodes).second);
+      const int* of_element = mesh.nodes_of(facet.element);
+      for (const int n : nodes)
+        EXPECT_EQ(std::count(of_element, of_element + mesh.nodes_per_element, n), 1);
+      const Vector area = area_of(mesh, facet);
+      EXPECT_NEAR(dot(area, patch.normal), std::sqrt(dot(area, area)), 1e-12) << patch.name;
+      for (std::size_t d = 0; d < 3; ++d) closed[d] += area[d];
+      const double* at = mesh.point(facet.node[0]);
+      volume += dot(area, {at[0], at[1], at[2]}) / 3.0;
+    }
+  }
+  for (const double component : closed) EXPECT_NEAR(component, 0.0, 1e-14);
+  EXPECT_NEAR(volume, plan_area(spec()) * slab.level(), 1e-13);
+}
+
+TEST_P(QuarterSlabMesh, GrowthOnlyAppends) {
+  SlabMesh3D slab(spec());
+  const Mesh3D before = slab.mesh();
+  const auto between = slab.grow_to(depth + 0.05);
+  EXPECT_FALSE(between.empty());
+  const Mesh3D& after = slab.mesh();
+  ASSERT_GT(after.elements(), before.elements());
+  EXPECT_TRUE(std::equal(before.element_node.begin(), before.element_node.end(),
+                         after.element_node.begin()));
+  const std::size_t kept = before.node.size() - 3 * std::size_t(slab.nodes_per_row());
+  EXPECT_TRUE(
+      std::equal(before.node.begin(), before.node.begin() + long(kept), after.node.begin()));
+
+  SlabMesh3D restored(spec());
+  restored.restore(slab.row_heights());
+  EXPECT_EQ(restored.mesh().node, after.node);
+  EXPECT_EQ(restored.mesh().element_node, after.element_node);
+}
+
+INSTANTIATE_TEST_SUITE_P(ElementsAndPlans, QuarterSlabMesh,
+                         ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1,
+                                                              ElementKind::q1_bending),
+                                            ::testing::Bool()));
+
+TEST(QuarterSlabMesh, HasAWallForEachStraightPieceOfTheMould) {
+  const SlabMesh3D slab(convex(ElementKind::q1));
+  ASSERT_NE(slab.mesh().find("side_y_3"), nullptr);
+  EXPECT_EQ(slab.mesh().find("side_y_4"), nullptr);
+  EXPECT_NEAR(slab.mesh().find("side_y_2")->normal[0], 0.012 / std::hypot(0.3, 0.012), 1e-12);
+  EXPECT_EQ(SlabMesh3D(quarter(ElementKind::q1)).mesh().find("side_y_2"), nullptr);
+}
+
+}  // namespace
+}  // namespace dccast::mesh
