@@ -34,7 +34,8 @@ void apply_below(Message& message, const FieldDescriptor& field) {
 
 /// A creep law is there or not; an empty one must not appear by itself.
 bool appears_by_itself(const FieldDescriptor& field) {
-  return field.containing_type()->full_name() != v1::Alloy::descriptor()->full_name();
+  return !key_of(field).only_if_given() &&
+         field.containing_type()->full_name() != v1::Alloy::descriptor()->full_name();
 }
 
 void apply(Message& message, bool alloy_inside) {
