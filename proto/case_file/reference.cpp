@@ -32,7 +32,7 @@ KeyReference describe_field(const FieldDescriptor& field, const std::string& pat
   const v1::Key& key = key_of(field);
   KeyReference row{
       path,      type_of(field),  key.unit(),    range_text(field), "", key.default_text(),
-      key.doc(), is_curve(field), key.required()};
+      key.doc(), is_curve(field), key.required(), ""};
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) row.permitted = joined(enum_texts(field));
   std::vector<std::string> against;
   for (const v1::Abscissa abscissa : abscissae_of(field))
