@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,15 +14,17 @@ namespace dccast::casting {
 class HeatSource {
 public:
   /// @throws InvalidCase  the temperature file cannot be read or does not fit the mesh
-  HeatSource(const Case& casting_case, const mesh::Mesh2D& mesh);
+  /// @param forms         of the mesh of the run, which stays where it is
+  HeatSource(const Case& casting_case, std::unique_ptr<thermal::HeatForms> forms);
 
-  void set_mesh(const mesh::Mesh2D& mesh);
+  /// Takes the mesh as it is now.
+  void update_mesh();
   thermal::HeatField initial_field(double time, double temperature) const;
 
-  /// Carries the enthalpy to the grown mesh. @return what the balance needs to know of it
-  std::optional<thermal::MetalEntry> follow_growth(thermal::HeatField& field,
-                                                   const mesh::Mesh2D& before,
-                                                   const mesh::Mesh2D& after, int nodes_per_row,
+  /// Takes the mesh after it has grown and carries the enthalpy over.
+  /// @param nodes_per_row  of the mesh
+  /// @return               what the balance needs to know of it
+  std::optional<thermal::MetalEntry> follow_growth(thermal::HeatField& field, int nodes_per_row,
                                                    double casting_temperature);
 
   thermal::HeatStepOutcome step(thermal::HeatField& field, const thermal::HeatStepInput& input);
@@ -29,8 +32,8 @@ public:
 private:
   void take_temperature(thermal::HeatField& field, double time) const;
 
-  mesh::SectionKind kind_;
-  thermal::HeatSolver solver_;
+  material::ThermalProperties properties_;
+  std::optional<thermal::HeatSolver> solver_;  ///< or
   std::optional<results::TemperatureHistory> history_;
 };
 

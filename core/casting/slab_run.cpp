@@ -46,7 +46,7 @@ SlabRun::SlabRun(const Case& c)
       schedule_(c),
       control_(c.time.minimum_step),
       mesh_(c),
-      heat_(c, mesh_.mesh()),
+      heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
       mechanics_(mechanics::make_mechanics_forms(c.section.element, c.section.kind),
                  material::MechanicalProperties(c.alloy), c.mechanics.options),
       initial_level_(largest(mesh_.mesh(), 1)),
@@ -68,7 +68,7 @@ void SlabRun::restore(const RunState& state) {
   state_ = state;
   control_.restore(state.step_limit);
   if (mesh_.built_in()) mesh_.slab().restore(state.row_heights);
-  heat_.set_mesh(mesh_.mesh());
+  heat_.update_mesh();
   mechanics_.set_mesh(mesh_.mesh());
 }
 
@@ -142,10 +142,9 @@ bool SlabRun::grow(double length, double temperature, std::optional<thermal::Met
   const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
   mesh::SlabMesh2D& slab = mesh_.slab();
-  const mesh::Mesh2D before = slab.mesh();
-  const int first_moved = before.elements() / slab.rows() * (slab.rows() - 1);
+  const int first_moved = slab.elements_per_row() * (slab.rows() - 1);
   slab.grow_to(level);
-  entry = heat_.follow_growth(state_.heat, before, slab.mesh(), slab.nodes_per_row(), temperature);
+  entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
   mechanics_.follow_growth(state_.slab, slab.mesh(), slab.nodes_per_row(), first_moved);
   state_.row_heights = slab.row_heights();
   return true;

@@ -23,6 +23,20 @@ struct P1Triangle {
   }
 };
 
+/// Linear tetrahedron, one point: the paper's element in three dimensions.
+struct P1Tetrahedron {
+  static constexpr int dimension = 3, nodes = 4, points = 1;
+  static constexpr std::array<std::array<double, 3>, 1> point{{{0.25, 0.25, 0.25}}};
+  static constexpr std::array<double, 1> weight{1.0 / 6.0};
+
+  static std::array<double, 4> shape(const std::array<double, 3>& p) {
+    return {1.0 - p[0] - p[1] - p[2], p[0], p[1], p[2]};
+  }
+  static std::array<std::array<double, 3>, 4> shape_gradient(const std::array<double, 3>&) {
+    return {{{-1.0, -1.0, -1.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+  }
+};
+
 namespace detail {
 inline constexpr double gauss = 0.57735026918962576451;  // 1/sqrt(3)
 inline constexpr std::array<std::array<double, 3>, 8> corner{{{-1, -1, -1},

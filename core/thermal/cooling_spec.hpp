@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/curve.hpp"
 
 namespace dccast::thermal {
+
+/// Face of a slab, by the direction of its normal. A section has one side, which counts as wide.
+enum class Face { wide, narrow };
+inline constexpr std::size_t faces = 2;
 
 /// A band of the side at a fixed distance below the metal level.
 struct SideZone {
@@ -15,18 +21,19 @@ struct SideZone {
   Curve liquid_coefficient;  ///< [W/(m2 K)] where the surface is liquid
   Curve solid_coefficient;   ///< [W/(m2 K)] where it is solid; mixed by the liquid fraction
   Curve temperature;         ///< [°C] of the surroundings
+  std::optional<Face> face;  ///< that has the zone; absent: every one
 };
 
 /// Jet and falling film below the water line.
 struct Water {
   bool enabled = true;
-  double from = 0.065;  ///< [m] below the metal level
-  double start = 0.0;   ///< [s]
-  Curve temperature;    ///< [°C]
-  double critical_heat_flux = 4e6;                ///< [W/m2]
+  double from = 0.065;              ///< [m] below the metal level
+  double start = 0.0;               ///< [s]
+  Curve temperature;                ///< [°C]
+  double critical_heat_flux = 4e6;  ///< [W/m2]
   bool film_boiling = false;
-  double film_boiling_coefficient = 500.0;        ///< [W/(m2 K)]
-  double film_boiling_above = 350.0;              ///< [°C]
+  double film_boiling_coefficient = 500.0;  ///< [W/(m2 K)]
+  double film_boiling_above = 350.0;        ///< [°C]
   Curve coefficient;  ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
 };
 
@@ -43,10 +50,15 @@ enum class Top { pouring, insulated };
 struct CoolingSpec {
   std::vector<SideZone> zones;
   Water water;
+  std::optional<Water> narrow_water;  ///< of the narrow face; absent: as on the wide one
   BottomBlock bottom_block;
   double dry_coefficient = 20.0;      ///< [W/(m2 K)]
   double ambient_temperature = 25.0;  ///< [°C]
   Top top = Top::pouring;
+
+  const Water& water_of(Face face) const {
+    return face == Face::narrow && narrow_water ? *narrow_water : water;
+  }
 };
 
 }  // namespace dccast::thermal

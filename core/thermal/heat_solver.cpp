@@ -32,42 +32,56 @@ double sum_of_products(const std::vector<double>& a, const std::vector<double>& 
   return static_cast<double>(sum);
 }
 
+double water_flow_of(Face face, const HeatStepInput& input) {
+  return face == Face::narrow ? input.narrow_water_flow.value_or(input.water_flow)
+                              : input.water_flow;
+}
+
 }  // namespace
 
 HeatSolver::HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
-                       mesh::SectionKind kind, double tolerance, int maximum_iterations)
+                       std::unique_ptr<HeatForms> forms, double tolerance, int maximum_iterations)
     : properties_(std::move(properties)),
       cooling_(std::move(cooling)),
-      kind_(kind),
+      forms_(std::move(forms)),
       tolerance_(tolerance),
-      maximum_iterations_(maximum_iterations) {}
+      maximum_iterations_(maximum_iterations) {
+  update_mesh();
+}
 
-void HeatSolver::set_mesh(const mesh::Mesh2D& mesh) {
-  mesh_ = mesh;
-  const bool changed = conduction_.set_mesh(mesh_, kind_);
-  if (changed) {
-    const auto fronts = mesh::edges_to_sweep_from(mesh_, 1);
-    solver_.analyze(conduction_.pattern(), linalg::Geometry::plane, fronts);
-    const std::size_t nodes = std::size_t(mesh_.nodes());
-    for (auto* by_node :
-         {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
-          &capacity_, &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
-      by_node->assign(nodes, 0.0);
-    }
-    state_.assign(nodes, ThermalState{});
-    matrix_.assign(conduction_.pattern().entries(), 0.0);
-    bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
-    top_nodes_.clear();
-    if (cooling_.top == Top::pouring) top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
-    held_.assign(nodes, 0);
-    for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
+void HeatSolver::update_mesh() {
+  if (forms_->update()) take_elements();
+}
+
+MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double temperature) {
+  bool new_pattern = false;
+  const MetalEntry entry = forms_->follow_growth(nodes_per_row, properties_.enthalpy(temperature),
+                                                 field.enthalpy, new_pattern);
+  if (new_pattern) take_elements();
+  refresh(field);
+  return entry;
+}
+
+void HeatSolver::take_elements() {
+  const auto fronts = forms_->fronts();
+  solver_.analyze(forms_->pattern(), forms_->geometry(), fronts);
+  const std::size_t nodes = std::size_t(forms_->nodes());
+  for (auto* by_node :
+       {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
+        &capacity_, &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
+    by_node->assign(nodes, 0.0);
   }
-  bottom_weight_ = bottom_weights(mesh_, kind_, bottom_nodes_);
+  state_.assign(nodes, ThermalState{});
+  matrix_.assign(forms_->pattern().entries(), 0.0);
+  top_nodes_.clear();
+  if (cooling_.top == Top::pouring) top_nodes_ = forms_->top_nodes();
+  held_.assign(nodes, 0);
+  for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
 }
 
 HeatField HeatSolver::uniform_field(double temperature) const {
   HeatField field;
-  field.enthalpy.assign(std::size_t(conduction_.nodes()), properties_.enthalpy(temperature));
+  field.enthalpy.assign(std::size_t(forms_->nodes()), properties_.enthalpy(temperature));
   refresh(field);
   return field;
 }
@@ -91,16 +105,24 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   const double held = properties_.enthalpy(input.casting_temperature);
   for (const int node : top_nodes_) enthalpy_[std::size_t(node)] = held;
 
-  // By the middle of the step: free of the rounding of a sum of steps that ends at the start.
-  const double middle = input.time - 0.5 * input.time_step;
-  const bool water_runs =
-      cooling_.water.enabled && middle > cooling_.water.start && input.water_flow > 0.0;
-  divide_side(cooling_, mesh_, kind_, input.metal_level, water_runs, side_);
+  forms_->divide_side(cooling_,
+                      {input.metal_level,
+                       {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
+                       input.rise},
+                      side_);
   film_share_.clear();
   for (const SideShare& share : side_) {
     const double before = properties_.temperature(enthalpy_n_[std::size_t(share.node)]);
-    film_share_.push_back(share.law == law_water ? film_share(cooling_.water, before) : 0.0);
+    film_share_.push_back(share.law == law_water ? film_share(cooling_.water_of(share.face), before)
+                                                 : 0.0);
   }
+}
+
+bool HeatSolver::water_runs(Face face, const HeatStepInput& input) const {
+  // By the middle of the step: free of the rounding of a sum of steps that ends at the start.
+  const double middle = input.time - 0.5 * input.time_step;
+  const Water& water = cooling_.water_of(face);
+  return water.enabled && middle > water.start && water_flow_of(face, input) > 0.0;
 }
 
 SurfaceState HeatSolver::surface_state(int node) const {
@@ -114,7 +136,9 @@ SurfaceFlux HeatSolver::side_flux(std::size_t share, const SurfaceState& surface
   const int law = side_[share].law;
   if (law == law_dry) return dry_flux(cooling_, surface);
   if (law == law_water) {
-    return water_flux(cooling_.water, surface, place, input.water_flow, film_share_[share]);
+    const Face face = side_[share].face;
+    return water_flux(cooling_.water_of(face), surface, place, water_flow_of(face, input),
+                      film_share_[share]);
   }
   return zone_flux(cooling_.zones[std::size_t(law)], surface, place, cooling_.ambient_temperature);
 }
@@ -128,22 +152,24 @@ void HeatSolver::add_flux(int node, double weight, const SurfaceFlux& flux) {
 }
 
 void HeatSolver::add_side_flux(const HeatStepInput& input) {
-  side_power_ = 0.0;
+  side_power_ = {};
   for (std::size_t i = 0; i < side_.size(); ++i) {
     const SurfaceFlux flux = side_flux(i, surface_state(side_[i].node), input);
     add_flux(side_[i].node, side_[i].weight, flux);
-    side_power_ += side_[i].weight * flux.flux;
+    side_power_[std::size_t(side_[i].face)] += side_[i].weight * flux.flux;
   }
 }
 
 void HeatSolver::add_bottom_flux(const HeatStepInput& input) {
   bottom_power_ = 0.0;
-  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+  const std::vector<int>& nodes = forms_->bottom_nodes();
+  const std::vector<double>& weight = forms_->bottom_weight();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
     const SurfaceFlux flux =
-        bottom_flux(cooling_.bottom_block, surface_state(bottom_nodes_[i]), input.time, gap);
-    add_flux(bottom_nodes_[i], bottom_weight_[i], flux);
-    bottom_power_ += bottom_weight_[i] * flux.flux;
+        bottom_flux(cooling_.bottom_block, surface_state(nodes[i]), input.time, gap);
+    add_flux(nodes[i], weight[i], flux);
+    bottom_power_ += weight[i] * flux.flux;
   }
 }
 
@@ -158,9 +184,9 @@ void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInp
   std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
   add_side_flux(input);
   add_bottom_flux(input);
-  linalg::multiply(conduction_.pattern(), conduction_.stiffness(), kirchhoff_, residual_);
+  linalg::multiply(forms_->pattern(), forms_->stiffness(), kirchhoff_, residual_);
 
-  const std::vector<double>& volume = conduction_.volume();
+  const std::vector<double>& volume = forms_->volume();
   residual_sum_ = moved_ = 0.0;
   double magnitude = 0.0;
   for (std::size_t i = 0; i < enthalpy.size(); ++i) {
@@ -168,7 +194,7 @@ void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInp
     residual_[i] += stored / input.time_step + flux_[i];
     moved_ += std::abs(stored) + input.time_step * std::abs(flux_[i]);
     const double conductance =
-        conduction_.stiffness()[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))];
+        forms_->stiffness()[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))];
     magnitude +=
         (volume[i] + input.time_step * std::abs(flux_derivative_[i])) * std::abs(enthalpy[i]) +
         input.time_step * 2.0 * conductance * std::abs(kirchhoff_[i]);
@@ -186,9 +212,9 @@ double HeatSolver::relative_residual(double time_step) const {
 
 /// Matrix of the present point. false: not positive definite.
 bool HeatSolver::factorize(Slope kind, double time_step) {
-  const auto stiffness = conduction_.stiffness();
+  const auto stiffness = forms_->stiffness();
   std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
-  const std::vector<double>& volume = conduction_.volume();
+  const std::vector<double>& volume = forms_->volume();
   const double largest = properties_.largest_diffusivity();
   for (std::size_t i = 0; i < capacity_.size(); ++i) {
     const double storage = volume[i] / time_step, smallest = smallest_capacity * storage;
@@ -203,7 +229,7 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
         capacity_[i] = smallest;
       }
     }
-    matrix_[std::size_t(conduction_.pattern().diagonal(static_cast<int>(i)))] +=
+    matrix_[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))] +=
         held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
   return solver_.factorize(matrix_);
@@ -219,7 +245,7 @@ bool HeatSolver::factorize_newton(double time_step) {
 void HeatSolver::newton_direction() {
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = held_[i] != 0 ? 0.0 : -residual_[i];
   solver_.solve(right_, y_);
-  linalg::multiply(conduction_.pattern(), conduction_.stiffness(), y_, stiffness_y_);
+  linalg::multiply(forms_->pattern(), forms_->stiffness(), y_, stiffness_y_);
   for (std::size_t i = 0; i < direction_.size(); ++i) {
     direction_[i] = from_slope_[i] > 0.0 ? y_[i] * from_slope_[i]
                                          : -(residual_[i] + stiffness_y_[i]) / capacity_[i];
@@ -291,7 +317,9 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.solves = static_cast<int>(solver_.solves() - solves);
   if (!outcome.converged) return outcome;
   outcome.balance = balance(input);
-  outcome.wall_heat_flux = side_power_;
+  outcome.wall_heat_flux = side_power_[0] + side_power_[1];
+  outcome.face_heat_flux = side_power_;
+  outcome.bottom_heat_flux = bottom_power_;
   field.enthalpy = enthalpy_;
   field.temperature.resize(state_.size());
   field.liquid_fraction.resize(state_.size());
@@ -303,14 +331,14 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
 }
 
 HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
-  const std::vector<double>& volume = conduction_.volume();
+  const std::vector<double>& volume = forms_->volume();
   HeatBalance heat;
   const double stored_before =
       input.entry ? input.entry->stored_before : sum_of_products(volume, enthalpy_n_);
   heat.entered = input.entry ? input.entry->entered : 0.0;
   heat.stored = sum_of_products(volume, enthalpy_) - stored_before;
   for (const int node : top_nodes_) heat.top += input.time_step * residual_[std::size_t(node)];
-  heat.side = input.time_step * side_power_;
+  heat.side = input.time_step * (side_power_[0] + side_power_[1]);
   heat.bottom = input.time_step * bottom_power_;
   heat.moved = moved_;
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;

@@ -1,16 +1,14 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/linalg/direct_solver.hpp"
 #include "core/material/thermal_properties.hpp"
-#include "core/mesh/mesh.hpp"
-#include "core/thermal/conduction.hpp"
 #include "core/thermal/cooling.hpp"
-#include "core/thermal/growth.hpp"
-#include "core/thermal/surface_shares.hpp"
+#include "core/thermal/heat_forms.hpp"
 
 namespace dccast::thermal {
 
@@ -30,13 +28,18 @@ struct HeatStepInput {
   /// [m2/s]. Water runs in a step in whose middle Water::start has passed; else, and without flow,
   /// the side below the water line is dry.
   double water_flow = 0.0;
-  /// [m], in the order of mesh::patch_nodes(mesh, PatchKind::bottom); empty: contact everywhere.
+  /// [m], in the order of HeatForms::bottom_nodes(); empty: contact everywhere.
   std::span<const double> bottom_gap;
-  /// What carry_enthalpy() gave, so that the balance covers the growth too.
+  /// What follow_growth() gave, so that the balance covers the growth too.
   std::optional<MetalEntry> entry;
+  /// [m2/s] of the narrow face of a solid; absent: as on the wide one.
+  std::optional<double> narrow_water_flow = {};
+  /// (node) [m] by which the side has risen, for zones and water line; empty: not at all.
+  std::span<const double> rise = {};
 };
 
-/// Heat of one step; per metre of face in plane strain, per radian in an axisymmetric section.
+/// Heat of one step; per metre of face in plane strain [J/m], per radian in an axisymmetric section
+/// [J/rad], whole of a solid [J].
 struct HeatBalance {
   double stored = 0.0;   ///< [J/m] gained by the slab, with the metal that entered
   double entered = 0.0;  ///< [J/m] with the metal
@@ -55,7 +58,10 @@ struct HeatStepOutcome {
   int solves = 0;
   std::vector<double> residual_history;  ///< [1] of the heat that moved, before each iteration
   HeatBalance balance;
-  double wall_heat_flux = 0.0;  ///< [W/m] out through the side
+  /// [W/m] out through the side at the end of the step, per radian [W/rad], of a solid [W].
+  double wall_heat_flux = 0.0;
+  std::array<double, faces> face_heat_flux{};  ///< the same by face
+  double bottom_heat_flux = 0.0;               ///< out through the bottom
 };
 
 /// One implicit Euler step of the enthalpy equation, paper eq. (2), at a time.
@@ -73,14 +79,21 @@ struct HeatStepOutcome {
 /// there: such a node is at the temperature of the change). Convergence is judged on the true
 /// residual against the heat that moves. A step is a pure function of mesh, field and input:
 /// nothing is kept from the step before but storage and the symbolic analysis.
+///
+/// The solver knows no dimension: the mesh lies behind its forms.
 class HeatSolver {
 public:
+  /// @param forms      of a mesh, which stays where it is
   /// @param tolerance  residual relative to the heat that moves in the step
-  HeatSolver(material::ThermalProperties properties, CoolingSpec cooling, mesh::SectionKind kind,
-             double tolerance = 1e-11, int maximum_iterations = 60);
+  HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
+             std::unique_ptr<HeatForms> forms, double tolerance = 1e-11,
+             int maximum_iterations = 60);
 
-  /// Takes a mesh or its new coordinates; analyses the matrix only if elements changed.
-  void set_mesh(const mesh::Mesh2D& mesh);
+  /// Takes the mesh as it is now; analyses the matrix only if elements changed.
+  void update_mesh();
+  /// Takes the mesh after it has grown and carries the field over. @param temperature  [°C] of the
+  /// metal that entered
+  MetalEntry follow_growth(HeatField& field, int nodes_per_row, double temperature);
 
   /// A field of one temperature [°C] on the mesh.
   HeatField uniform_field(double temperature) const;
@@ -93,12 +106,13 @@ public:
 
   const material::ThermalProperties& properties() const { return properties_; }
   const CoolingSpec& cooling() const { return cooling_; }
-  const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
-  const Conduction& conduction() const { return conduction_; }
+  const HeatForms& forms() const { return *forms_; }
 
 private:
+  void take_elements();
   void prepare(const HeatField& field, const HeatStepInput& input);
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
+  bool water_runs(Face face, const HeatStepInput& input) const;
   void add_side_flux(const HeatStepInput& input);
   void add_bottom_flux(const HeatStepInput& input);
   void add_flux(int node, double weight, const SurfaceFlux& flux);
@@ -118,17 +132,13 @@ private:
 
   material::ThermalProperties properties_;
   CoolingSpec cooling_;
-  mesh::SectionKind kind_;
+  std::unique_ptr<HeatForms> forms_;
   double tolerance_;  ///< [1]
   int maximum_iterations_;
 
-  mesh::Mesh2D mesh_;
-  Conduction conduction_;
   linalg::DirectSolver solver_;
-  std::vector<int> bottom_nodes_;
-  std::vector<double> bottom_weight_;
-  std::vector<int> top_nodes_;
-  std::vector<char> held_;  ///< (node) at the casting temperature
+  std::vector<int> top_nodes_;  ///< held at the casting temperature
+  std::vector<char> held_;      ///< (node) at the casting temperature
 
   // Of the step under way; storage kept from step to step.
   std::vector<SideShare> side_;
@@ -145,12 +155,11 @@ private:
   std::vector<double> capacity_;    ///< c in the factor
   std::vector<double> from_slope_;  ///< 1/D where dH = y/D because c is too small, else zero
   std::vector<double> right_, y_, stiffness_y_, direction_;
-  double side_power_ = 0.0;     ///< [W/m]
-  double bottom_power_ = 0.0;   ///< [W/m]
-  double residual_sum_ = 0.0;   ///< [W/m] sum of absolute values over free nodes
-  double moved_ = 0.0;          ///< [J/m]
-  double round_off_ = 0.0;      ///< [J/m] of residual_sum_ times the step
-  bool bounded_slope_ = false;  ///< the next matrix takes the largest diffusivity for D everywhere
+  std::array<double, faces> side_power_{};  ///< [W/m] by face
+  double bottom_power_ = 0.0;               ///< [W/m]
+  double residual_sum_ = 0.0;               ///< [W/m] sum of absolute values over free nodes
+  double moved_ = 0.0;                      ///< [J/m]
+  double round_off_ = 0.0;                  ///< [J/m] of residual_sum_ times the step
 };
 
 }  // namespace dccast::thermal

@@ -111,8 +111,8 @@ void heat_step(benchmark::State& state) {
   const int cells = static_cast<int>(state.range(0));
   const casting::Case c = support::load_case("start-2d-thickness");
   const auto mesh = verification::uniform_rectangle(0.28, 0.1, cells, cells, mesh::ElementKind::p1);
-  thermal::HeatSolver solver(material::ThermalProperties(c.alloy), c.cooling, c.section.kind);
-  solver.set_mesh(mesh);
+  thermal::HeatSolver solver(material::ThermalProperties(c.alloy), c.cooling,
+                             thermal::make_heat_forms(mesh, c.section.kind));
   thermal::HeatStepInput input;
   input.time_step = 1.0;
   input.metal_level = 0.1;

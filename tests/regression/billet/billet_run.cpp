@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/casting/slab_run.hpp"
-#include "core/thermal/conduction.hpp"
+#include "core/thermal/heat_forms.hpp"
 
 namespace dccast::regression {
 
@@ -80,11 +80,11 @@ double heat_of_metal(const Run& run, const casting::Case& billet) {
 /// What the nodes at the metal level, held at the casting temperature, give to those below.
 double heat_of_top(const Run& run, const casting::Case& billet) {
   const material::ThermalProperties properties(billet.alloy);
-  thermal::Conduction conduction;
-  conduction.set_mesh(run.mesh(), billet.section.kind);
+  const auto forms = thermal::make_heat_forms(run.mesh(), billet.section.kind);
+  forms->update();
   std::vector<double> kirchhoff, flow(run.state().heat.temperature.size());
   for (const double t : run.state().heat.temperature) kirchhoff.push_back(properties.kirchhoff(t));
-  linalg::multiply(conduction.pattern(), conduction.stiffness(), kirchhoff, flow);
+  linalg::multiply(forms->pattern(), forms->stiffness(), kirchhoff, flow);
   double sum = 0.0;
   for (std::size_t n = flow.size() - std::size_t(run.growth_row()); n < flow.size(); ++n) {
     sum += flow[n];

@@ -30,11 +30,10 @@ struct Casting {
 Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, ElementKind element,
              SectionKind kind, double end, double step = 1.0) {
   mesh::SlabMesh2D slab(casting_section(element));
-  HeatSolver solver(material::ThermalProperties(alloy), cooling, kind);
-  solver.set_mesh(slab.mesh());
+  HeatSolver solver(material::ThermalProperties(alloy), cooling,
+                    make_heat_forms(slab.mesh(), kind));
   Casting casting;
   casting.field = solver.uniform_field(680.0);
-  const double entering = solver.properties().enthalpy(680.0);
   for (double time = -10.0; time < end - 1e-9;) {
     const double dt = time >= 0.0 && time < 2.0 ? 0.05 : step;
     time += dt;
@@ -45,11 +44,8 @@ Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, Eleme
                         .water_flow = 3e-3,
                         .bottom_gap = {},
                         .entry = {}};
-    const mesh::Mesh2D before = slab.mesh();
     slab.grow_to(input.metal_level);
-    input.entry = carry_enthalpy(before, slab.mesh(), slab.nodes_per_row(), kind, entering,
-                                 casting.field.enthalpy);
-    solver.set_mesh(slab.mesh());
+    input.entry = solver.follow_growth(casting.field, slab.nodes_per_row(), 680.0);
     const HeatStepOutcome outcome = solver.step(casting.field, input);
     casting.converged = casting.converged && outcome.converged;
     casting.worst_balance = std::max(casting.worst_balance, outcome.balance.error);
@@ -111,8 +107,7 @@ TEST(HeatSolver, FallingCoefficientsKeepNewtonFast) {
 TEST(HeatSolver, WaterRunsInAStepWhoseMiddleIsAfterItsStart) {
   const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
-                    SectionKind::plane_strain);
-  solver.set_mesh(slab.mesh());
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   const auto side_flux = [&](double time) {
     HeatField field = solver.uniform_field(680.0);
     return solver.step(field, {time, 1.0, 0.1, 680.0, 3e-3, {}, {}}).wall_heat_flux;
@@ -143,15 +138,13 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
   mesh::SectionSpec section = casting_section(ElementKind::p1);
   const mesh::SlabMesh2D slab(section);
   HeatSolver used(material::ThermalProperties(casting_alloy()), casting_cooling(),
-                  SectionKind::plane_strain);
-  used.set_mesh(slab.mesh());
+                  make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   HeatField field = used.uniform_field(680.0);
   const HeatStepInput first{1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}};
   const HeatStepInput second{2.0, 1.0, 0.1, 680.0, 3e-3, {}, {}};
   ASSERT_TRUE(used.step(field, first).converged);
   HeatSolver fresh(material::ThermalProperties(casting_alloy()), casting_cooling(),
-                   SectionKind::plane_strain);
-  fresh.set_mesh(slab.mesh());
+                   make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   HeatField resumed;
   resumed.enthalpy = field.enthalpy;
   ASSERT_TRUE(used.step(field, second).converged);
@@ -163,8 +156,7 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
 TEST(HeatSolver, NonConvergenceIsAnOutcomeAndLeavesTheField) {
   const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
-                    SectionKind::plane_strain, 1e-11, 1);
-  solver.set_mesh(slab.mesh());
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain), 1e-11, 1);
   HeatField field = solver.uniform_field(680.0);
   const auto before = field.enthalpy;
   const HeatStepOutcome outcome = solver.step(field, {1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}});
@@ -184,8 +176,7 @@ TEST(HeatSolver, InsulatedBlockWithoutCoolingStaysAsItIs) {
   cooling.bottom_block.contact_coefficient = Curve(0.0);
   const mesh::SlabMesh2D slab(casting_section(ElementKind::q1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), cooling,
-                    SectionKind::plane_strain);
-  solver.set_mesh(slab.mesh());
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   HeatField field = solver.uniform_field(500.0);
   const HeatStepOutcome outcome = solver.step(field, {1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}});
   EXPECT_TRUE(outcome.converged);
@@ -196,14 +187,13 @@ TEST(HeatSolver, InsulatedBlockWithoutCoolingStaysAsItIs) {
 TEST(HeatSolver, OpenGapCoolsLess) {
   const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
-                    SectionKind::plane_strain);
-  solver.set_mesh(slab.mesh());
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   const auto bottom_heat = [&](const std::vector<double>& gap) {
     HeatField field = solver.uniform_field(680.0);
     HeatStepInput input{-5.0, 1.0, 0.1, 680.0, 0.0, gap, {}};
     return solver.step(field, input).balance.bottom;
   };
-  const std::vector<double> open(solver.bottom_nodes().size(), 1e-3);
+  const std::vector<double> open(solver.forms().bottom_nodes().size(), 1e-3);
   // The surface stays near 680 °C, so that the heat goes nearly as the coefficient, 2000 to 100.
   EXPECT_NEAR(bottom_heat(open) / (0.28 * 100.0 * 600.0), 1.0, 0.02);
   EXPECT_GT(bottom_heat({}), 15.0 * bottom_heat(open));

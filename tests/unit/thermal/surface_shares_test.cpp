@@ -1,9 +1,10 @@
-#include "core/thermal/surface_shares.hpp"
+#include "core/thermal/heat_forms.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "tests/unit/thermal/casting_case.hpp"
 
@@ -23,7 +24,7 @@ std::vector<SideShare> shares_of(const CoolingSpec& cooling, double level, bool 
                                  mesh::SectionKind kind = mesh::SectionKind::plane_strain) {
   const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::p1));
   std::vector<SideShare> shares;
-  divide_side(cooling, slab.mesh(), kind, level, water_runs, shares);
+  make_heat_forms(slab.mesh(), kind)->divide_side(cooling, {level, {water_runs}, {}}, shares);
   return shares;
 }
 
@@ -52,7 +53,8 @@ TEST(SideShares, FirstMomentIsExact) {
   // The weights of a law, times the height of the nodes, give the integral of the height.
   const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::q1));
   std::vector<SideShare> shares;
-  divide_side(casting_cooling(), slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
+  make_heat_forms(slab.mesh(), mesh::SectionKind::plane_strain)
+      ->divide_side(casting_cooling(), {0.10, {true}, {}}, shares);
   std::map<int, double> moment;
   for (const SideShare& share : shares) {
     moment[share.law] += share.weight * slab.mesh().point(share.node)[1];
@@ -72,7 +74,8 @@ TEST(SideShares, AreContinuousInEveryEdge) {
     cooling.water.from = cooling.zones[1].to = water_line;
     std::vector<double> water(std::size_t(slab.mesh().nodes()), 0.0);
     std::vector<SideShare> shares;
-    divide_side(cooling, slab.mesh(), mesh::SectionKind::plane_strain, 0.10, true, shares);
+    make_heat_forms(slab.mesh(), mesh::SectionKind::plane_strain)
+        ->divide_side(cooling, {0.10, {true}, {}}, shares);
     for (const SideShare& share : shares) {
       if (share.law == law_water) water[std::size_t(share.node)] += share.weight;
     }
@@ -95,12 +98,13 @@ TEST(SideShares, TablesAgainstDistanceAreIntegratedExactly) {
 
 TEST(BottomWeights, SumToTheSection) {
   const mesh::SlabMesh2D slab(casting_section(mesh::ElementKind::q1));
-  const auto nodes = mesh::patch_nodes(slab.mesh(), mesh::PatchKind::bottom);
-  double plane = 0.0, round = 0.0;
-  for (double w : bottom_weights(slab.mesh(), mesh::SectionKind::plane_strain, nodes)) plane += w;
-  for (double w : bottom_weights(slab.mesh(), mesh::SectionKind::axisymmetric, nodes)) round += w;
-  EXPECT_NEAR(plane, 0.28, 1e-15);
-  EXPECT_NEAR(round, 0.5 * 0.28 * 0.28, 1e-16);
+  const auto sum = [&](mesh::SectionKind kind) {
+    const auto forms = make_heat_forms(slab.mesh(), kind);
+    forms->update();
+    return std::accumulate(forms->bottom_weight().begin(), forms->bottom_weight().end(), 0.0);
+  };
+  EXPECT_NEAR(sum(mesh::SectionKind::plane_strain), 0.28, 1e-15);
+  EXPECT_NEAR(sum(mesh::SectionKind::axisymmetric), 0.5 * 0.28 * 0.28, 1e-16);
 }
 
 }  // namespace

@@ -120,10 +120,9 @@ public:
   Strip(const material::AlloyCard& metal, const CoolingSpec& cooling, double length, int cells,
         mesh::ElementKind element)
       : slab_(uniform_section(2.0 * length / cells, 2, length, cells, element)),
-        solver_(material::ThermalProperties(metal), cooling, mesh::SectionKind::plane_strain),
-        length_(length) {
-    solver_.set_mesh(slab_.mesh());
-  }
+        solver_(material::ThermalProperties(metal), cooling,
+                thermal::make_heat_forms(slab_.mesh(), mesh::SectionKind::plane_strain)),
+        length_(length) {}
 
   HeatSolver& solver() { return solver_; }
   int rows() const { return slab_.rows(); }
@@ -162,7 +161,7 @@ public:
   }
 
   double solid_depth(const HeatField& field) const {
-    const auto& volume = solver_.conduction().volume();
+    const auto& volume = solver_.forms().volume();
     double solid = 0.0, all = 0.0;
     for (std::size_t i = 0; i < volume.size(); ++i) {
       solid += volume[i] * (1.0 - field.liquid_fraction[i]);
@@ -372,8 +371,8 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
   CoolingSpec cooling = insulated();
   cooling.top = thermal::Top::insulated;
   const mesh::SlabMesh2D slab(uniform_section(side, cells, side, cells, element));
-  HeatSolver solver(material::ThermalProperties(card), cooling, kind);
-  solver.set_mesh(slab.mesh());
+  HeatSolver solver(material::ThermalProperties(card), cooling,
+                    thermal::make_heat_forms(slab.mesh(), kind));
   const bool round = kind == mesh::SectionKind::axisymmetric;
   const double across = round ? first_zero_of_j1 : std::numbers::pi;
   const auto mode = [&](int node) {
@@ -393,7 +392,7 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
   }
   const double decay = std::exp(-diffusivity * end / (side * side) *
                                 (across * across + std::numbers::pi * std::numbers::pi));
-  const auto& volume = solver.conduction().volume();
+  const auto& volume = solver.forms().volume();
   double square = 0.0, all = 0.0;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     const std::size_t i = std::size_t(n);

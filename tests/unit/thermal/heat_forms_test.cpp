@@ -1,4 +1,4 @@
-#include "core/thermal/conduction.hpp"
+#include "core/thermal/heat_forms.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,16 +13,18 @@ using mesh::ElementKind;
 using mesh::SectionKind;
 using testing::casting_section;
 
-class ConductionOf : public ::testing::TestWithParam<std::tuple<ElementKind, SectionKind>> {
+class HeatFormsOfSection : public ::testing::TestWithParam<std::tuple<ElementKind, SectionKind>> {
 protected:
   ElementKind element() const { return std::get<0>(GetParam()); }
   SectionKind kind() const { return std::get<1>(GetParam()); }
   bool round() const { return kind() == SectionKind::axisymmetric; }
 };
 
-TEST_P(ConductionOf, VolumesSumToTheSection) {
+TEST_P(HeatFormsOfSection, VolumesSumToTheSection) {
   const mesh::SlabMesh2D slab(casting_section(element()));
-  const auto volume = nodal_volumes(slab.mesh(), kind());
+  const auto forms = make_heat_forms(slab.mesh(), kind());
+  forms->update();
+  const auto& volume = forms->volume();
   const double expected = round() ? 0.5 * 0.28 * 0.28 * 0.1 : 0.28 * 0.1;
   EXPECT_NEAR(std::accumulate(volume.begin(), volume.end(), 0.0), expected, 1e-14);
   for (const double v : volume) EXPECT_GT(v, 0.0);
@@ -30,14 +32,14 @@ TEST_P(ConductionOf, VolumesSumToTheSection) {
 
 /// Patch test: a temperature linear in height makes no source inside; and the heat that passes the
 /// bottom is its gradient times the area.
-TEST_P(ConductionOf, LinearFieldIsInEquilibrium) {
+TEST_P(HeatFormsOfSection, LinearFieldIsInEquilibrium) {
   const mesh::SlabMesh2D slab(casting_section(element()));
-  Conduction conduction;
-  EXPECT_TRUE(conduction.set_mesh(slab.mesh(), kind()));
-  EXPECT_FALSE(conduction.set_mesh(slab.mesh(), kind()));
-  std::vector<double> theta, source(std::size_t(conduction.nodes()));
-  for (int n = 0; n < conduction.nodes(); ++n) theta.push_back(7.0 * slab.mesh().point(n)[1]);
-  linalg::multiply(conduction.pattern(), conduction.stiffness(), theta, source);
+  const auto forms = make_heat_forms(slab.mesh(), kind());
+  EXPECT_TRUE(forms->update());
+  EXPECT_FALSE(forms->update());
+  std::vector<double> theta, source(std::size_t(forms->nodes()));
+  for (int n = 0; n < forms->nodes(); ++n) theta.push_back(7.0 * slab.mesh().point(n)[1]);
+  linalg::multiply(forms->pattern(), forms->stiffness(), theta, source);
   double bottom = 0.0;
   const std::size_t row = std::size_t(slab.nodes_per_row());
   for (std::size_t n = 0; n < row; ++n) bottom -= source[n];
@@ -46,20 +48,20 @@ TEST_P(ConductionOf, LinearFieldIsInEquilibrium) {
 }
 
 /// Maximum principle: no positive coupling, whatever the aspect ratio of the graded cells.
-TEST_P(ConductionOf, CouplingsAreNeverPositive) {
+TEST_P(HeatFormsOfSection, CouplingsAreNeverPositive) {
   const mesh::SlabMesh2D slab(casting_section(element()));
-  Conduction conduction;
-  conduction.set_mesh(slab.mesh(), kind());
-  const auto& start = conduction.pattern().column_start();
+  const auto forms = make_heat_forms(slab.mesh(), kind());
+  forms->update();
+  const auto& start = forms->pattern().column_start();
   for (std::size_t c = 0; c + 1 < start.size(); ++c) {
-    EXPECT_GT(conduction.stiffness()[std::size_t(start[c])], 0.0);
+    EXPECT_GT(forms->stiffness()[std::size_t(start[c])], 0.0);
     for (std::size_t k = std::size_t(start[c]) + 1; k < std::size_t(start[c + 1]); ++k) {
-      EXPECT_LE(conduction.stiffness()[k], 1e-14);
+      EXPECT_LE(forms->stiffness()[k], 1e-14);
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sections, ConductionOf,
+INSTANTIATE_TEST_SUITE_P(Sections, HeatFormsOfSection,
                          ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1),
                                             ::testing::Values(SectionKind::plane_strain,
                                                               SectionKind::axisymmetric)));

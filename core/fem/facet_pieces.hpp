@@ -1,0 +1,226 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/fem/element.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace dccast::fem {
+
+/// A facet is cut into pieces where a quantity that is given at its nodes passes certain levels,
+/// and the shape functions are integrated over every piece. The pieces make up the facet exactly
+/// and change continuously with every level.
+
+/// A piece of an edge between two levels.
+struct EdgePiece {
+  /// By Gauss point: two are exact to the third power, which is what a shape function, a radius and
+  /// a quantity linear along the edge make together.
+  std::array<double, 2> level;
+  std::array<std::array<double, 2>, 2>
+      weight;  ///< by node, by Gauss point [m], axisymmetric [m2/rad]
+  double middle_level;
+};
+
+/// A piece of a face between two levels.
+struct FacePiece {
+  std::array<double, 4> weight;  ///< integral of the shape function, by node [m2]
+  /// Mean level under each shape function: what a law that is linear in the level must be given.
+  std::array<double, 4> level;
+  double area;          ///< [m2]
+  double middle_level;  ///< mean of the piece
+};
+
+/// An edge as its two ends; xi runs from 0 at the first to 1 at the second.
+class EdgeCut {
+public:
+  /// @param level   of the two nodes, by which the edge is cut
+  /// @param radius  of the two nodes [m]; {1, 1} but in an axisymmetric section
+  EdgeCut(double length, std::array<double, 2> level, std::array<double, 2> radius)
+      : length_(length), level_(level), radius_(radius) {}
+
+  /// Calls `use(EdgePiece)` for every piece. @param levels  in rising order
+  template <class Use>
+  void for_each_piece(std::span<const double> levels, const Use& use) const {
+    const double rise = level_[1] - level_[0];
+    double begin = 0.0;
+    const auto cut_at = [&](double level) {
+      const double xi = (level - level_[0]) / rise;
+      if (!(xi > begin && xi < 1.0)) return;
+      use(piece(begin, xi));
+      begin = xi;
+    };
+    if (rise > 0.0) {
+      std::for_each(levels.begin(), levels.end(), cut_at);
+    } else if (rise < 0.0) {
+      std::for_each(levels.rbegin(), levels.rend(), cut_at);
+    }
+    use(piece(begin, 1.0));
+  }
+
+private:
+  double level_at(double xi) const { return level_[0] + xi * (level_[1] - level_[0]); }
+  double radius_at(double xi) const { return radius_[0] + xi * (radius_[1] - radius_[0]); }
+
+  EdgePiece piece(double begin, double end) const {
+    const double half = 0.5 * (end - begin), middle = 0.5 * (begin + end);
+    const double offset = half / std::sqrt(3.0);
+    const std::array<double, 2> at{middle - offset, middle + offset};
+    EdgePiece piece;
+    for (std::size_t g = 0; g < 2; ++g) {
+      const double xi = at[g];
+      for (std::size_t n = 0; n < 2; ++n)
+        piece.weight[n][g] = half * length_ * (n == 0 ? 1.0 - xi : xi) * radius_at(xi);
+      piece.level[g] = level_at(xi);
+    }
+    piece.middle_level = level_at(middle);
+    return piece;
+  }
+
+  double length_;  ///< [m]
+  std::array<double, 2> level_;
+  std::array<double, 2> radius_;  ///< [m]
+};
+
+/// A triangle or a quadrilateral, which need not be plane. Cut lines are straight in the reference
+/// coordinates of a triangle; a quadrilateral is cut as its two halves. On an upright rectangle
+/// they are the true lines of equal height.
+class FaceCut {
+public:
+  FaceCut(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet, std::array<double, 4> level)
+      : nodes_(facet.nodes), level_(level) {
+    for (std::size_t i = 0; i < std::size_t(nodes_); ++i)
+      corner_[i] = Eigen::Map<const Eigen::Vector3d>(mesh.point(facet.node[i]));
+  }
+
+  /// Calls `use(FacePiece)` for every piece. @param levels  in rising order
+  template <class Use>
+  void for_each_piece(std::span<const double> levels, const Use& use) const {
+    const auto [low, high] = std::minmax_element(level_.begin(), level_.begin() + nodes_);
+    double from = -INFINITY;
+    const auto up_to = [&](double to) {
+      const FacePiece piece = between(from, to);
+      if (piece.area > 0.0) use(piece);
+      from = to;
+    };
+    for (const double level : levels)
+      if (level > *low && level < *high && level > from) up_to(level);
+    up_to(INFINITY);
+  }
+
+private:
+  /// A corner of a polygon in reference coordinates.
+  struct Corner {
+    std::array<double, 2> at;
+    double level;
+  };
+  using Polygon = std::vector<Corner>;
+
+  FacePiece between(double from, double to) const {
+    FacePiece sum{};
+    for (std::size_t half = 0; half < std::size_t(nodes_ - 2); ++half) {
+      Polygon polygon{reference_corner(0), reference_corner(half + 1), reference_corner(half + 2)};
+      if (from > -INFINITY) polygon = clip(polygon, from, 1.0);
+      if (to < INFINITY) polygon = clip(polygon, to, -1.0);
+      for (std::size_t i = 2; i < polygon.size(); ++i)
+        add_triangle({polygon[0], polygon[i - 1], polygon[i]}, sum);
+    }
+    for (std::size_t n = 0; n < 4; ++n)
+      sum.level[n] = sum.weight[n] > 0.0 ? sum.level[n] / sum.weight[n] : 0.0;
+    if (sum.area > 0.0) sum.middle_level /= sum.area;
+    return sum;
+  }
+
+  Corner reference_corner(std::size_t i) const {
+    if (nodes_ == 3) return {{i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}, level_[i]};
+    return {{detail::corner[i][0], detail::corner[i][1]}, level_[i]};
+  }
+
+  /// The part of a convex polygon above a level (sign 1) or below it (sign -1).
+  static Polygon clip(const Polygon& polygon, double level, double sign) {
+    Polygon kept;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Corner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double above_a = sign * (a.level - level), above_b = sign * (b.level - level);
+      if (above_a >= 0.0) kept.push_back(a);
+      if (above_a * above_b >= 0.0) continue;
+      const double share = above_a / (above_a - above_b);
+      kept.push_back(
+          {{a.at[0] + share * (b.at[0] - a.at[0]), a.at[1] + share * (b.at[1] - a.at[1])}, level});
+    }
+    return kept;
+  }
+
+  /// Seven points, exact to the fifth power (Radon 1948): shape function, Jacobian and level of a
+  /// plane quadrilateral make no more.
+  struct Radon {
+    double weight;
+    std::array<double, 3> share;  ///< of the corners
+  };
+  static std::array<Radon, 7> radon() {
+    const double root = std::sqrt(15.0);
+    std::array<Radon, 7> points;
+    points[0] = {9.0 / 40.0, {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double sign = k == 0 ? -1.0 : 1.0;
+      const double near = (6.0 + sign * root) / 21.0, weight = (155.0 + sign * root) / 1200.0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        Radon& point = points[1 + 3 * k + i];
+        point = {weight, {near, near, near}};
+        point.share[i] = 1.0 - 2.0 * near;
+      }
+    }
+    return points;
+  }
+
+  void add_triangle(const std::array<Corner, 3>& triangle, FacePiece& sum) const {
+    static const std::array<Radon, 7> points = radon();
+    const auto& [a, b, c] = triangle;
+    const double reference_area = 0.5 * ((b.at[0] - a.at[0]) * (c.at[1] - a.at[1]) -
+                                         (b.at[1] - a.at[1]) * (c.at[0] - a.at[0]));
+    for (const Radon& point : points) {
+      std::array<double, 2> at{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t d = 0; d < 2; ++d) at[d] += point.share[i] * triangle[i].at[d];
+      }
+      add_point(at, point.weight * reference_area, sum);
+    }
+  }
+
+  void add_point(const std::array<double, 2>& at, double weight, FacePiece& sum) const {
+    std::array<double, 4> shape{};
+    std::array<std::array<double, 2>, 4> gradient{};
+    if (nodes_ == 3) {
+      std::ranges::copy(P1Triangle::shape(at), shape.begin());
+      std::ranges::copy(P1Triangle::shape_gradient(at), gradient.begin());
+    } else {
+      shape = Q1Quadrilateral::shape(at);
+      gradient = Q1Quadrilateral::shape_gradient(at);
+    }
+    Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
+    double level = 0.0;
+    for (std::size_t i = 0; i < std::size_t(nodes_); ++i) {
+      along += gradient[i][0] * corner_[i];
+      across += gradient[i][1] * corner_[i];
+      level += shape[i] * level_[i];
+    }
+    weight *= along.cross(across).norm();
+    sum.area += weight;
+    sum.middle_level += weight * level;
+    for (std::size_t i = 0; i < std::size_t(nodes_); ++i) {
+      sum.weight[i] += weight * shape[i];
+      sum.level[i] += weight * shape[i] * level;
+    }
+  }
+
+  int nodes_;
+  std::array<double, 4> level_;
+  std::array<Eigen::Vector3d, 4> corner_;  ///< [m]
+};
+
+}  // namespace dccast::fem

@@ -1,0 +1,40 @@
+#include "core/thermal/heat_forms.hpp"
+
+#include <stdexcept>
+
+#include "core/fem/with_element.hpp"
+#include "core/thermal/heat_forms_of.hpp"
+
+namespace dccast::thermal {
+namespace {
+
+/// Conduction takes an element without what it has for bending.
+template <class Element>
+struct Conducting {
+  using Type = Element;
+};
+template <>
+struct Conducting<fem::BendingQuadrilateral> {
+  using Type = fem::Q1Quadrilateral;
+};
+template <>
+struct Conducting<fem::AxisymmetricBending> {
+  using Type = fem::AxisymmetricQ1;
+};
+
+}  // namespace
+
+std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::SectionKind kind) {
+  const auto element = mesh.nodes_per_element == 3 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
+  return fem::with_element(element, kind, [&]<class Element>() -> std::unique_ptr<HeatForms> {
+    return std::make_unique<HeatFormsOf<typename Conducting<Element>::Type>>(mesh);
+  });
+}
+
+std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<3>& mesh, mesh::SectionKind) {
+  if (mesh.nodes_per_element == 4) return std::make_unique<HeatFormsOf<fem::P1Tetrahedron>>(mesh);
+  if (mesh.nodes_per_element == 8) return std::make_unique<HeatFormsOf<fem::Q1Hexahedron>>(mesh);
+  throw std::logic_error("make_heat_forms: elements of four or eight nodes");
+}
+
+}  // namespace dccast::thermal

@@ -1,0 +1,179 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/fem/facet_pieces.hpp"
+#include "core/thermal/element_conduction.hpp"
+#include "core/thermal/heat_forms.hpp"
+
+namespace dccast::thermal {
+
+/// The forms of a mesh of one element.
+template <class Element>
+class HeatFormsOf : public HeatForms {
+  static constexpr int dim = Element::dimension;
+  using Mesh = mesh::Mesh<dim>;
+  using Facet = mesh::Facet<dim>;
+
+public:
+  explicit HeatFormsOf(const Mesh& mesh) : mesh_(mesh) {}
+
+  bool update() override {
+    const bool changed = element_node_ != mesh_.element_node || volume_.empty();
+    if (changed) take_elements();
+    std::fill(stiffness_.begin(), stiffness_.end(), 0.0);
+    std::fill(volume_.begin(), volume_.end(), 0.0);
+    for (int e = 0; e < mesh_.elements(); ++e) integrate(e);
+    weigh_bottom();
+    return changed;
+  }
+
+  int nodes() const override { return mesh_.nodes(); }
+  linalg::Geometry geometry() const override {
+    return dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid;
+  }
+  std::array<std::vector<int>, 2> fronts() const override {
+    return mesh::edges_to_sweep_from(mesh_, 1);
+  }
+
+  void divide_side(const CoolingSpec& cooling, const SideInstant& instant,
+                   std::vector<SideShare>& shares) const override {
+    shares.clear();
+    const SideLaws laws(cooling, instant);
+    mesh::for_each_facet(mesh_, mesh::PatchKind::side, [&](const Facet& facet, const auto& patch) {
+      const Face face = face_of(patch);
+      const auto use = [&](const auto& piece) {
+        add_piece(facet, piece, face, laws.at(piece.middle_level, face), shares);
+      };
+      cut(facet, depth_of(facet, instant)).for_each_piece(laws.edges(), use);
+    });
+  }
+
+  MetalEntry follow_growth(int nodes_per_row, double entering_enthalpy,
+                           std::vector<double>& enthalpy, bool& new_pattern) override {
+    const std::vector<double> before = volume_;
+    const std::size_t row = std::size_t(nodes_per_row), old_elements = element_node_.size();
+    new_pattern = update();
+    const bool divided = before.size() < volume_.size();
+    const std::vector<double> stretched =
+        divided ? stretched_volumes(before.size(), row, old_elements) : volume_;
+    std::vector<double> height;
+    for (std::size_t n = before.size() - 2 * row; n < volume_.size(); n += row)
+      height.push_back(mesh_.point(static_cast<int>(n))[dim - 1]);
+    return carry_enthalpy({row, before, stretched, volume_, height}, entering_enthalpy, enthalpy);
+  }
+
+private:
+  void take_elements() {
+    element_node_ = mesh_.element_node;
+    pattern_ = linalg::SparsityPattern(mesh_.nodes(), element_node_, mesh_.nodes_per_element);
+    stiffness_.resize(pattern_.entries());
+    volume_.resize(std::size_t(mesh_.nodes()));
+    bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
+    top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
+  }
+
+  void integrate(int e) {
+    constexpr std::size_t corners = Element::nodes;
+    const int* node = mesh_.nodes_of(e);
+    const int* place = pattern_.places(e);
+    const auto conduction = conduction_of<Element>(mesh_, node);
+    for (std::size_t i = 0; i < corners; ++i) volume_[std::size_t(node[i])] += conduction.volume[i];
+    for (std::size_t c = 0; c < corners; ++c) {
+      const auto& gradient = conduction.gradient[c];
+      for (std::size_t i = 0; i < corners; ++i) {
+        for (std::size_t k = 0; k <= i; ++k) {
+          double product = gradient[i][0] * gradient[k][0];
+          for (std::size_t a = 1; a < dim; ++a) product += gradient[i][a] * gradient[k][a];
+          stiffness_[std::size_t(place[i * corners + k])] += conduction.volume[c] * product;
+        }
+      }
+    }
+  }
+
+  void weigh_bottom() {
+    std::vector<SideShare> shares;
+    mesh::for_each_facet(mesh_, mesh::PatchKind::bottom, [&](const Facet& facet, const auto&) {
+      cut(facet, {}).for_each_piece(
+          {}, [&](const auto& piece) { add_piece(facet, piece, Face::wide, {}, shares); });
+    });
+    std::vector<double> by_node(volume_.size(), 0.0);
+    for (const SideShare& share : shares) by_node[std::size_t(share.node)] += share.weight;
+    bottom_weight_.clear();
+    for (const int node : bottom_nodes_) bottom_weight_.push_back(by_node[std::size_t(node)]);
+  }
+
+  /// Levels at the nodes of a facet by which it is cut: distance below the metal level.
+  using Levels = std::array<double, dim == 2 ? 2 : 4>;
+  Levels depth_of(const Facet& facet, const SideInstant& instant) const {
+    Levels depth{};
+    for (std::size_t i = 0; i < std::size_t(facet.nodes); ++i) {
+      depth[i] = instant.metal_level - mesh_.point(facet.node[i])[dim - 1];
+      if (!instant.rise.empty()) depth[i] -= instant.rise[std::size_t(facet.node[i])];
+    }
+    return depth;
+  }
+
+  auto cut(const Facet& facet, const Levels& level) const {
+    if constexpr (dim == 3) {
+      return fem::FaceCut(mesh_, facet, level);
+    } else {
+      const double *a = mesh_.point(facet.node[0]), *b = mesh_.point(facet.node[1]);
+      constexpr bool round = fem::is_axisymmetric<Element>;
+      return fem::EdgeCut(std::hypot(b[0] - a[0], b[1] - a[1]), level,
+                          {round ? a[0] : 1.0, round ? b[0] : 1.0});
+    }
+  }
+
+  /// A section has one side, which counts as wide.
+  static Face face_of(const mesh::Patch<dim>& patch) {
+    if constexpr (dim == 2) return Face::wide;
+    return std::abs(patch.normal[0]) > std::abs(patch.normal[1]) ? Face::narrow : Face::wide;
+  }
+
+  /// By Gauss point where the law depends on the distance, which makes the integral exact.
+  static void add_piece(const Facet& facet, const fem::EdgePiece& piece, Face face,
+                        const LawAt& law, std::vector<SideShare>& shares) {
+    for (std::size_t n = 0; n < 2; ++n) {
+      double sum = 0.0;
+      for (std::size_t g = 0; g < 2; ++g) {
+        const double weight = piece.weight[n][g];
+        if (law.by_distance)
+          shares.push_back({facet.node[n], law.number, weight, piece.level[g], face});
+        sum += weight;
+      }
+      if (!law.by_distance)
+        shares.push_back({facet.node[n], law.number, sum, piece.middle_level, face});
+    }
+  }
+
+  /// A law linear in the distance is met exactly by its value at the mean under the shape function.
+  static void add_piece(const Facet& facet, const fem::FacePiece& piece, Face face,
+                        const LawAt& law, std::vector<SideShare>& shares) {
+    for (std::size_t n = 0; n < std::size_t(facet.nodes); ++n) {
+      if (piece.weight[n] > 0.0)
+        shares.push_back({facet.node[n], law.number, piece.weight[n], piece.level[n], face});
+    }
+  }
+
+  /// Volumes of the mesh before it grew with its top row drawn up to the present level.
+  std::vector<double> stretched_volumes(std::size_t nodes, std::size_t row,
+                                        std::size_t old_elements) const {
+    Mesh stretched;
+    stretched.node.assign(mesh_.node.begin(), mesh_.node.begin() + std::ptrdiff_t(dim * nodes));
+    for (std::size_t n = nodes - row; n < nodes; ++n)
+      stretched.node[dim * n + dim - 1] = mesh_.node.back();
+    std::vector<double> volume(nodes, 0.0);
+    for (std::size_t at = 0; at < old_elements; at += Element::nodes) {
+      const int* node = mesh_.element_node.data() + at;
+      const auto corner = corner_volumes<Element>(stretched, node);
+      for (std::size_t i = 0; i < corner.size(); ++i) volume[std::size_t(node[i])] += corner[i];
+    }
+    return volume;
+  }
+
+  const Mesh& mesh_;
+  std::vector<int> element_node_;
+};
+
+}  // namespace dccast::thermal
