@@ -6,17 +6,12 @@
 namespace dccast::client {
 namespace {
 
-/// "schedule.casting_speed" covers itself, "schedule.casting_speed[1]" and keys below it.
-bool covers(const std::string& path, const std::string& other) {
-  if (path.empty() || !other.starts_with(path)) return false;
-  return other.size() == path.size() || other[path.size()] == '.' || other[path.size()] == '[';
-}
-
 /// A local fault in a point or a part of a key means that the key as a whole did not reach the
 /// server.
 bool known_locally(const std::vector<v1::Fault>& local, const v1::Fault& remote) {
   return std::any_of(local.begin(), local.end(), [&](const v1::Fault& fault) {
-    return covers(fault.field(), remote.field()) || covers(remote.field(), fault.field());
+    return case_file::covers(fault.field(), remote.field()) ||
+           case_file::covers(remote.field(), fault.field());
   });
 }
 
@@ -32,7 +27,7 @@ void sort_by_place(CaseUnderCheck& checked) {
 Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
   Json json = to_json(fault);
   const case_file::Position at = source.find(fault.field());
-  json["file"] = source.file();
+  json["file"] = source.origin_of(fault.field());
   json["line"] = at.line;
   json["column"] = at.column;
   return json;

@@ -9,20 +9,37 @@ std::string parent_path(const std::string& path) {
   return end == std::string::npos ? std::string() : path.substr(0, end);
 }
 
+std::string place_text(const std::string& origin, Position at) {
+  if (at.line > 0) return origin + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+  return at.column > 0 ? origin + ", column " + std::to_string(at.column) : origin;
+}
+
 }  // namespace
 
-Position SourceMap::find(std::string path) const {
+bool covers(const std::string& path, const std::string& other) {
+  if (path.empty() || !other.starts_with(path)) return false;
+  return other.size() == path.size() || other[path.size()] == '.' || other[path.size()] == '[';
+}
+
+void SourceMap::erase(const std::string& path) {
+  std::erase_if(places_, [&](const auto& entry) { return covers(path, entry.first); });
+}
+
+std::string SourceMap::origin_of(const std::string& path) const {
+  const std::string origin = place_of(path).origin;
+  return origin.empty() ? file_ : origin;
+}
+
+SourceMap::Place SourceMap::place_of(std::string path) const {
   while (true) {
-    if (const auto found = positions_.find(path); found != positions_.end()) return found->second;
+    if (const auto found = places_.find(path); found != places_.end()) return found->second;
     if (path.empty()) return {};
     path = parent_path(path);
   }
 }
 
 std::string describe(const v1::Fault& fault, const SourceMap& source) {
-  std::string text = source.file();
-  if (const Position at = source.find(fault.field()); at.line > 0)
-    text += ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+  std::string text = place_text(source.origin_of(fault.field()), source.find(fault.field()));
   if (!text.empty()) text += ": ";
   if (!fault.field().empty()) {
     text += fault.field();

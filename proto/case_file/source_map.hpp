@@ -13,26 +13,49 @@ struct Position {
   int column = 0;
 };
 
-/// Where each key of a file stands, by its path ("schedule.casting_speed", "monitor[1].x").
+/// Where each key of a case stands, by its path ("schedule.casting_speed", "monitor[1].x"): in its
+/// file, or in a change given beside it.
 class SourceMap {
 public:
   SourceMap() = default;
   explicit SourceMap(std::string file) : file_(std::move(file)) {}
 
-  void set(const std::string& path, Position position) { positions_[path] = position; }
+  void set(const std::string& path, Position position) { places_[path] = {position, {}}; }
+
+  /// A key whose value comes from `origin` ("--set mesh.rows") instead of the file; the line is 0.
+  void set(const std::string& path, Position position, const std::string& origin) {
+    places_[path] = {position, origin};
+  }
+
+  /// Forgets a key and everything below it.
+  void erase(const std::string& path);
 
   /// Position of `path`, or of its nearest parent that stands in the file; 0:0 if there is none.
   /// A fault found by the server in a key that was left out is so shown at its table.
-  Position find(std::string path) const;
+  Position find(const std::string& path) const { return place_of(path).position; }
+
+  /// The file, or the change that gave the key.
+  std::string origin_of(const std::string& path) const;
 
   const std::string& file() const { return file_; }
 
 private:
+  struct Place {
+    Position position;
+    std::string origin;  ///< empty: the file
+  };
+
+  Place place_of(std::string path) const;
+
   std::string file_;
-  std::map<std::string, Position> positions_;
+  std::map<std::string, Place> places_;
 };
 
-/// One line for people: `file:line:column: key = value: message; permitted; remedy`.
+/// "schedule.casting_speed" covers itself, "schedule.casting_speed[1]" and keys below it.
+bool covers(const std::string& path, const std::string& other);
+
+/// One line for people: `file:line:column: key = value: message; permitted; remedy`, of a change
+/// `--set KEY, column N: key = ...`.
 /// Parts that the fault leaves empty are left out.
 std::string describe(const v1::Fault& fault, const SourceMap& source);
 

@@ -150,17 +150,6 @@ void read_nested(Walk& walk, const toml::node& node, const FieldDescriptor& fiel
            node);
 }
 
-void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                const std::string& path) {
-  if (field.is_repeated()) return read_array_of_tables(walk, node, field, message, path);
-  if (is_table(field)) return read_nested(walk, node, field, message, path);
-  if (!is_curve(field)) return read_scalar(walk, node, field, message, path);
-  v1::Curve curve;
-  read_curve(walk, node, field, curve, path);
-  if (curve.value_size() > 0)
-    message.GetReflection()->MutableMessage(&message, &field)->CopyFrom(curve);
-}
-
 /// Paths of all keys of the schema that end in `key`, for a key that stands in the wrong table.
 std::string elsewhere(const Message& message, const std::string& path, const std::string& key) {
   if (path.empty() && message.GetDescriptor()->field_count() == 0) return {};
@@ -170,22 +159,6 @@ std::string elsewhere(const Message& message, const std::string& path, const std
   for (const KeyReference& known : reference(*root))
     if (known.path.ends_with("." + key)) return known.path;
   return {};
-}
-
-void add_unknown(Walk& walk, const toml::node& node, const Message& message,
-                 const std::string& path, const std::string& key) {
-  if (walk.outcome.faults.size() >= maximum_faults) return;
-  const std::vector<std::string> keys = keys_of(*message.GetDescriptor());
-  std::string remedy;
-  if (const std::string near = nearest(key, keys); !near.empty())
-    remedy = "did you mean '" + near + "'?";
-  else if (const std::string place = elsewhere(message, path, key); !place.empty())
-    remedy = "there is a key " + place;
-  else
-    remedy = "see `dccast schema`";
-  walk.add(
-      make_fault(join_path(path, values::shortened(key)), written(node), "unknown key", "", remedy),
-      node);
 }
 
 /// Required keys below a table that is absent altogether.
@@ -206,6 +179,33 @@ void add_missing(Walk& walk, const toml::node& place, const Descriptor& descript
 }
 
 }  // namespace
+
+void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
+                const std::string& path) {
+  if (field.is_repeated()) return read_array_of_tables(walk, node, field, message, path);
+  if (is_table(field)) return read_nested(walk, node, field, message, path);
+  if (!is_curve(field)) return read_scalar(walk, node, field, message, path);
+  v1::Curve curve;
+  read_curve(walk, node, field, curve, path);
+  if (curve.value_size() > 0)
+    message.GetReflection()->MutableMessage(&message, &field)->CopyFrom(curve);
+}
+
+void add_unknown(Walk& walk, const toml::node& node, const Message& message,
+                 const std::string& path, const std::string& key) {
+  if (walk.outcome.faults.size() >= maximum_faults) return;
+  const std::vector<std::string> keys = keys_of(*message.GetDescriptor());
+  std::string remedy;
+  if (const std::string near = nearest(key, keys); !near.empty())
+    remedy = "did you mean '" + near + "'?";
+  else if (const std::string place = elsewhere(message, path, key); !place.empty())
+    remedy = "there is a key " + place;
+  else
+    remedy = "see `dccast schema`";
+  walk.add(
+      make_fault(join_path(path, values::shortened(key)), written(node), "unknown key", "", remedy),
+      node);
+}
 
 void Walk::add(v1::Fault fault, const toml::node& node) {
   mark(fault.field(), node);

@@ -24,6 +24,14 @@ struct Walk {
 /// Reads every key of `table` into `message` and reports those that are missing or unknown.
 void read_table(Walk& walk, const toml::table& table, Message& message, const std::string& path);
 
+/// Reads one key's value into its field: a number, text, choice, curve or table.
+void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
+                const std::string& path);
+
+/// A fault on `key` of the table `path`, which `message` has not, with the key that may be meant.
+void add_unknown(Walk& walk, const toml::node& node, const Message& message,
+                 const std::string& path, const std::string& key);
+
 /// Reads a Curve: one quantity, or a list of [abscissa, value] pairs. Leaves it empty on a fault.
 void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
                 const std::string& path);

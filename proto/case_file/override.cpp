@@ -1,0 +1,280 @@
+#include "proto/case_file/override.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "proto/case_file/change_value.hpp"
+#include "proto/case_file/recipe_words.hpp"
+#include "proto/case_file/size_bounds.hpp"
+#include "proto/case_file/toml_walker.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+/// One part of a path: a key, and for an array of tables which of them.
+struct Segment {
+  std::string key;
+  std::optional<std::size_t> index;
+};
+
+/// The key that a path leads to.
+struct Target {
+  Message* message = nullptr;
+  const FieldDescriptor* field = nullptr;
+  std::string path;       ///< of the key itself, also where a recipe word stands for it
+  bool is_scale = false;  ///< the value is a recipe, not that of the key
+};
+
+std::optional<Segment> segment_of(const std::string& text) {
+  const std::size_t bracket = text.find('[');
+  Segment segment{text.substr(0, bracket), std::nullopt};
+  if (segment.key.empty()) return std::nullopt;
+  if (bracket == std::string::npos) return segment;
+  std::size_t index = 0;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data() + bracket + 1, end, index);
+  if (error != std::errc{} || read + 1 != end || *read != ']') return std::nullopt;
+  segment.index = index;
+  return segment;
+}
+
+/// "monitor[0].x" in its parts; nothing if it is no path.
+std::optional<std::vector<Segment>> segments_of(const std::string& key) {
+  std::vector<Segment> segments;
+  std::size_t begin = 0;
+  while (begin <= key.size()) {
+    const std::size_t end = std::min(key.find('.', begin), key.size());
+    auto segment = segment_of(key.substr(begin, end - begin));
+    if (!segment) return std::nullopt;
+    segments.push_back(std::move(*segment));
+    begin = end + 1;
+  }
+  return segments;
+}
+
+/// Follows the path of a change through the tables of a case, and says where it does not lead.
+class Finder {
+public:
+  Finder(Walk& walk, const toml::node& value) : walk_(walk), value_(value) {}
+
+  std::optional<Target> find(Message& root, const std::vector<Segment>& segments) {
+    Message* message = &root;
+    std::string path;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const Segment& segment = segments[i];
+      const FieldDescriptor* const field = field_of_key(*message->GetDescriptor(), segment.key);
+      if (field == nullptr) {
+        add_unknown(walk_, value_, *message, path, segment.key);
+        return std::nullopt;
+      }
+      const std::string key_path = join_path(path, segment.key);
+      if (!is_table(*field)) return key(*message, *field, segments, i, path);
+      if (i + 1 == segments.size()) return refuse_table(*field, key_path);
+      message = enter(*message, *field, segment, key_path);
+      if (message == nullptr) return std::nullopt;
+      path = key_path + (field->is_repeated() ? "[" + std::to_string(*segment.index) + "]" : "");
+    }
+    return std::nullopt;
+  }
+
+private:
+  std::nullopt_t refuse(const std::string& path, const std::string& message,
+                        const std::string& permitted, const std::string& remedy = {}) {
+    walk_.add(make_fault(path, written(value_), message, permitted, remedy), value_);
+    return std::nullopt;
+  }
+
+  std::nullopt_t refuse_table(const FieldDescriptor& field, const std::string& path) {
+    const std::string below = field.is_repeated() ? path + "[0]" : path;
+    const FieldDescriptor& first = *field.message_type()->field(0);
+    return refuse(path, "a table; a change sets one key", "a key of the table",
+                  "e.g. " + join_path(below, toml_key(first)));
+  }
+
+  /// The last part of a path, or one before a recipe word.
+  std::optional<Target> key(Message& message, const FieldDescriptor& field,
+                            const std::vector<Segment>& segments, std::size_t at,
+                            const std::string& path) {
+    const std::string key_path = join_path(path, segments[at].key);
+    if (segments[at].index)
+      return refuse(key_path, "this key is no list of tables", "",
+                    is_curve(field) ? "set all of its points" : "");
+    if (at + 1 == segments.size()) return Target{&message, &field, key_path};
+    const std::string& word = segments[at + 1].key;
+    const FieldDescriptor* const factor = recipe_field(field, word);
+    if (factor != nullptr && at + 2 == segments.size())
+      return Target{&message, factor, join_path(path, toml_key(*factor)), word == "scale"};
+    return refuse(join_path(key_path, word), "unknown key",
+                  recipe_paths(*message.GetDescriptor(), path));
+  }
+
+  /// The table that a segment names. One more than there are adds one.
+  Message* enter(Message& message, const FieldDescriptor& field, const Segment& segment,
+                 const std::string& path) {
+    const Reflection& reflection = *message.GetReflection();
+    if (!field.is_repeated() && segment.index) {
+      refuse(path, "this table is no list", "",
+             "leave out [" + std::to_string(*segment.index) + "]");
+      return nullptr;
+    }
+    if (!field.is_repeated()) return reflection.MutableMessage(&message, &field);
+    const auto count = static_cast<std::size_t>(reflection.FieldSize(message, &field));
+    if (!segment.index || *segment.index > count) {
+      refuse(path, segment.index ? "there is none with this number" : "which of them is missing",
+             path + "[0] to " + path + "[" + std::to_string(count) + "], the last one is new");
+      return nullptr;
+    }
+    if (*segment.index < count)
+      return reflection.MutableRepeatedMessage(&message, &field, static_cast<int>(*segment.index));
+    if (auto fault = count_fault(field, count + 1, path)) {
+      walk_.add(std::move(*fault), value_);
+      return nullptr;
+    }
+    return reflection.AddMessage(&message, &field);
+  }
+
+  Walk& walk_;
+  const toml::node& value_;
+};
+
+void collect_files(const Message& message, std::set<std::string>& names) {
+  const Reflection& reflection = *message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection.ListFields(message, &fields);
+  for (const FieldDescriptor* const field : fields) {
+    if (is_table(*field) && !field->is_repeated())
+      collect_files(reflection.GetMessage(message, field), names);
+    else if (key_of(*field).attachment())
+      names.insert(reflection.GetString(message, field));
+  }
+}
+
+/// All changes of one call, with what they have in common.
+class Changes {
+public:
+  Changes(Message& root, ReadOutcome& read, const std::filesystem::path* folder)
+      : root_(root), read_(read), folder_(folder) {}
+
+  void apply(const v1::CaseChange& change) {
+    ReadOutcome outcome;
+    outcome.attachments = std::move(read_.attachments);
+    // What the value is to be read as follows from the key, which may have faults of its own.
+    Walk walk{folder_ == nullptr ? std::filesystem::path() : *folder_, outcome};
+    const ChangeValue untyped = change_value(change.value(), nullptr);
+    const auto target = find(walk, untyped.node(), change);
+    const ChangeValue value = change_value(change.value(), target ? target->field : nullptr);
+    if (target && begin(walk, value.node(), *target)) set(walk, value.node(), *target, change);
+    if (target) read_.source.set(target->path, {0, value_column(change, 1)}, origin_of(change));
+    report(outcome, change, value, target && target->is_scale);
+    read_.attachments = std::move(outcome.attachments);
+  }
+
+private:
+  static std::string origin_of(const v1::CaseChange& change) { return "--set " + change.key(); }
+
+  /// Column in KEY=VALUE of a column of the value.
+  static int value_column(const v1::CaseChange& change, int column) {
+    return static_cast<int>(change.key().size()) + 1 + column;
+  }
+
+  std::optional<Target> find(Walk& walk, const toml::node& value, const v1::CaseChange& change) {
+    if (const auto segments = segments_of(change.key()))
+      return Finder(walk, value).find(root_, *segments);
+    walk.add(make_fault(change.key(), change.value(), "not the path of a key", "",
+                        "e.g. schedule.hold or monitor[0].x"),
+             value);
+    return std::nullopt;
+  }
+
+  /// What the file said of the key is gone. False if the change cannot be made at all.
+  bool begin(Walk& walk, const toml::node& value, const Target& target) {
+    if (!changed_.insert(target.path).second) {
+      walk.add(make_fault(target.path, written(value), "is set twice", "", "keep one of them"),
+               value);
+      return false;
+    }
+    const bool is_file = key_of(*target.field).attachment();
+    if (is_file && folder_ == nullptr) {
+      walk.add(make_fault(target.path, written(value), "names a file, which a change cannot bring",
+                          "", "name the file in the case"),
+               value);
+      return false;
+    }
+    std::erase_if(read_.faults,
+                  [&](const v1::Fault& fault) { return covers(target.path, fault.field()); });
+    read_.source.erase(target.path);
+    if (is_file) forget_file(walk, target);
+    return true;
+  }
+
+  void forget_file(Walk& walk, const Target& target) {
+    target.message->GetReflection()->ClearField(target.message, target.field);
+    std::set<std::string> names;
+    collect_files(root_, names);
+    std::erase_if(walk.outcome.attachments,
+                  [&](const v1::Attachment& file) { return !names.contains(file.name()); });
+  }
+
+  static void set(Walk& walk, const toml::node& value, const Target& target,
+                  const v1::CaseChange& change) {
+    if (!target.is_scale || value.is_array())
+      return read_field(walk, value, *target.field, *target.message, target.path);
+    v1::Curve factor;
+    read_scale(walk, change.value(), *target.field, factor, target.path);
+    if (factor.value_size() > 0)
+      target.message->GetReflection()
+          ->MutableMessage(target.message, target.field)
+          ->CopyFrom(factor);
+  }
+
+  /// Hands the faults over with their places in KEY=VALUE.
+  void report(const ReadOutcome& outcome, const v1::CaseChange& change, const ChangeValue& value,
+              bool is_scale) {
+    for (const v1::Fault& fault : outcome.faults) {
+      int column = std::max(outcome.source.find(fault.field()).column, 1);
+      if (!is_scale && column <= static_cast<int>(value.columns.size()))
+        column = value.columns[static_cast<std::size_t>(column) - 1];
+      read_.source.set(fault.field(), {0, value_column(change, column)}, origin_of(change));
+      read_.faults.push_back(fault);
+    }
+  }
+
+  Message& root_;
+  ReadOutcome& read_;
+  const std::filesystem::path* folder_;  // null: no files
+  std::set<std::string> changed_;
+};
+
+}  // namespace
+
+std::optional<v1::CaseChange> parse_change(std::string_view text) {
+  const auto equals = text.find('=');
+  if (equals == std::string_view::npos) return std::nullopt;
+  const auto trimmed = [](std::string_view part) {
+    const auto first = part.find_first_not_of(" \t");
+    if (first == std::string_view::npos) return std::string();
+    return std::string(part.substr(first, part.find_last_not_of(" \t") - first + 1));
+  };
+  v1::CaseChange change;
+  change.set_key(trimmed(text.substr(0, equals)));
+  change.set_value(trimmed(text.substr(equals + 1)));
+  if (change.key().empty()) return std::nullopt;
+  return change;
+}
+
+std::vector<v1::Fault> apply_changes(v1::Case& description,
+                                     const std::vector<v1::CaseChange>& changes) {
+  ReadOutcome read;
+  Changes made(description, read, nullptr);
+  for (const v1::CaseChange& change : changes) made.apply(change);
+  return std::move(read.faults);
+}
+
+void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
+                   ReadOutcome& read, const std::filesystem::path& folder) {
+  Changes made(description, read, &folder);
+  for (const v1::CaseChange& change : changes) made.apply(change);
+}
+
+}  // namespace dccast::case_file

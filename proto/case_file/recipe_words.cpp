@@ -1,0 +1,163 @@
+#include "proto/case_file/recipe_words.hpp"
+
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+/// Width of a step of the factor, which a table of straight lines needs: 1 ms, and the 1 um that a
+/// slab moves in it at 60 mm/min. No time step resolves it.
+constexpr double step_width_s = 1e-3;
+constexpr double step_width_m = 1e-6;
+
+const char* const example = "e.g. \"0.8 until 100 mm\" or \"1.1 from 20 s until 60 s\"";
+
+/// A part of a recipe and where it begins.
+struct Part {
+  std::string text;
+  std::size_t offset = 0;
+};
+
+struct Recipe {
+  Part factor;
+  std::optional<Part> from, until;
+};
+
+/// One value of the abscissa that a recipe names.
+struct Place {
+  v1::Abscissa abscissa = v1::ABSCISSA_UNSPECIFIED;
+  double at = 0.0;
+};
+
+void refuse(Walk& walk, const std::string& path, const Part& part, const std::string& message,
+            const std::string& permitted) {
+  walk.outcome.faults.push_back(make_fault(path, quoted(part.text), message, permitted, example));
+  walk.outcome.source.set(path, {1, static_cast<int>(part.offset) + 1});
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// What stands after the word that begins at `word`, up to `end`.
+Part after(const std::string& text, std::size_t word, std::size_t length, std::size_t end) {
+  const std::size_t begin = word + length;
+  return {trimmed(text.substr(begin, end - begin)), word + 1};
+}
+
+Recipe divided(const std::string& text) {
+  constexpr std::string_view from = " from ", until = " until ";
+  const std::size_t until_at = text.find(until);
+  const std::size_t from_at = text.substr(0, until_at).find(from);
+  Recipe recipe;
+  recipe.factor = {trimmed(text.substr(0, std::min(from_at, until_at))), 0};
+  if (from_at != std::string::npos)
+    recipe.from = after(text, from_at, from.size(), std::min(until_at, text.size()));
+  if (until_at != std::string::npos)
+    recipe.until = after(text, until_at, until.size(), text.size());
+  return recipe;
+}
+
+std::optional<double> read_factor(Walk& walk, const Part& part, const FieldDescriptor& field,
+                                  const std::string& path) {
+  const Quantity quantity = parse_quantity(part.text, key_of(field).unit());
+  if (!quantity.value) {
+    refuse(walk, path, part, quantity.message, range_text(field));
+    return std::nullopt;
+  }
+  auto fault = range_fault(field, *quantity.value, path, part.text, quantity.unit);
+  if (!fault) return quantity.value;
+  walk.outcome.faults.push_back(std::move(*fault));
+  walk.outcome.source.set(path, {1, 1});
+  return std::nullopt;
+}
+
+std::optional<Place> read_place(Walk& walk, const Part& part, const FieldDescriptor& field,
+                                const std::string& path) {
+  std::string permitted, message;
+  for (const v1::Abscissa abscissa : abscissae_of(field)) {
+    const Quantity quantity = parse_quantity(part.text, abscissa_unit(abscissa));
+    if (quantity.value) return Place{abscissa, *quantity.value};
+    if (message.empty()) message = quantity.message;
+    permitted += (permitted.empty() ? "" : " or ") + abscissa_name(abscissa) + " [" +
+                 abscissa_unit(abscissa) + "]";
+  }
+  refuse(walk, path, part, message, permitted);
+  return std::nullopt;
+}
+
+double step_width(v1::Abscissa abscissa) {
+  return abscissa == v1::TIME ? step_width_s : step_width_m;
+}
+
+void append_step(v1::Curve& curve, double at, double width, double before, double behind) {
+  curve.add_at(at);
+  curve.add_value(before);
+  curve.add_at(at + width);
+  curve.add_value(behind);
+}
+
+v1::Curve stepped(double factor, const std::optional<Place>& from,
+                  const std::optional<Place>& until) {
+  v1::Curve curve;
+  if (!from && !until) {
+    curve.add_at(0.0);
+    curve.add_value(factor);
+    return curve;
+  }
+  curve.set_abscissa((from ? from : until)->abscissa);
+  const double width = step_width(curve.abscissa());
+  if (from) append_step(curve, from->at - width, width, 1.0, factor);
+  if (until) append_step(curve, until->at, width, factor, 1.0);
+  return curve;
+}
+
+/// Whether the two ends of a recipe are of one kind and in order; a fault if they are not.
+bool in_order(Walk& walk, const Recipe& recipe, const std::optional<Place>& from,
+              const std::optional<Place>& until, const std::string& path) {
+  if (!from || !until) return true;
+  if (from->abscissa != until->abscissa)
+    refuse(walk, path, *recipe.until, "of another kind than what stands after 'from'",
+           abscissa_name(from->abscissa) + " [" + abscissa_unit(from->abscissa) + "]");
+  else if (!(until->at > from->at))
+    refuse(walk, path, *recipe.until, "not after what stands after 'from'",
+           "more than " + recipe.from->text);
+  else
+    return true;
+  return false;
+}
+
+}  // namespace
+
+const FieldDescriptor* recipe_field(const FieldDescriptor& table, std::string_view word) {
+  if (!is_curve(table) || (word != "scale" && word != "shift")) return nullptr;
+  return field_of_key(*table.containing_type(),
+                      toml_key(table) + (word == "scale" ? "_factor" : "_shift"));
+}
+
+std::string recipe_paths(const Descriptor& descriptor, const std::string& path) {
+  std::string paths;
+  for (int i = 0; i < descriptor.field_count(); ++i)
+    for (const char* const word : {"scale", "shift"})
+      if (recipe_field(*descriptor.field(i), word) != nullptr)
+        paths += (paths.empty() ? "" : ", ") +
+                 join_path(join_path(path, toml_key(*descriptor.field(i))), word);
+  return paths;
+}
+
+void read_scale(Walk& walk, const std::string& text, const FieldDescriptor& field, v1::Curve& curve,
+                const std::string& path) {
+  const Recipe recipe = divided(text);
+  std::optional<Place> from, until;
+  const auto factor = read_factor(walk, recipe.factor, field, path);
+  if (recipe.from) from = read_place(walk, *recipe.from, field, path);
+  if (recipe.until) until = read_place(walk, *recipe.until, field, path);
+  const bool sound = factor && from.has_value() == recipe.from.has_value() &&
+                     until.has_value() == recipe.until.has_value() &&
+                     in_order(walk, recipe, from, until, path);
+  if (sound) curve = stepped(*factor, from, until);
+}
+
+}  // namespace dccast::case_file
