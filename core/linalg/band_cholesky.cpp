@@ -62,9 +62,22 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
   });
   values_.assign(pattern.entries(), 0.0);
   whole_ = false;
-  tile_.resize(shape_.start.back());
+  reserve_tiles();
   inverse_.resize(shape_.first.size());
   right_.assign(shape_.first.size(), TileRow{});
+}
+
+/// With room to grow by a few rows of cells: touching new memory costs more than a factorisation.
+void BandCholesky::reserve_tiles() {
+  if (tiles() <= tile_capacity_) return;
+  tile_capacity_ = tile_capacity_ == 0 ? tiles() : tiles() + tiles() / 4;
+  tile_.reset();
+  tile_ = std::make_unique_for_overwrite<Tile[]>(tile_capacity_);
+}
+
+std::size_t BandCholesky::memory_bytes() const {
+  return tile_capacity_ * sizeof(Tile) + (inverse_.size() + right_.size()) * sizeof(TileRow) +
+         entry_.size() * (sizeof(std::size_t) + sizeof(int) + sizeof(double));
 }
 
 int BandCholesky::first_changed_row(std::span<const double> values) const {
@@ -82,19 +95,19 @@ int BandCholesky::first_changed_row(std::span<const double> values) const {
 /// Entries of the matrix from a row of tiles on, with ones on the diagonal past the last unknown.
 void BandCholesky::take_matrix(std::span<const double> values, int from) {
   const std::size_t first = shape_.start[std::size_t(from)];
-  std::fill(tile_.begin() + static_cast<std::ptrdiff_t>(first), tile_.end(), Tile{});
-  double* number = tile_.data()->entry;
+  std::fill(tile_.get() + first, tile_.get() + tiles(), Tile{});
+  double* number = tile_.get()->entry;
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (entry_row_[k] >= from) number[entry_[k]] = values[k];
   }
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) {
-    tile_.back().entry[u % tile_size * (tile_size + 1)] = 1.0;
+    tile_[tiles() - 1].entry[u % tile_size * (tile_size + 1)] = 1.0;
   }
   std::copy(values.begin(), values.end(), values_.begin());
 }
 
 TileBand BandCholesky::band() {
-  return {tile_.data(),       shape_.start.data(), shape_.first.data(),
+  return {tile_.get(),        shape_.start.data(), shape_.first.data(),
           shape_.last.data(), inverse_.data(),     shape_.rows()};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,11 +53,15 @@ public:
 
   const BandShape& shape() const { return shape_; }
   /// Numbers in the factor.
-  double factor_entries() const { return 64.0 * static_cast<double>(tile_.size()); }
+  double factor_entries() const { return 64.0 * static_cast<double>(tiles()); }
+  /// What factor and places take [byte].
+  std::size_t memory_bytes() const;
   /// Share of the rows that the last factorisation had to compute.
   double share_computed() const { return share_computed_; }
 
 private:
+  std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
+  void reserve_tiles();
   int first_changed_row(std::span<const double> values) const;
   void take_matrix(std::span<const double> values, int from);
   TileBand band();
@@ -68,7 +73,8 @@ private:
   std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
   std::vector<double> values_;      ///< (entry of the pattern) of the present factor
   bool whole_ = false;              ///< the factor is that of `values_`
-  std::vector<Tile> tile_;
+  std::unique_ptr<Tile[]> tile_;    ///< not initialised before a factorisation
+  std::size_t tile_capacity_ = 0;
   std::vector<TileRow> inverse_;
   std::vector<TileRow> right_;
   double share_computed_ = 1.0;

@@ -14,15 +14,18 @@ enum class Geometry { plane, solid };
 ///
 /// Analyse once per mesh, factorise as often as the values change, solve as often as needed.
 /// Small plane problems use the simplicial LDL' factorisation with an AMD ordering, larger ones the
-/// supernodal one; solids are ordered by METIS (measured: the simplicial factorisation is 18 to 46
-/// times slower there). One thread, also of OpenMP: a job has
-/// one core.
+/// supernodal one; solids are ordered by METIS on their nodes (measured: the simplicial
+/// factorisation is 18 to 46 times slower there). One thread, also of OpenMP, unless more are asked
+/// for: a job has one core.
 class CholmodSolver {
 public:
   CholmodSolver();
   ~CholmodSolver();
   CholmodSolver(CholmodSolver&&) noexcept;
   CholmodSolver& operator=(CholmodSolver&&) noexcept;
+
+  /// Threads of the dense products inside a factorisation. @param threads  at least 1, the default
+  void use_threads(int threads) { threads_ = threads; }
 
   /// Symbolic analysis. @param pattern  must outlive the solver's use of it
   /// @throws std::bad_alloc when memory is exhausted
@@ -35,9 +38,12 @@ public:
 
   /// Numbers in the factor, after analyze().
   double factor_entries() const;
+  /// What the factor takes [byte], after analyze().
+  std::size_t memory_bytes() const;
 
 private:
   struct Storage;
+  int threads_ = 1;
   std::unique_ptr<Storage> storage_;
 };
 

@@ -1,13 +1,38 @@
 #include "core/linalg/direct_solver.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "core/linalg/sweep_order.hpp"
 
 namespace dccast::linalg {
 
-bool band_wins(double flops, int unknowns, const TileKernels& kernels) {
-  return flops <= kernels.flops_per_unknown * unknowns;
+namespace {
+
+// Of a quarter slab in hexahedra, one core: docs/factorisation.md, "In three dimensions".
+constexpr double solves_a_factor = 20.0;   // with one factor a step
+constexpr double solve_bytes_rate = 6e9;   // [byte/s] of factor in a solve by either method
+constexpr double reference_size = 13e3;    // unknowns of the fits below
+constexpr double cholmod_factor_s = 0.13;  // grows with exponent 1.63
+constexpr double cholmod_bytes = 48e6;     // grows with exponent 1.35
+
+double cholmod_seconds(int unknowns) {
+  const double size = unknowns / reference_size;
+  const double solve = cholmod_bytes * std::pow(size, 1.35) / solve_bytes_rate;
+  return cholmod_factor_s * std::pow(size, 1.63) + solves_a_factor * solve;
+}
+
+double band_seconds(const BandShape& shape, const TileKernels& kernels) {
+  const double bytes = static_cast<double>(shape.start.back()) * sizeof(Tile);
+  return shape.flops / kernels.flops_per_second + solves_a_factor * bytes / solve_bytes_rate;
+}
+
+}  // namespace
+
+bool band_wins(const BandShape& shape, int unknowns, Geometry geometry,
+               const TileKernels& kernels) {
+  if (geometry == Geometry::solid) return band_seconds(shape, kernels) < cholmod_seconds(unknowns);
+  return shape.flops <= kernels.flops_per_unknown * unknowns;
 }
 
 void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
@@ -21,7 +46,7 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     place = std::move(other);
     shape = std::move(its);
   }
-  uses_band_ = band_wins(shape.flops, pattern.unknowns(), best_tile_kernels());
+  uses_band_ = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
   if (uses_band_) {
     band_.analyze(pattern, place, std::move(shape));
   } else {
@@ -41,6 +66,10 @@ void DirectSolver::solve(std::span<const double> b, std::span<double> x) {
 
 double DirectSolver::factor_entries() const {
   return uses_band_ ? band_.factor_entries() : cholmod_.factor_entries();
+}
+
+std::size_t DirectSolver::memory_bytes() const {
+  return uses_band_ ? band_.memory_bytes() : cholmod_.memory_bytes();
 }
 
 }  // namespace dccast::linalg

@@ -39,6 +39,10 @@ public:
   long solves() const { return solves_; }
   /// Numbers in the factor, after analyze().
   double factor_entries() const;
+  /// What the factor takes [byte], after analyze().
+  std::size_t memory_bytes() const;
+  /// Threads of CHOLMOD's dense products; the band has one. @param threads  at least 1, the default
+  void use_threads(int threads) { cholmod_.use_threads(threads); }
 
 private:
   bool uses_band_ = false;
@@ -48,7 +52,9 @@ private:
   long solves_ = 0;
 };
 
-/// The measured rule: whether a band factorisation of this work is faster than CHOLMOD's.
-bool band_wins(double flops, int unknowns, const TileKernels& kernels);
+/// The measured rule: whether a band factorisation is faster than CHOLMOD's. In the plane it is
+/// asked for one solve a factorisation, of a solid for the twenty of its conjugate gradients.
+/// @param shape  of the band, its order being the best known
+bool band_wins(const BandShape& shape, int unknowns, Geometry geometry, const TileKernels& kernels);
 
 }  // namespace dccast::linalg

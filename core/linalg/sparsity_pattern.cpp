@@ -68,20 +68,92 @@ SparsityPattern::SparsityPattern(int unknowns, std::span<const int> element_unkn
     });
     column_start_.push_back(static_cast<int>(row_.size()));
   }
+  for (const int per_node : {3, 2}) {
+    if (unknowns_per_node_ == 1 && is_made_of_nodes(per_node)) unknowns_per_node_ = per_node;
+  }
 }
+
+/// The column of a node's first unknown is that of the next one and one entry more, and what lies
+/// below the node comes in whole nodes.
+bool SparsityPattern::is_made_of_nodes(int per_node) const {
+  if (unknowns() % per_node != 0) return false;
+  const auto column = [&](int c) {
+    return std::span(row_).subspan(std::size_t(diagonal(c)),
+                                   std::size_t(column_start_[std::size_t(c) + 1] - diagonal(c)));
+  };
+  for (int c = 0; c < unknowns(); c += per_node) {
+    const auto first = column(c);
+    if (first.size() % std::size_t(per_node) != 0) return false;
+    for (std::size_t k = 0; k < first.size(); ++k) {
+      const std::size_t along = k % std::size_t(per_node);
+      if (first[k] % per_node != int(along) || first[k] != first[k - along] + int(along))
+        return false;
+    }
+    for (int d = 1; d < per_node; ++d) {
+      if (!std::ranges::equal(first.subspan(std::size_t(d)), column(c + d))) return false;
+    }
+  }
+  return true;
+}
+
+namespace {
+
+/// Adds the part of a product that belongs to the columns of a node with N unknowns. Of a node in
+/// space this takes 0.3 to 0.45 of the time of single entries (docs/factorisation.md); in the plane
+/// it gains little.
+template <int N>
+void add_product_of_node(const SparsityPattern& pattern, std::span<const double> values,
+                         std::span<const double> x, std::size_t first, std::span<double> y) {
+  const auto& start = pattern.column_start();
+  const double* column[N];
+  double from[N], sum[N] = {};
+  for (std::size_t d = 0; d < N; ++d) {
+    column[d] = values.data() + start[first + d];
+    from[d] = x[first + d];
+    sum[d] += column[d][0] * from[d];
+    for (std::size_t i = d + 1; i < N; ++i) {
+      y[first + i] += column[d][i - d] * from[d];
+      sum[d] += column[d][i - d] * x[first + i];
+    }
+    column[d] += N - d;
+  }
+  const int* row = pattern.row().data() + start[first] + N;
+  const std::size_t below = std::size_t(start[first + 1] - start[first]) - N;
+  for (std::size_t k = 0; k < below; k += N) {
+    const std::size_t r = std::size_t(row[k]);
+    for (std::size_t i = 0; i < N; ++i) {
+      double along = 0.0;
+      for (std::size_t d = 0; d < N; ++d) {
+        along += column[d][k + i] * from[d];
+        sum[d] += column[d][k + i] * x[r + i];
+      }
+      y[r + i] += along;
+    }
+  }
+  for (std::size_t d = 0; d < N; ++d) y[first + d] += sum[d];
+}
+
+/// Entry by entry.
+void add_product_of_column(const SparsityPattern& pattern, std::span<const double> values,
+                           std::span<const double> x, std::size_t c, std::span<double> y) {
+  const auto& start = pattern.column_start();
+  y[c] += values[std::size_t(start[c])] * x[c];
+  for (std::size_t k = std::size_t(start[c]) + 1; k < std::size_t(start[c + 1]); ++k) {
+    const std::size_t r = std::size_t(pattern.row()[k]);
+    y[r] += values[k] * x[c];
+    y[c] += values[k] * x[r];
+  }
+}
+
+}  // namespace
 
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y) {
   std::fill(y.begin(), y.end(), 0.0);
-  const auto& start = pattern.column_start();
-  const auto& row = pattern.row();
-  for (std::size_t c = 0; c + 1 < start.size(); ++c) {
-    y[c] += values[std::size_t(start[c])] * x[c];
-    for (std::size_t k = std::size_t(start[c]) + 1; k < std::size_t(start[c + 1]); ++k) {
-      const std::size_t r = std::size_t(row[k]);
-      y[r] += values[k] * x[c];
-      y[c] += values[k] * x[r];
-    }
+  if (pattern.unknowns_per_node() == 3) {
+    for (std::size_t c = 0; c < x.size(); c += 3) add_product_of_node<3>(pattern, values, x, c, y);
+  } else {
+    for (std::size_t c = 0; c < x.size(); ++c) add_product_of_column(pattern, values, x, c, y);
   }
 }
 

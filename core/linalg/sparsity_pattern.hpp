@@ -6,7 +6,7 @@
 
 namespace dccast::linalg {
 
-/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for goody
+/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for each
 /// element the place of each of its entries, so that assembly is one addition per entry.
 ///
 /// Built once per mesh; values are kept by the caller as a plain vector of `entries()` numbers.
@@ -20,6 +20,9 @@ public:
 
   int unknowns() const { return static_cast<int>(column_start_.size()) - 1; }
   std::size_t entries() const { return row_.size(); }
+  /// 3 or 2 where the unknowns 3 n, 3 n + 1, 3 n + 2 (or 2 n, 2 n + 1) have the same neighbours for
+  /// every n, as the displacements of a node have; else 1.
+  int unknowns_per_node() const { return unknowns_per_node_; }
   const std::vector<int>& column_start() const { return column_start_; }
   const std::vector<int>& row() const { return row_; }
   /// Place of the diagonal entry of an unknown.
@@ -27,17 +30,22 @@ public:
   /// Places of an element's entries, (per_element, per_element) full and symmetric; -1 where an
   /// unknown does not take part. An off-diagonal pair shares one place: add it once, for j <= i.
   const int* places(int element) const {
-    return place_.data() + std::size_t(element) * std::size_t(per_element_) * std::size_t(per_element_);
+    return place_.data() +
+           std::size_t(element) * std::size_t(per_element_) * std::size_t(per_element_);
   }
 
 private:
+  bool is_made_of_nodes(int unknowns_per_node) const;
+
   int per_element_ = 0;
+  int unknowns_per_node_ = 1;
   std::vector<int> column_start_{0};
   std::vector<int> row_;
   std::vector<int> place_;
 };
 
-/// y = A x for a symmetric matrix given by its lower triangle.
+/// y = A x for a symmetric matrix given by its lower triangle; node by node where each has three
+/// unknowns.
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y);
 

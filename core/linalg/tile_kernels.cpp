@@ -163,7 +163,7 @@ bool factorize_plain(const TileBand& band, int from) {
 void solve_plain(const TileBand& band, TileRow* x) {
   solve_band<2>(band, x);
 }
-constexpr TileKernels plain{"plain", 120.0 * 120.0, factorize_plain, solve_plain};
+constexpr TileKernels plain{"plain", 120.0 * 120.0, 16e9, factorize_plain, solve_plain};
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define DCCAST_AVX2 [[gnu::target("avx2,fma")]]
@@ -175,7 +175,7 @@ DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from) {
 DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x) {
   solve_band<4>(band, x);
 }
-constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, factorize_avx2, solve_avx2};
+constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, 38e9, factorize_avx2, solve_avx2};
 
 DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from) {
   return factorize_band<8>(band, from);
@@ -183,7 +183,7 @@ DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from) {
 DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x) {
   solve_band<8>(band, x);
 }
-constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, factorize_avx512, solve_avx512};
+constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, 45e9, factorize_avx512, solve_avx512};
 
 bool runs_avx2() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");

@@ -37,6 +37,8 @@ struct TileKernels {
   /// Work per unknown below which a band factorisation beats CHOLMOD's: the mean square of the
   /// height of its columns. Measured in docs/factorisation.md.
   double flops_per_unknown;
+  /// What a factorisation reaches [1/s]. Measured there too.
+  double flops_per_second;
   /// Replaces the matrix by its Cholesky factor.
   /// @param from  first row of tiles to compute; those before it hold the factor already
   /// @return false when a pivot is not a positive number

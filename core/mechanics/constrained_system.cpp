@@ -7,6 +7,8 @@ namespace dccast::mechanics {
 namespace {
 /// Share of a factorisation that costs no more than the solves of a condensation.
 constexpr double cheap_share = 0.1;
+/// Conjugate gradients that need more are slower than a factorisation.
+constexpr int most_gradients = 25;
 }  // namespace
 
 void ConstrainedSystem::lift(std::span<const double> stiffness,
@@ -38,6 +40,8 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
   }
   held_.assign(fixed.begin(), fixed.end());
   condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
+  factor_is_exact_ = true;
+  renewed_ = false;
   return work_->solver.factorize(values);
 }
 
@@ -50,22 +54,58 @@ bool ConstrainedSystem::changes_only_last_rows(std::span<const char> fixed) cons
 }
 
 bool ConstrainedSystem::change(std::span<const char> fixed, std::span<const double> step_of_fixed) {
-  const bool done =
-      changes_only_last_rows(fixed) ? hold_and_factorize(fixed) : condensation_.change(fixed);
+  const bool done = work_->is_solid                 ? change_solid(fixed)
+                    : changes_only_last_rows(fixed) ? hold_and_factorize(fixed)
+                                                    : condensation_.change(fixed);
   if (done) lift(work_->unheld_stiffness, step_of_fixed);
   return done;
 }
 
-void ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+bool ConstrainedSystem::change_solid(std::span<const char> fixed) {
+  const bool same = std::ranges::equal(fixed, held_);
+  if (!renewed_ && !same && changes_only_last_rows(fixed)) return hold_and_factorize(fixed);
+  factor_is_exact_ = same && !renewed_;
+  return true;
+}
+
+bool ConstrainedSystem::renew(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+  if (!work_->is_solid) return false;
+  work_->unheld_stiffness.swap(work_->stiffness);
+  renewed_ = true;
+  return change(fixed, step_of_fixed);
+}
+
+bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance) {
+  auto& d = work_->direction;
+  if (!work_->is_solid || factor_is_exact_) {
+    condensation_.solve(d, d);
+    return true;
+  }
+  const auto by_factor = [&](std::span<const double> r, std::span<double> z) {
+    work_->solver.solve(r, z);
+  };
+  work_->lifted = d;
+  const auto outcome = gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, by_factor,
+                                        work_->lifted, d, {tolerance, most_gradients});
+  work_->gradient_iterations += outcome.iterations;
+  if (outcome.end == linalg::CgOutcome::End::converged) return true;
+  if (!hold_and_factorize(fixed)) return false;
+  condensation_.solve(work_->lifted, d);
+  return true;
+}
+
+bool ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
+                              double tolerance) {
   auto& d = work_->direction;
   for (std::size_t i = 0; i < d.size(); ++i) {
     d[i] = fixed[i] != 0 ? 0.0 : -work_->residual[i] - (lifting_ ? work_->lifted[i] : 0.0);
   }
-  condensation_.solve(d, d);
+  const bool solved = solve_free(fixed, tolerance);
   for (std::size_t i = 0; i < d.size(); ++i) {
     if (fixed[i] != 0) d[i] = step_of_fixed[i];
   }
   lifting_ = false;
+  return solved;
 }
 
 }  // namespace dccast::mechanics

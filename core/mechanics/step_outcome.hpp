@@ -15,12 +15,14 @@ struct StepOutcome {
   int contact_changes = 0;
   int factorizations = 0;
   int solves = 0;
+  int gradient_iterations = 0;           ///< of conjugate gradients, each with one of the solves
   double equilibrium_residual = 0.0;     ///< [1] relative to the forces that act
   double constitutive_residual = 0.0;    ///< [1] relative; round-off where a return map is used
   std::vector<double> residual_history;  ///< [1] relative, by iteration
 };
 
-/// What lives longer than a step: the factorisation's analysis and the storage, sized once per mesh.
+/// What lives longer than a step: the factorisation's analysis and the storage, sized once per
+/// mesh.
 struct Workspace {
   linalg::DirectSolver solver;
   std::vector<double> stiffness;
@@ -28,12 +30,15 @@ struct Workspace {
   std::vector<double> residual;
   std::vector<double> direction;
   std::vector<double> lifted;
+  bool is_solid = false;         ///< geometry of the mesh
+  long gradient_iterations = 0;  ///< of conjugate gradients, ever
 
   /// @param geometry  plane or solid, decides the ordering
   /// @param fronts    sets of unknowns from which an elimination may start
   void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry,
               std::span<const std::vector<int>> fronts = {}) {
     solver.analyze(pattern, geometry, fronts);
+    is_solid = geometry == linalg::Geometry::solid;
     stiffness.assign(pattern.entries(), 0.0);
     for (auto* v : {&residual, &direction, &lifted}) {
       v->assign(std::size_t(pattern.unknowns()), 0.0);
@@ -44,10 +49,12 @@ struct Workspace {
 /// Runs the iterations of a step and books in its outcome what they asked of the solver.
 template <class Iterate>
 void count_solver_use(const Workspace& work, StepOutcome& outcome, Iterate&& iterate) {
-  const long factorizations = work.solver.factorizations(), solves = work.solver.solves();
+  const long factorizations = work.solver.factorizations(), solves = work.solver.solves(),
+             gradients = work.gradient_iterations;
   iterate();
   outcome.factorizations = static_cast<int>(work.solver.factorizations() - factorizations);
   outcome.solves = static_cast<int>(work.solver.solves() - solves);
+  outcome.gradient_iterations = static_cast<int>(work.gradient_iterations - gradients);
 }
 
 }  // namespace dccast::mechanics

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/linalg/sparsity_pattern.hpp"
+
+namespace dccast::linalg {
+
+/// How conjugate gradients ended.
+struct CgOutcome {
+  enum class End {
+    converged,
+    too_many,    ///< the iterations allowed were not enough
+    indefinite,  ///< a direction without stiffness: matrix or preconditioner is not positive
+                 ///< definite
+  };
+  End end = End::converged;
+  int iterations = 0;
+  double residual =
+      0.0;  ///< [1] Euclidean norm on the free unknowns, relative to the right-hand side
+};
+
+/// Preconditioned conjugate gradients (Hestenes, Stiefel 1952) in which some unknowns are held at
+/// zero. Held unknowns are masked in every vector, matrix and preconditioner stay as they are: a
+/// preconditioner that was made with other unknowns held stays symmetric and positive definite on
+/// the free ones.
+class ConjugateGradients {
+public:
+  /// Approximate solution of K z = r. @param z  not the same storage as `r`
+  using Preconditioner = std::function<void(std::span<const double> r, std::span<double> z)>;
+  struct Limits {
+    double tolerance = 1e-10;  ///< [1] of CgOutcome::residual
+    int iterations = 25;
+  };
+
+  /// @param values  entries of K, nothing held
+  /// @param held    (unknown) not zero where x is zero; there `b` is not read
+  /// @param x       solution; may be the same storage as `b`
+  CgOutcome solve(const SparsityPattern& pattern, std::span<const double> values,
+                  std::span<const char> held, const Preconditioner& precondition,
+                  std::span<const double> b, std::span<double> x, const Limits& limits);
+
+private:
+  void start(std::span<const double> b, std::span<const char> held);
+  void mask(std::span<const char> held, std::vector<double>& v) const;
+
+  std::vector<double> solution_, residual_, preconditioned_, direction_, product_;
+};
+
+}  // namespace dccast::linalg
