@@ -103,6 +103,13 @@ using Q1Hexahedron = Q1<3>;
 /// shear. Q1 makes a shear of such a bending that is the larger the longer the cell is.
 struct BendingQuadrilateral : Q1Quadrilateral {};
 
+/// The trilinear hexahedron with an assumed strain, the same idea in three dimensions. Beside its
+/// mean the strain has what three plates have, one across each axis of the cell: stretches and shear
+/// in the plane of the other two axes, linear across, with the opposite strain across, and no shear
+/// across. Three stretches that are bilinear complete it, so that no deformation is without energy.
+/// docs/elements.md says why.
+struct BendingHexahedron : Q1Hexahedron {};
+
 /// A plane element turned about the axis where coordinate 0, then the radius, is zero. Its
 /// integrals carry the radius and leave 2 pi out: forces are per radian. A displacement away from
 /// the axis makes a hoop strain, the zz component.
@@ -118,12 +125,14 @@ inline constexpr bool is_axisymmetric = false;
 template <class Plane>
 inline constexpr bool is_axisymmetric<Axisymmetric<Plane>> = true;
 
-/// The strain of the element is its mean and two bending modes: see BendingQuadrilateral.
+/// The strain of the element is its mean and bending modes: see BendingQuadrilateral.
 template <class Element>
 inline constexpr bool has_bending_modes = false;
 template <>
 inline constexpr bool has_bending_modes<BendingQuadrilateral> = true;
 template <>
 inline constexpr bool has_bending_modes<AxisymmetricBending> = true;
+template <>
+inline constexpr bool has_bending_modes<BendingHexahedron> = true;
 
 }  // namespace dccast::fem

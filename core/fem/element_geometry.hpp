@@ -7,6 +7,7 @@
 
 #include "core/base/symmetric_tensor.hpp"
 #include "core/fem/element.hpp"
+#include "core/fem/solid_bending.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::fem {
@@ -33,6 +34,10 @@ struct PointStrain<Element, true> {
   /// volume mean [1].
   std::array<double, 2> lever;
 };
+template <>
+struct PointStrain<BendingHexahedron, true> {
+  std::array<double, SolidBending::levers> lever;  ///< @see SolidBending::lever [1]
+};
 
 /// A bending mode of an element: a strain that is linear across an axis of the cell. At a point it
 /// is lever times amplitude times strain.
@@ -47,6 +52,10 @@ template <class Element>
 struct BendingModes<Element, true> {
   /// Stretch along the first axis and along the second; axisymmetric: also around, across either.
   std::array<BendingMode, is_axisymmetric<Element> ? 4 : 2> bending;
+};
+template <>
+struct BendingModes<BendingHexahedron, true> {
+  SolidBending bending;
 };
 /// Of an axisymmetric element with bending modes, the mean of the hoop gradient, apart from the
 /// mean gradient.
@@ -124,6 +133,24 @@ private:
       for (double& g : node_gradient) g /= cell.volume;
     }
     if constexpr (has_bending_modes<Element>) add_bending_modes(mesh, node, cell);
+  }
+
+  static void add_bending_modes(const mesh::Mesh<3>& mesh, const int* node, Cell& cell) {
+    std::array<Eigen::Vector3d, 8> corner;
+    for (std::size_t i = 0; i < 8; ++i) {
+      corner[i] = Eigen::Map<const Eigen::Vector3d>(mesh.point(node[i]));
+    }
+    cell.bending = SolidBending(corner);
+    std::array<double, SolidBending::levers> mean{};
+    for (std::size_t q = 0; q < std::size_t(points); ++q) {
+      cell.point[q].lever = SolidBending::lever(Element::point[q]);
+      for (std::size_t l = 0; l < mean.size(); ++l) {
+        mean[l] += cell.point[q].weight * cell.point[q].lever[l] / cell.volume;
+      }
+    }
+    for (Point& point : cell.point) {
+      for (std::size_t l = 0; l < mean.size(); ++l) point.lever[l] -= mean[l];
+    }
   }
 
   /// Axes of the cell at its centre, g_1 = dx/d xi and g_2 = dx/d eta, and what of a displacement
@@ -208,17 +235,5 @@ private:
 
   std::vector<Cell> cells_;
 };
-
-/// Integrals of the two shape functions of an edge from `a` to `b` [m]; axisymmetric: times r
-/// [m2/rad].
-template <class Element>
-std::array<double, 2> edge_shares(const double* a, const double* b) {
-  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
-  if constexpr (is_axisymmetric<Element>) {
-    return {length * (2.0 * a[0] + b[0]) / 6.0, length * (a[0] + 2.0 * b[0]) / 6.0};
-  } else {
-    return {0.5 * length, 0.5 * length};
-  }
-}
 
 }  // namespace dccast::fem

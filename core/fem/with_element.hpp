@@ -27,4 +27,15 @@ decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section
   throw std::logic_error("with_element: an element without a type");
 }
 
+/// The same with the elements of a solid: of tetrahedra or hexahedra.
+template <class Use>
+decltype(auto) with_solid_element(mesh::ElementKind element, Use&& use) {
+  switch (element) {
+    case mesh::ElementKind::p1: return use.template operator()<P1Tetrahedron>();
+    case mesh::ElementKind::q1: return use.template operator()<Q1Hexahedron>();
+    case mesh::ElementKind::q1_bending: return use.template operator()<BendingHexahedron>();
+  }
+  throw std::logic_error("with_solid_element: an element without a type");
+}
+
 }  // namespace dccast::fem

@@ -3,6 +3,8 @@
 #include "core/mechanics/bending_forms.hpp"
 #include "core/mechanics/element_forms.hpp"
 #include "core/mechanics/mechanics_forms.hpp"
+#include "core/mechanics/node_frames.hpp"
+#include "core/mechanics/solid_bending_forms.hpp"
 
 namespace dccast::mechanics {
 
@@ -21,7 +23,11 @@ public:
 
   void update(const Mesh& mesh, std::size_t first = 0) override {
     mesh_ = &mesh;
+    if (mesh.elements() != geometry_.elements()) frames_ = {};
     geometry_.update(mesh, static_cast<int>(first));
+  }
+  void set_frames(std::span<const NodalFrame<Element::dimension>> frames) override {
+    frames_.set(*mesh_, frames);
   }
   std::size_t elements() const override { return std::size_t(geometry_.elements()); }
   std::size_t points() const override { return of_element; }
@@ -44,9 +50,10 @@ public:
                   double& squares) const override {
     for (std::size_t e = block.first; e < block.end; ++e) {
       const std::size_t at = (e - block.first) * of_element;
-      const Vectors f = Forms::forces(cell_of(e), response.subspan(at).template first<of_element>(),
-                                      pressure.subspan(at).template first<of_element>());
+      Vectors f = Forms::forces(cell_of(e), response.subspan(at).template first<of_element>(),
+                                pressure.subspan(at).template first<of_element>());
       const int* node = nodes_of(e);
+      if (frames_.touch(e)) frames_.to_frames(node, f);
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
           squares += f[i][a] * f[i][a];
@@ -61,8 +68,9 @@ public:
                      std::span<double> values) const override {
     for (std::size_t e = block.first; e < block.end; ++e) {
       const std::size_t i = e - block.first;
-      const auto k = Forms::stiffness(
+      auto k = Forms::stiffness(
           cell_of(e), response.subspan(i * of_element).template first<of_element>(), bulk[i]);
+      if (frames_.touch(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
       const int* place = pattern.places(static_cast<int>(e));
       for (std::size_t r = 0; r < unknowns; ++r) {
         for (std::size_t s = 0; s <= r; ++s) {
@@ -101,16 +109,15 @@ public:
         const auto shape = Element::shape(Element::point[q]);
         const double weight = specific_weight[e] * cell_of(e).point[q].weight;
         whole += weight;
-        for (std::size_t i = 0; i < nodes; ++i) {
-          force[std::size_t(node[i]) * dim + dim - 1] -= shape[i] * weight;
-        }
+        for (std::size_t i = 0; i < nodes; ++i) frames_.lower(force, node[i], shape[i] * weight);
       }
     }
     return whole;
   }
 
-  std::array<double, 2> edge_shares(const double* a, const double* b) const override {
-    return fem::edge_shares<Element>(a, b);
+  fem::FacetShares<Element::dimension> facet_shares(
+      const mesh::Facet<Element::dimension>& facet) const override {
+    return fem::facet_shares_of<Element>(*mesh_, facet);
   }
 
 private:
@@ -123,10 +130,12 @@ private:
     for (std::size_t i = 0; i < nodes; ++i) {
       for (std::size_t a = 0; a < dim; ++a) v[i][a] = u[std::size_t(node[i]) * dim + a];
     }
+    if (frames_.touch(e)) frames_.to_coordinates(node, v);
     return v;
   }
 
   const Mesh* mesh_ = nullptr;
+  NodeFrames<Element::dimension> frames_;
   fem::ElementGeometry<Element> geometry_;
 };
 

@@ -13,4 +13,11 @@ std::unique_ptr<MechanicsForms<2>> make_mechanics_forms(mesh::ElementKind elemen
                            });
 }
 
+std::unique_ptr<MechanicsForms<3>> make_solid_forms(mesh::ElementKind element) {
+  return fem::with_solid_element(element,
+                                 []<class Element>() -> std::unique_ptr<MechanicsForms<3>> {
+                                   return std::make_unique<FormsOf<Element>>();
+                                 });
+}
+
 }  // namespace dccast::mechanics

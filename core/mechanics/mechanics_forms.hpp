@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/symmetric_tensor.hpp"
+#include "core/fem/facet_geometry.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -30,9 +31,38 @@ struct ElementBlock {
 };
 inline constexpr std::size_t elements_in_block = 64;
 
+/// Directions of the unknowns of a node that are not the coordinate axes, so that what holds a body
+/// along an oblique face is one unknown held.
+template <int Dim>
+struct NodalFrame {
+  int node;
+  std::array<std::array<double, Dim>, Dim> axis;  ///< by unknown, orthogonal unit vectors
+
+  using Vector = std::array<double, Dim>;
+  /// Along the coordinate axes, from components along the unknowns.
+  Vector to_coordinates(const Vector& along) const {
+    Vector v{};
+    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+      for (std::size_t a = 0; a < std::size_t(Dim); ++a) v[a] += axis[k][a] * along[k];
+    }
+    return v;
+  }
+  /// Along the unknowns, from components along the coordinate axes.
+  Vector to_frame(const Vector& v) const {
+    Vector along{};
+    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+      for (std::size_t a = 0; a < std::size_t(Dim); ++a) along[k] += axis[k][a] * v[a];
+    }
+    return along;
+  }
+};
+
 /// What the algorithms of mechanics know of the elements of a mesh: strains of a displacement,
 /// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian in
 /// an axisymmetric section.
+///
+/// Displacements and forces are by unknown, Dim of each node: along the coordinate axes, or those of
+/// the frame of the node.
 ///
 /// Arrays by point run over the points of the elements of a block, arrays by element over its
 /// elements.
@@ -48,6 +78,9 @@ public:
   /// Takes a mesh, which must stay where it is, or its new coordinates.
   /// @param first  first element that is new or has moved
   virtual void update(const Mesh& mesh, std::size_t first = 0) = 0;
+  /// Gives nodes frames of their own; all others have none. They are kept until the next call or a
+  /// mesh with another number of elements.
+  virtual void set_frames(std::span<const NodalFrame<Dim>> frames) = 0;
   virtual std::size_t elements() const = 0;
   virtual std::size_t points() const = 0;  ///< of an element
 
@@ -73,17 +106,19 @@ public:
   virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], axisymmetric: [m3/rad]
   /// Sum of the squares of the nodal forces of a mean normal stress in every element.
   virtual double squared_forces(std::span<const double> stress) const = 0;
-  /// Subtracts the weight of the elements from the forces along the last direction.
+  /// Subtracts the weight of the elements from the forces, along the last coordinate axis.
   /// @param specific_weight  by element [N/m3]
   /// @return                 the whole weight
   virtual double subtract_weight(std::span<const double> specific_weight,
                                  std::span<double> force) const = 0;
-  /// Integrals of the shape functions of an edge from `a` to `b` [m], axisymmetric: [m2/rad].
-  virtual std::array<double, 2> edge_shares(const double* a, const double* b) const = 0;
+  /// Integrals of the shape functions of a facet [m^(Dim-1)], axisymmetric: [m2/rad].
+  virtual fem::FacetShares<Dim> facet_shares(const mesh::Facet<Dim>& facet) const = 0;
 };
 
 /// The forms of the element of a section.
 std::unique_ptr<MechanicsForms<2>> make_mechanics_forms(mesh::ElementKind element,
                                                         mesh::SectionKind section);
+/// The forms of the element of a solid: tetrahedra or hexahedra.
+std::unique_ptr<MechanicsForms<3>> make_solid_forms(mesh::ElementKind element);
 
 }  // namespace dccast::mechanics

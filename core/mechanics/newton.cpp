@@ -238,5 +238,7 @@ StepOutcome solve_newton(const StepProblem<Dim>& problem, const Options& options
 
 template StepOutcome solve_newton(const StepProblem<2>&, const Options&, Workspace&,
                                   StepUnknowns<2>&);
+template StepOutcome solve_newton(const StepProblem<3>&, const Options&, Workspace&,
+                                  StepUnknowns<3>&);
 
 }  // namespace dccast::mechanics

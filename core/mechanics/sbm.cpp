@@ -197,5 +197,6 @@ StepOutcome solve_sbm(const StepProblem<Dim>& problem, const Options& options, W
 }
 
 template StepOutcome solve_sbm(const StepProblem<2>&, const Options&, Workspace&, StepUnknowns<2>&);
+template StepOutcome solve_sbm(const StepProblem<3>&, const Options&, Workspace&, StepUnknowns<3>&);
 
 }  // namespace dccast::mechanics

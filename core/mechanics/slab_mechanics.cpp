@@ -77,13 +77,11 @@ void SlabMechanics<Dim>::find_boundaries() {
   problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
   bottom_length_.assign(bottom_nodes_.size(), 0.0);
   for (const auto& facet : mesh_->facets(mesh::PatchKind::bottom)) {
-    const double* a = mesh_->point(facet.node[0]);
-    const double* b = mesh_->point(facet.node[1]);
-    const auto area = forms_->edge_shares(a, b);
-    for (std::size_t k = 0; k < area.size(); ++k) {
+    const auto area = forms_->facet_shares(facet), plain = fem::facet_shares(*mesh_, facet);
+    for (std::size_t k = 0; k < std::size_t(facet.nodes); ++k) {
       const std::size_t i = std::size_t(place[std::size_t(facet.node[k])]);
       problem_.contact_area[i] += area[k];
-      bottom_length_[i] += 0.5 * std::hypot(b[0] - a[0], b[1] - a[1]);
+      bottom_length_[i] += plain[k];
     }
   }
   if (!options_.contact) {

@@ -22,5 +22,7 @@ StepOutcome solve_step(const StepProblem<Dim>& problem, const Options& options, 
 
 template StepOutcome solve_step(const StepProblem<2>&, const Options&, Workspace&,
                                 StepUnknowns<2>&);
+template StepOutcome solve_step(const StepProblem<3>&, const Options&, Workspace&,
+                                StepUnknowns<3>&);
 
 }  // namespace dccast::mechanics

@@ -16,6 +16,8 @@ mesh::Mesh<Dim> one_element(std::vector<double> node) {
 
 const auto triangle = one_element<2>({0.1, 0.2, 1.3, 0.4, 0.5, 1.7});
 const auto quadrilateral = one_element<2>({0.0, 0.0, 2.0, 0.3, 1.7, 1.9, -0.2, 1.1});
+const auto tetrahedron =
+    one_element<3>({0.1, 0.2, 0.0, 1.3, 0.4, 0.1, 0.5, 1.7, -0.1, 0.4, 0.5, 1.1});
 const auto hexahedron =
     one_element<3>({0.0, 0.0, 0.0, 1.1, 0.1, -0.1, 1.0, 1.2, 0.1, 0.1,  0.9, 0.0,
                     0.0, 0.1, 1.0, 1.0, 0.0, 1.1,  1.2, 1.1, 1.0, -0.1, 1.0, 0.9});
@@ -63,6 +65,7 @@ void expect_linear_fields_to_be_exact(const mesh::Mesh<Element::dimension>& mesh
 TEST(ElementGeometry, LinearFieldsAreExact) {
   expect_linear_fields_to_be_exact<P1Triangle>(triangle);
   expect_linear_fields_to_be_exact<Q1Quadrilateral>(quadrilateral);
+  expect_linear_fields_to_be_exact<P1Tetrahedron>(tetrahedron);
   expect_linear_fields_to_be_exact<Q1Hexahedron>(hexahedron);
 }
 
@@ -111,17 +114,6 @@ TEST(ElementGeometry, AxisymmetricElementsHaveAHoopGradient) {
   ElementGeometry<AxisymmetricQ1> square;
   square.update(skewed);
   check(square, skewed);
-}
-
-/// The bottom of a billet from its axis: shares that add up to its area by radian.
-TEST(EdgeShares, AddUpToTheArea) {
-  constexpr double inner[] = {0.1, 0.0}, outer[] = {0.5, 0.3};
-  const auto flat = edge_shares<Q1Quadrilateral>(inner, outer);
-  EXPECT_DOUBLE_EQ(flat[0], 0.25);
-  EXPECT_DOUBLE_EQ(flat[1], 0.25);
-  const auto shares = edge_shares<AxisymmetricQ1>(inner, outer);
-  EXPECT_DOUBLE_EQ(shares[0] + shares[1], 0.5 * 0.3);  // length times mean radius
-  EXPECT_DOUBLE_EQ(shares[1] - shares[0], 0.5 * 0.4 / 6.0);
 }
 
 TEST(ElementGeometry, VolumeOfASkewedBoxIsItsDeterminant) {

@@ -9,7 +9,7 @@ namespace {
 
 template <class Element>
 class Elements : public ::testing::Test {};
-using Families = ::testing::Types<P1Triangle, Q1Quadrilateral, Q1Hexahedron>;
+using Families = ::testing::Types<P1Triangle, Q1Quadrilateral, P1Tetrahedron, Q1Hexahedron>;
 TYPED_TEST_SUITE(Elements, Families);
 
 /// A few points of the reference cell, inside both a triangle and a cube.

@@ -65,8 +65,7 @@ public:
       problem.contact_area.push_back(0.0);
     }
     for (const auto& facet : mesh.facets(mesh::PatchKind::bottom)) {
-      const auto area =
-          fem::edge_shares<Element>(mesh.point(facet.node[0]), mesh.point(facet.node[1]));
+      const auto area = fem::facet_shares_of<Element>(mesh, facet);
       for (std::size_t k = 0; k < area.size(); ++k) {
         for (std::size_t i = 0; i < problem.contact.size(); ++i) {
           if (problem.contact[i] == 2 * facet.node[k] + 1) problem.contact_area[i] += area[k];
