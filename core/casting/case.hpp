@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <numbers>
@@ -49,11 +51,21 @@ struct TimeControl {
   double minimum_step = 1e-3;  ///< [s]
 };
 
+/// In the undeformed slab. In 2D x and y; of a quarter slab x, y and z.
 struct Monitor {
   std::string name;
   double x = 0.0;  ///< [m] from the symmetry plane
-  double y = 0.0;  ///< [m] above the bottom block
+  double y = 0.0;  ///< [m] above the bottom block; of a quarter slab from the plane y = 0
+  /// [m] above the bottom block, of a quarter slab
+  std::optional<double> z = std::nullopt;
 };
+
+/// Its coordinates [m].
+template <int Dim>
+std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
+  if constexpr (Dim == 2) return {monitor.x, monitor.y};
+  else return {monitor.x, monitor.y, monitor.z.value_or(0.0)};
+}
 
 struct OutputOptions {
   double frame_interval = 10.0;  ///< [s]

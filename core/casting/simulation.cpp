@@ -4,12 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
 
-#include "core/casting/slab_run.hpp"
+#include "core/base/errors.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/solver_identity.hpp"
+#include "core/casting/stored_run.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {
@@ -32,12 +35,14 @@ results::RunHeader header_of(const Case& c) {
   header.build = "g++ " __VERSION__;
   header.title = c.title;
   header.case_json = c.source_json;
-  header.section = c.section.kind == mesh::SectionKind::axisymmetric ? "axisymmetric" : "plane_strain";
+  header.section = mesh::name_of(c.section.kind);
+  header.dimension = mesh::dimension_of(c.section.kind);
   header.liquidus = c.alloy.liquidus;
   header.solidus = c.alloy.solidus;
   for (const Monitor& monitor : c.monitors) {
     header.monitor_name.push_back(monitor.name);
     header.monitor_position.push_back({monitor.x, monitor.y});
+    if (header.dimension == 3) header.monitor_position.back().push_back(monitor.z.value_or(0.0));
   }
   return header;
 }
@@ -64,17 +69,16 @@ RunFailure failure_of(const SolveFailed& error) {
           error.time_step(),         {},           error.residual_history()};
 }
 
-results::RunSummary summary_of(const RunState& state) {
+results::RunSummary summary_of(const CastingRun& run) {
   results::RunSummary summary;
-  if (!state.failures.empty())
-    summary = {name_of(state.failures.front().kind), in_words(state.failures)};
-  summary.validity_lost = state.validity.lost;
+  if (!run.failures().empty())
+    summary = {name_of(run.failures().front().kind), in_words(run.failures())};
+  summary.validity_lost = run.validity_lost();
   return summary;
 }
 
-RunFailure failure_of(const ValidityLoss& loss, double time_step) {
-  return {failure_kind(loss.kind).value(),        loss.message, loss.time, time_step,
-          {loss.place.begin(), loss.place.end()}, {}};
+RunFailure failure_of(const results::ValidityLoss& loss, double time_step) {
+  return {failure_kind(loss.kind).value(), loss.message, loss.time, time_step, loss.place, {}};
 }
 
 /// Decides when a checkpoint is due: by steps, or by the wall clock.
@@ -99,7 +103,7 @@ public:
   Driver(const Case& c, const RunDirectory& directory, StepObserver& observer)
       : directory_(directory),
         observer_(observer),
-        run_(c),
+        run_(make_run(c)),
         clock_(c.checkpoint),
         when_lost_(c.validity.when_lost),
         header_(header_of(c)),
@@ -108,11 +112,11 @@ public:
   RunOutcome drive() {
     try {
       if (const auto refused = begin()) return *refused;
-      while (!run_.finished() && !over()) {
-        if (const auto end = after(run_.advance())) return *end;
+      while (!run_->finished() && !over()) {
+        if (const auto end = after(run_->advance())) return *end;
       }
     } catch (const SolveFailed& error) {
-      run_.fail(failure_of(error));
+      run_->fail(failure_of(error));
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
@@ -132,30 +136,29 @@ private:
   void begin_anew() {
     std::filesystem::remove(checkpoint());  // it would be of another run than the journal
     writer_.emplace(results::ResultWriter::create(files_, header_));
-    writer_->append(run_.take_frame());
+    writer_->append(run_->take_frame());
     writer_->flush();
   }
 
   std::optional<RunOutcome> resume() {
-    RestoredState found = read_state(checkpoint(), origin());
-    if (found.other_version && directory_.other_version != OtherVersion::begin_anew)
-      return refused(found.reason);
-    std::string reason = found.state ? run_.misfit(*found.state) : found.reason;
-    if (reason.empty()) reason = go_on_from(*found.state, found.journal_records);
+    const StoredRun stored = read_stored_run(checkpoint(), origin());
+    if (stored.other_version && directory_.other_version != OtherVersion::begin_anew)
+      return refused(stored.reason);
+    const std::string reason = stored.content ? go_on_from(stored) : stored.reason;
     if (!reason.empty())
       observer_.on_message("no checkpoint to go on from (" + reason + "): the run starts over");
     return std::nullopt;
   }
 
-  /// @return why not, where the journal does not reach the state
-  std::string go_on_from(const RunState& state, std::int64_t journal_records) {
-    auto resumed = results::ResultWriter::resume(files_, state.step, journal_records);
+  /// @return why not, where the journal does not reach the state or the state does not fit the run
+  std::string go_on_from(const StoredRun& stored) {
+    auto resumed = results::ResultWriter::resume(files_, stored.step, stored.journal_records);
     if (!resumed.writer) return resumed.reason;
+    if (std::string reason = run_->restore(*stored.content); !reason.empty()) return reason;
     writer_.emplace(std::move(*resumed.writer));
     if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);
-    run_.restore(state);
-    observer_.on_resumed(state.step, state.time);
-    if (state.validity.lost) observer_.on_validity_lost(*state.validity.lost);
+    observer_.on_resumed(stored.step, run_->time());
+    if (run_->validity_lost()) observer_.on_validity_lost(*run_->validity_lost());
     return "";
   }
 
@@ -179,16 +182,16 @@ private:
   std::optional<RunOutcome> after(const results::StepReport& report) {
     writer_->append(report);
     if (std::string fault = failed_check(report); !fault.empty())
-      run_.fail(
+      run_->fail(
           {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
     note_lost_validity(report);
-    if (run_.frame_is_due() || over()) {
-      writer_->append(run_.take_frame());
+    if (run_->frame_is_due() || over()) {
+      writer_->append(run_->take_frame());
       writer_->flush();
     }
     const Order order = observer_.on_step(report);
     if (order == Order::cancel) return cancelled();
-    const bool stop = order == Order::stop_at_checkpoint && !run_.finished() && !over();
+    const bool stop = order == Order::stop_at_checkpoint && !run_->finished() && !over();
     if (stop || clock_.due(report.step)) write_checkpoint();
     if (!stop) return std::nullopt;
     writer_->wait();
@@ -197,26 +200,28 @@ private:
 
   /// In the step that loses it.
   void note_lost_validity(const results::StepReport& report) {
-    const auto& lost = run_.state().validity.lost;
+    const auto& lost = run_->validity_lost();
     if (!lost || lost->time != report.time) return;
-    if (when_lost_ == WhenLost::stop) run_.fail(failure_of(*lost, report.time_step));
+    if (when_lost_ == WhenLost::stop) run_->fail(failure_of(*lost, report.time_step));
     observer_.on_validity_lost(*lost);
   }
 
   /// Whether a failure of a step has ended the run before its time.
   bool over() const {
-    return std::ranges::any_of(run_.state().failures, ends_run, &RunFailure::kind);
+    return std::ranges::any_of(run_->failures(), ends_run, &RunFailure::kind);
   }
 
   void write_checkpoint() {
-    writer_->checkpoint(checkpoint(), to_sections(run_.state(), origin()));
+    results::Sections content = run_->state_sections();
+    sign(content, origin());
+    writer_->checkpoint(checkpoint(), std::move(content));
     clock_.written();
   }
 
   RunOutcome conclude() {
-    const RunFailures& failures = run_.state().failures;
+    const RunFailures& failures = run_->failures();
     try {
-      writer_->publish(summary_of(run_.state()));
+      writer_->publish(summary_of(*run_));
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
@@ -232,8 +237,8 @@ private:
 
   /// The files stay: once the disk can be written again, the run goes on from them.
   RunOutcome with_storage_failure(const std::system_error& error) {
-    run_.fail({FailureKind::storage, error.what(), run_.state().time, 0.0, {}, {}});
-    return {RunEnd::failed, run_.state().failures};
+    run_->fail({FailureKind::storage, error.what(), run_->time(), 0.0, {}, {}});
+    return {RunEnd::failed, run_->failures()};
   }
 
   /// What only a resumption needs.
@@ -248,7 +253,7 @@ private:
 
   RunDirectory directory_;
   StepObserver& observer_;
-  SlabRun run_;
+  std::unique_ptr<CastingRun> run_;
   CheckpointClock clock_;
   WhenLost when_lost_;
   results::RunHeader header_;

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <ctime>
 
-#include "core/casting/monitors.hpp"
+#include "core/casting/run_frame.hpp"
+#include "core/casting/state_fit.hpp"
+#include "core/casting/temperature_figures.hpp"
 #include "core/casting/validity/motion.hpp"
-#include "core/mesh/gmsh_reader.hpp"
+#include "core/fem/point_location.hpp"
 
 namespace dccast::casting {
 
@@ -15,33 +17,24 @@ namespace {
 
 constexpr double same_time = 1e-9;  // [s]
 
-double thread_seconds() {
+/// Of this thread, or of all threads of the process.
+double processor_seconds(clockid_t clock) {
   timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double largest(const mesh::Mesh2D& mesh, std::size_t coordinate) {
+template <int Dim>
+double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
   double value = 0.0;
   for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
   return value;
 }
 
-mesh::Mesh2D imported_mesh(const Case& c) {
-  Faults faults;
-  auto mesh = mesh::read_gmsh<2>(c.section.file, c.section.element, faults);
-  if (!mesh) throw InvalidCase(faults);
-  return std::move(*mesh);
-}
-
 }  // namespace
 
-RunMesh::RunMesh(const Case& c) : grows_(c.section.growth) {
-  if (c.section.file.empty()) slab_.emplace(c.section);
-  else imported_ = imported_mesh(c);
-}
-
-SlabRun::SlabRun(const Case& c)
+template <int Dim>
+SlabRun<Dim>::SlabRun(const Case& c)
     : case_(c),
       schedule_(c),
       control_(c.time.minimum_step),
@@ -49,7 +42,7 @@ SlabRun::SlabRun(const Case& c)
       heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
       mechanics_(mechanics::make_mechanics_forms(c.section.element, c.section.kind),
                  material::MechanicalProperties(c.alloy), c.mechanics.options),
-      initial_level_(largest(mesh_.mesh(), 1)),
+      initial_level_(largest(mesh_.mesh(), Dim - 1)),
       face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
                                                                      : 1.0),
       validity_(c) {
@@ -64,7 +57,8 @@ SlabRun::SlabRun(const Case& c)
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
 }
 
-void SlabRun::restore(const RunState& state) {
+template <int Dim>
+void SlabRun<Dim>::go_back_to(const RunState<Dim>& state) {
   state_ = state;
   control_.restore(state.step_limit);
   if (mesh_.built_in()) mesh_.slab().restore(state.row_heights);
@@ -72,21 +66,55 @@ void SlabRun::restore(const RunState& state) {
   mechanics_.set_mesh(mesh_.mesh());
 }
 
-bool SlabRun::finished() const {
+template <int Dim>
+std::string SlabRun<Dim>::restore(const results::Sections& stored) {
+  try {
+    const auto state = state_of<Dim>(stored);
+    std::string reason = misfit(state, {case_, schedule_, mesh_, initial_level_,
+                                        mechanics_.points(), mechanics_.bottom_nodes().size()});
+    if (reason.empty()) go_back_to(state);
+    return reason;
+  } catch (const std::out_of_range& error) {
+    return std::string("it is incomplete: ") + error.what();
+  }
+}
+
+template <int Dim>
+bool SlabRun<Dim>::finished() const {
   return state_.time >= schedule_.end() - same_time;
 }
 
-double SlabRun::metal_level() const {
+template <int Dim>
+double SlabRun<Dim>::metal_level() const {
   return mesh_.grows() ? initial_level_ + state_.cast_length : initial_level_;
 }
 
-int SlabRun::growth_row() const {
+template <int Dim>
+int SlabRun<Dim>::growth_row() const {
   return mesh_.built_in() ? mesh_.built_in()->nodes_per_row() : 0;
 }
 
-results::StepReport SlabRun::advance() {
-  const double start = thread_seconds();
-  const RunState saved = state_;
+template <int Dim>
+bool SlabRun<Dim>::frame_is_due() const {
+  return state_.time >= state_.next_frame - same_time || finished();
+}
+
+template <int Dim>
+results::Frame SlabRun<Dim>::take_frame() {
+  while (state_.next_frame <= state_.time + same_time) {
+    state_.next_frame += case_.output.frame_interval;
+  }
+  const std::vector<double> gap = bottom_gap();
+  return frame_of<Dim>({mesh(), state_, metal_level(), mechanics_.bottom_nodes(), gap,
+                        mechanics_.bottom_area(),
+                        case_.output.stresses && case_.mechanics.enabled});
+}
+
+template <int Dim>
+results::StepReport SlabRun<Dim>::advance() {
+  const double start = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
+  const double process_start = processor_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const RunState<Dim> saved = state_;
   for (int failed = 0;; ++failed) {
     const double dt = control_.choose(schedule_.step_at(state_.time));
     const Attempt tried = attempt(dt);
@@ -94,12 +122,13 @@ results::StepReport SlabRun::advance() {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
-      state_.solver_seconds += thread_seconds() - start;
+      state_.solver_seconds += processor_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+      state_.process_seconds += processor_seconds(CLOCK_PROCESS_CPUTIME_ID) - process_start;
       return report(tried, failed);
     }
     const bool smaller = control_.rejected(dt);
     const double limit = control_.limit();
-    restore(saved);
+    go_back_to(saved);
     control_.restore(limit);
     if (smaller) continue;
     char text[256];
@@ -113,7 +142,8 @@ results::StepReport SlabRun::advance() {
   }
 }
 
-Attempt SlabRun::attempt(double dt) {
+template <int Dim>
+Attempt SlabRun<Dim>::attempt(double dt) {
   Attempt tried;
   tried.time_step = dt;
   const double end = state_.time + dt;
@@ -128,7 +158,7 @@ Attempt SlabRun::attempt(double dt) {
   state_.time = std::abs(end) < same_time ? 0.0 : end;
 
   const thermal::HeatField heat_n = state_.heat;
-  const mechanics::SlabState<2> slab_n = state_.slab;
+  const mechanics::SlabState<Dim> slab_n = state_.slab;
   const int rounds = moves && case_.coupling.gap_feedback ? case_.coupling.iterations : 1;
   for (int round = 0; round < rounds; ++round) {
     if (!step_heat(tried, heat_n, entry)) return tried;
@@ -138,10 +168,11 @@ Attempt SlabRun::attempt(double dt) {
   return tried;
 }
 
-bool SlabRun::grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry) {
+template <int Dim>
+bool SlabRun<Dim>::grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry) {
   const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
-  mesh::SlabMesh2D& slab = mesh_.slab();
+  mesh::SlabMesh<Dim>& slab = mesh_.slab();
   const int first_moved = slab.elements_per_row() * (slab.rows() - 1);
   slab.grow_to(level);
   entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
@@ -150,18 +181,20 @@ bool SlabRun::grow(double length, double temperature, std::optional<thermal::Met
   return true;
 }
 
-std::vector<double> SlabRun::bottom_gap() const {
+template <int Dim>
+std::vector<double> SlabRun<Dim>::bottom_gap() const {
   std::vector<double> gap;
-  if (!case_.coupling.gap_feedback || !state_.slab.started) return gap;
   for (int n : mechanics_.bottom_nodes()) {
-    gap.push_back(std::max(0.0, state_.slab.displacement[2 * std::size_t(n) + 1]));
+    gap.push_back(std::max(0.0, state_.slab.displacement[Dim * std::size_t(n) + Dim - 1]));
   }
   return gap;
 }
 
-bool SlabRun::step_heat(Attempt& tried, const thermal::HeatField& from,
+template <int Dim>
+bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
                         const std::optional<thermal::MetalEntry>& entry) {
-  const std::vector<double> gap = bottom_gap();
+  std::vector<double> gap;
+  if (case_.coupling.gap_feedback && state_.slab.started) gap = bottom_gap();
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
@@ -176,7 +209,8 @@ bool SlabRun::step_heat(Attempt& tried, const thermal::HeatField& from,
   return tried.heat.converged;
 }
 
-bool SlabRun::step_mechanics(Attempt& tried, const mechanics::SlabState<2>& from) {
+template <int Dim>
+bool SlabRun<Dim>::step_mechanics(Attempt& tried, const mechanics::SlabState<Dim>& from) {
   state_.slab = from;
   mechanics::SlabStepInput input;
   input.temperature = state_.heat.temperature;
@@ -193,7 +227,8 @@ bool SlabRun::step_mechanics(Attempt& tried, const mechanics::SlabState<2>& from
   return outcome.converged;
 }
 
-results::StepReport SlabRun::report(const Attempt& accepted, int failed_attempts) {
+template <int Dim>
+results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts) {
   results::StepReport r;
   r.step = state_.step;
   r.time = state_.time;
@@ -206,29 +241,48 @@ results::StepReport SlabRun::report(const Attempt& accepted, int failed_attempts
   r.solves = accepted.mechanics.solves + accepted.heat.solves;
   r.failed_attempts = failed_attempts;
   r.constitutive_residual = accepted.mechanics.constitutive_residual;
-  r.energy_balance_error = accepted.heat.balance.error;
-  r.wall_heat_flux = (accepted.heat.balance.side + accepted.heat.balance.bottom) /
-                     (accepted.time_step * face_length_);
+  report_heat(accepted, r);
   if (state_.slab.started) report_mechanics(r);
-  const double level = metal_level();
-  r.sump_depth = sump_depth(mesh(), state_.heat.temperature, level, case_.alloy.coherency);
-  r.mould_exit_temperature =
-      side_temperature(mesh(), state_.heat.temperature, level - case_.cooling.water.from);
-  for (const Monitor& monitor : case_.monitors) {
-    const auto place = locate(mesh(), monitor.x, monitor.y);
-    // A monitor above the metal level is not poured yet: it has no displacement.
-    r.monitor_displacement.push_back(
-        place ? displacement_at(mesh(), *place, state_.slab.displacement)
-              : std::array<double, 2>{std::nan(""), std::nan("")});
-  }
+  report_monitors(r);
   r.nodes = mesh().nodes();
   r.elements = mesh().elements();
   r.solver_seconds = state_.solver_seconds;
+  r.process_seconds = state_.process_seconds;
   r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
   return r;
 }
 
-void SlabRun::report_mechanics(results::StepReport& r) {
+template <int Dim>
+void SlabRun<Dim>::report_heat(const Attempt& accepted, results::StepReport& r) const {
+  const thermal::HeatBalance& balance = accepted.heat.balance;
+  r.energy_balance_error = balance.error;
+  r.wall_heat_flux = (balance.side + balance.bottom) / (accepted.time_step * face_length_);
+  r.side_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::wide)] / face_length_;
+  r.narrow_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::narrow)] / face_length_;
+  r.bottom_heat = accepted.heat.bottom_heat_flux / face_length_;
+  const double level = metal_level();
+  r.sump_depth = sump_depth<Dim>(mesh(), state_.heat.temperature, level, case_.alloy.coherency);
+  r.mould_exit_temperature = side_temperature<Dim>(mesh(), state_.heat.temperature,
+                                                   level - case_.cooling.water.from);
+}
+
+/// A monitor above the metal level is not poured yet: it has neither displacement nor temperature.
+template <int Dim>
+void SlabRun<Dim>::report_monitors(results::StepReport& r) const {
+  for (const Monitor& monitor : case_.monitors) {
+    const auto place = fem::locate(mesh(), point_of<Dim>(monitor));
+    std::vector<double> displacement(Dim, std::nan(""));
+    for (int d = 0; place && d < Dim; ++d)
+      displacement[std::size_t(d)] =
+          fem::interpolate<Dim>(mesh(), *place, state_.slab.displacement, Dim, d);
+    r.monitor_displacement.push_back(std::move(displacement));
+    r.monitor_temperature.push_back(
+        place ? fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature) : std::nan(""));
+  }
+}
+
+template <int Dim>
+void SlabRun<Dim>::report_mechanics(results::StepReport& r) {
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;
   r.complementarity_error = checks.complementarity_error;
@@ -245,15 +299,19 @@ void SlabRun::report_mechanics(results::StepReport& r) {
   r.beyond_validity = state_.validity.lost.has_value();
 }
 
-Extreme SlabRun::liquid_pressure_error() const {
+template <int Dim>
+Extreme SlabRun<Dim>::liquid_pressure_error() const {
   const mechanics::SlabChecks& checks = mechanics_.checks();
   if (checks.worst_liquid < 0) return {};
   return {checks.liquid_pressure_error, centroid(mesh(), checks.worst_liquid)};
 }
 
 /// Elements of the row that stretches with the metal level; none once the metal stands.
-int SlabRun::growing_elements() const {
-  return mesh_.grows() ? mesh().elements() / mesh_.built_in()->rows() : 0;
+template <int Dim>
+int SlabRun<Dim>::growing_elements() const {
+  return mesh_.grows() ? mesh_.built_in()->elements_per_row() : 0;
 }
+
+template class SlabRun<2>;
 
 }  // namespace dccast::casting

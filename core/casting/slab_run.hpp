@@ -1,19 +1,19 @@
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/casting/case.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/casting_schedule.hpp"
 #include "core/casting/heat_source.hpp"
+#include "core/casting/run_mesh.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/casting/step_control.hpp"
 #include "core/casting/validity/validity.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
-#include "core/mesh/slab_mesh.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
 
@@ -28,71 +28,61 @@ struct Attempt {
   mechanics::StepOutcome mechanics;
 };
 
-/// The mesh of a run: the built-in one, which grows, or an imported one, which does not.
-class RunMesh {
-public:
-  explicit RunMesh(const Case& casting_case);
-  const mesh::Mesh2D& mesh() const { return slab_ ? slab_->mesh() : imported_; }
-  bool grows() const { return slab_.has_value() && grows_; }
-  mesh::SlabMesh2D& slab() { return *slab_; }
-  const mesh::SlabMesh2D* built_in() const { return slab_ ? &*slab_ : nullptr; }
-
-private:
-  bool grows_;
-  std::optional<mesh::SlabMesh2D> slab_;
-  mesh::Mesh2D imported_;
-};
-
-/// One casting, step by step: growth, heat step, mechanical step, gap back to the heat of the next
-/// (paper sections 2.1 and 2.2 alternate). Knows nothing of files.
-class SlabRun {
+/// A casting in the dimension of its section: growth, heat step, mechanical step, gap back to the
+/// heat of the next (paper sections 2.1 and 2.2 alternate).
+template <int Dim>
+class SlabRun : public CastingRun {
 public:
   /// @throws InvalidCase  a file of the case cannot be read
   explicit SlabRun(const Case& casting_case);
 
-  const RunState& state() const { return state_; }
-  /// Lists a failure of the step just made: part of the state, so that no resumption forgets it.
-  void fail(RunFailure failure) { add_failure(state_.failures, std::move(failure)); }
-  /// Why a state cannot be of this run: an array that does not fit the mesh, a time outside the
-  /// case; empty when it can. Asked of a run that has made no step.
-  std::string misfit(const RunState& state) const;
-  /// Goes on from another state of the same case, one without a misfit.
-  void restore(const RunState& state);
+  bool finished() const override;
+  results::StepReport advance() override;
+  double time() const override { return state_.time; }
+  bool frame_is_due() const override;
+  results::Frame take_frame() override;
+  void fail(RunFailure failure) override { add_failure(state_.failures, std::move(failure)); }
+  const RunFailures& failures() const override { return state_.failures; }
+  const std::optional<ValidityLoss>& validity_lost() const override {
+    return state_.validity.lost;
+  }
+  results::Sections state_sections() const override { return to_sections(state_); }
+  std::string restore(const results::Sections& state) override;
 
-  bool finished() const;
-  /// Makes one accepted step, cutting the time step as often as it takes.
-  /// @throws SolveFailed  at the smallest time step
-  results::StepReport advance();
-
-  bool frame_is_due() const { return state_.time >= state_.next_frame - 1e-9 || finished(); }
-  /// The fields of this instant; moves the time of the next frame on.
-  results::Frame take_frame();
-  const mesh::Mesh2D& mesh() const { return mesh_.mesh(); }
+  const RunState<Dim>& state() const { return state_; }
+  const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
+  /// Nodes of a row of the built-in mesh; 0 for an imported one.
   int growth_row() const;
 
 private:
+  void go_back_to(const RunState<Dim>& state);
   Attempt attempt(double dt);
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
   bool step_heat(Attempt& tried, const thermal::HeatField& from,
                  const std::optional<thermal::MetalEntry>& entry);
-  bool step_mechanics(Attempt& tried, const mechanics::SlabState<2>& from);
+  bool step_mechanics(Attempt& tried, const mechanics::SlabState<Dim>& from);
   std::vector<double> bottom_gap() const;
   double metal_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
+  void report_heat(const Attempt& accepted, results::StepReport& report) const;
   void report_mechanics(results::StepReport& report);
+  void report_monitors(results::StepReport& report) const;
   Extreme liquid_pressure_error() const;
   int growing_elements() const;
 
   Case case_;
   CastingSchedule schedule_;
   StepControl control_;
-  RunMesh mesh_;
-  HeatSource heat_;
-  mechanics::SlabMechanics<2> mechanics_;
-  double initial_level_;
-  double face_length_;  ///< that heat and forces of a step stand for: 1 m, of a billet [m/rad]
-  ValidityJudge validity_;
-  RunState state_;
+  RunMesh<Dim> mesh_;
+  HeatSource<Dim> heat_;
+  mechanics::SlabMechanics<Dim> mechanics_;
+  double initial_level_;  ///< [m]
+  /// That heat and forces of a step stand for: 1 m, of a billet [m/rad], of a quarter slab itself.
+  double face_length_;
+  ValidityJudge<Dim> validity_;
+  RunState<Dim> state_;
 };
+
+extern template class SlabRun<2>;
 
 }  // namespace dccast::casting

@@ -1,9 +1,11 @@
-// Whether a state read from a checkpoint is one that this run can go on from. A checksum finds
-// damage; this finds what a checksum cannot, so that a wrong length never becomes a wrong address.
+#include "core/casting/state_fit.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
-#include "core/casting/slab_run.hpp"
+#include "core/casting/validity/motion.hpp"
 
 namespace dccast::casting {
 
@@ -30,7 +32,8 @@ public:
     require_size(array, size, name);
     require_finite(array, name);
   }
-  void require_tensors(const std::vector<SymmetricTensor<2>>& array, std::size_t size,
+  template <int Dim>
+  void require_tensors(const std::vector<SymmetricTensor<Dim>>& array, std::size_t size,
                        const std::string& name) {
     require_size(array, size, name);
     for (const auto& tensor : array)
@@ -54,8 +57,9 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   reasons.require_reals(heat.liquid_fraction, shape.nodes, "liquid fraction");
 }
 
-void fit_slab(const mechanics::SlabState<2>& slab, const Shape& shape, Reasons& reasons) {
-  reasons.require_reals(slab.displacement, 2 * shape.nodes, "displacement");
+template <int Dim>
+void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons& reasons) {
+  reasons.require_reals(slab.displacement, Dim * shape.nodes, "displacement");
   reasons.require_size(slab.released, shape.nodes, "released nodes");
   reasons.require_size(slab.solid, shape.elements, "solid elements");
   reasons.require_tensors(slab.inelastic, shape.points, "inelastic strain");
@@ -69,38 +73,66 @@ void fit_slab(const mechanics::SlabState<2>& slab, const Shape& shape, Reasons& 
     reasons.require_reals(slab.contact_multiplier, shape.bottom_nodes, "contact multiplier");
 }
 
+template <int Dim>
+void fit_course(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& reasons) {
+  const CastingSchedule& schedule = run.schedule;
+  reasons.require(state.step >= 0, "its step is negative");
+  reasons.require(state.time >= schedule.begin() && state.time <= schedule.end() + 1e-9,
+                  "its time is outside the run");
+  reasons.require(state.next_frame >= schedule.begin() && std::isfinite(state.next_frame),
+                  "the time of its next frame is outside the run");
+  reasons.require(state.step_limit >= run.casting_case.time.minimum_step,
+                  "its time step is too small");
+  reasons.require(std::isfinite(state.cast_length), "its cast length is no number");
+}
+
+template <int Dim>
+void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& reasons) {
+  const auto& heights = state.row_heights;
+  const mesh::SlabMesh<Dim>* slab = run.mesh.built_in();
+  if (slab == nullptr) {
+    reasons.require(heights.empty(), "it has rows, and the mesh none");
+    return;
+  }
+  reasons.require_finite(heights, "row heights");
+  reasons.require(heights.size() > std::size_t(slab->rows()), "it has too few rows");
+  reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
+  if (!reasons.first().empty()) return;
+  const double level = run.initial_level + (run.mesh.grows() ? state.cast_length : 0.0);
+  reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
+}
+
+/// Of the mesh that the rows of a state make.
+template <int Dim>
+Shape shape_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
+  const mesh::Mesh<Dim>& mesh = run.mesh.mesh();
+  Shape shape{std::size_t(mesh.nodes()), std::size_t(mesh.elements()), 0, run.bottom_nodes};
+  if (const mesh::SlabMesh<Dim>* slab = run.mesh.built_in()) {
+    const std::size_t rows = state.row_heights.size();
+    shape.nodes = rows * std::size_t(slab->nodes_per_row());
+    shape.elements = (rows - 1) * std::size_t(slab->elements_per_row());
+  }
+  shape.points = shape.elements * run.points;
+  return shape;
+}
+
 }  // namespace
 
-std::string SlabRun::misfit(const RunState& state) const {
+template <int Dim>
+std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   Reasons reasons;
-  reasons.require(state.step >= 0, "its step is negative");
-  reasons.require(state.time >= schedule_.begin() && state.time <= schedule_.end() + 1e-9,
-                  "its time is outside the run");
-  reasons.require(state.next_frame >= schedule_.begin() && std::isfinite(state.next_frame),
-                  "the time of its next frame is outside the run");
-  reasons.require(state.step_limit >= case_.time.minimum_step, "its time step is too small");
-  reasons.require(std::isfinite(state.cast_length), "its cast length is no number");
-  Shape shape{std::size_t(mesh().nodes()), std::size_t(mesh().elements()), 0,
-              mechanics_.bottom_nodes().size()};
-  const auto& heights = state.row_heights;
-  if (const mesh::SlabMesh2D* slab = mesh_.built_in()) {
-    reasons.require_finite(heights, "row heights");
-    reasons.require(heights.size() > std::size_t(slab->rows()), "it has too few rows");
-    reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
-    if (!reasons.first().empty()) return reasons.first();
-    const double level = mesh_.grows() ? initial_level_ + state.cast_length : initial_level_;
-    reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
-    shape.nodes = heights.size() * std::size_t(slab->nodes_per_row());
-    shape.elements = (heights.size() - 1) * (shape.elements / std::size_t(slab->rows()));
-  } else {
-    reasons.require(heights.empty(), "it has rows, and the mesh none");
-  }
-  shape.points = shape.elements * mechanics_.points();
+  fit_course(state, run, reasons);
+  fit_rows(state, run, reasons);
+  if (!reasons.first().empty()) return reasons.first();
+  const Shape shape = shape_of(state, run);
   fit_heat(state.heat, shape, reasons);
   fit_slab(state.slab, shape, reasons);
   if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
-    reasons.require_reals(state.validity.when_liquid, shape.elements, "rotation when liquid");
+    reasons.require_reals(state.validity.when_liquid,
+                          shape.elements * std::tuple_size_v<Turn<Dim>>, "rotation when liquid");
   return reasons.first();
 }
+
+template std::string misfit(const RunState<2>&, const RunShape<2>&);
 
 }  // namespace dccast::casting

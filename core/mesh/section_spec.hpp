@@ -15,6 +15,12 @@ constexpr int dimension_of(SectionKind kind) {
   return kind == SectionKind::quarter_slab ? 3 : 2;
 }
 
+/// The name of a kind in results and case files, e.g. "plane_strain".
+constexpr const char* name_of(SectionKind kind) {
+  constexpr const char* names[] = {"plane_strain", "axisymmetric", "quarter_slab"};
+  return names[static_cast<int>(kind)];
+}
+
 /// The part of the slab that is computed and how it is divided; tables `section` and `mesh` of a
 /// case. Columns are cells from the symmetry plane (x = 0) to the side, of a quarter slab to its
 /// narrow face; layers are cells from y = 0 to the wide face.

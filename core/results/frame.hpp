@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,7 +31,7 @@ struct Frame {
   std::vector<double> stress;
   std::vector<double> viscoplastic_strain;  ///< (element, components)
 
-  std::vector<std::int32_t> bottom_node;  ///< along the bottom, from the symmetry plane
+  std::vector<std::int32_t> bottom_node;  ///< in 2D along the bottom, from the symmetry plane
   std::vector<double> bottom_gap;         ///< (bottom node) [m], open positive
   std::vector<double> bottom_pressure;    ///< (bottom node) [Pa], never negative
 
@@ -49,6 +48,14 @@ constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }
 
+/// A field that a sidecar shows.
+struct ShownField {
+  std::string name;     ///< under which ParaView lists it
+  std::string dataset;  ///< in the frame's group
+  bool on_nodes = true;  ///< else on elements
+  int components = 1;
+};
+
 /// What of a frame a sidecar needs: its size, not its values.
 struct FrameOutline {
   double time = 0.0;  ///< [s]
@@ -56,7 +63,7 @@ struct FrameOutline {
   int nodes_per_element = 3;
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
-  std::vector<std::string> datasets;  ///< fields that are there, e.g. "stress_pa"
+  std::vector<ShownField> fields;  ///< those that are there
 };
 
 /// What is said once about a run.
@@ -65,11 +72,12 @@ struct RunHeader {
   std::string build;      ///< compiler and libraries
   std::string title;      ///< of the case
   std::string case_json;  ///< the case as it was submitted
-  std::string section;    ///< "plane_strain", "axisymmetric" or "slab"
+  std::string section;    ///< "plane_strain", "axisymmetric" or "quarter_slab"
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
   std::vector<std::string> monitor_name;
-  std::vector<std::array<double, 2>> monitor_position;  ///< [m] from symmetry plane, above block
+  int dimension = 2;      ///< coordinates of a point, the last one up
+  std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]
   bool operator==(const RunHeader&) const = default;
 };
 

@@ -17,11 +17,16 @@ struct HistoryField {
                bool StepReport::*>
       member;
 
+  const char* solid_unit = nullptr;  ///< of a quarter slab, where it is another one
+
   bool real() const { return member.index() == 0; }
+  const char* unit_in(int dimension) const {
+    return dimension == 3 && solid_unit != nullptr ? solid_unit : unit;
+  }
 };
 
-/// All fields but the monitors, which are an array, and `solver_seconds`, which measures the
-/// computer: with it no two runs of a case would give the same file.
+/// All fields but the monitors, which are arrays, and `solver_seconds` and `process_seconds`, which
+/// measure the computer: with them no two runs of a case would give the same file.
 std::span<const HistoryField> history_fields();
 
 /// The value of a real field. @pre field.real()

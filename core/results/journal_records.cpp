@@ -1,5 +1,7 @@
 // How the header, a step and a frame of a run are laid out as sections of a journal record.
 #include <algorithm>
+#include <cstddef>
+#include <stdexcept>
 
 #include "core/results/history_fields.hpp"
 #include "core/results/journal.hpp"
@@ -8,7 +10,7 @@ namespace dccast::results {
 
 namespace {
 
-using Points = std::vector<std::array<double, 2>>;
+using Points = std::vector<std::vector<double>>;
 
 Sections::Reals flat(const Points& points) {
   Sections::Reals values;
@@ -16,9 +18,16 @@ Sections::Reals flat(const Points& points) {
   return values;
 }
 
-Points points_of(const Sections::Reals& values) {
-  Points points(values.size() / 2);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {values[2 * i], values[2 * i + 1]};
+/// @throws std::out_of_range  the values are not whole points
+Points points_of(const Sections::Reals& values, std::size_t count) {
+  if (count == 0 ? !values.empty() : values.size() % count != 0)
+    throw std::out_of_range("coordinates of no whole points");
+  Points points(count);
+  auto from = values.begin();
+  for (auto& point : points) {
+    point.assign(from, from + static_cast<std::ptrdiff_t>(values.size() / count));
+    from += static_cast<std::ptrdiff_t>(values.size() / count);
+  }
   return points;
 }
 
@@ -60,6 +69,7 @@ Sections to_sections(const RunHeader& header) {
   content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
     content.set("monitor_name." + std::to_string(i), header.monitor_name[i]);
+  content.set_integer("dimension", header.dimension);
   content.set("monitor_position", flat(header.monitor_position));
   return content;
 }
@@ -75,7 +85,9 @@ RunHeader header_of(const Sections& content) {
   header.solidus = content.real("solidus");
   for (std::int64_t i = 0; i < content.integer("monitors"); ++i)
     header.monitor_name.push_back(content.text("monitor_name." + std::to_string(i)));
-  header.monitor_position = points_of(content.reals("monitor_position"));
+  header.dimension = static_cast<int>(content.integer("dimension"));
+  header.monitor_position =
+      points_of(content.reals("monitor_position"), header.monitor_name.size());
   return header;
 }
 
@@ -93,8 +105,11 @@ Sections to_sections(const StepReport& report) {
   Sections content;
   content.set("reals", std::move(reals));
   content.set("integers", std::move(integers));
+  content.set_integer("monitors", static_cast<std::int64_t>(report.monitor_displacement.size()));
   content.set("monitor_displacement", flat(report.monitor_displacement));
-  content.set_real("solver_s", report.solver_seconds);  // for a report sent again; not in results
+  content.set("monitor_temperature", report.monitor_temperature);
+  // For a report sent again; not in the results.
+  content.set("processor_s", Sections::Reals{report.solver_seconds, report.process_seconds});
   return content;
 }
 
@@ -108,8 +123,12 @@ StepReport step_of(const Sections& content) {
     else
       set_integer(field, report, content.integers("integers").at(integer++));
   }
-  report.monitor_displacement = points_of(content.reals("monitor_displacement"));
-  report.solver_seconds = content.real("solver_s");
+  report.monitor_temperature = content.reals("monitor_temperature");
+  report.monitor_displacement =
+      points_of(content.reals("monitor_displacement"),
+                static_cast<std::size_t>(content.integer("monitors")));
+  report.solver_seconds = content.reals("processor_s").at(0);
+  report.process_seconds = content.reals("processor_s").at(1);
   return report;
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/results/derived_fields.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
 #include "core/results/storage_error.hpp"
@@ -31,9 +32,13 @@ void write_header(File& file, const RunHeader& header) {
   file.create_group("/history");
   file.create_group("/monitors");
   file.write_texts("/monitors/name", header.monitor_name, "names of the monitors");
-  file.write("/monitors/position_m", {header.monitor_position.size(), 2},
-             header.monitor_position.empty() ? nullptr : header.monitor_position[0].data(), "m",
-             "first position: from the symmetry plane, above the bottom block");
+  std::vector<double> position;
+  for (const auto& point : header.monitor_position)
+    position.insert(position.end(), point.begin(), point.end());
+  file.write("/monitors/position_m",
+             {header.monitor_position.size(), static_cast<hsize_t>(header.dimension)},
+             position.data(), "m",
+             "first position: from the symmetry planes, above the bottom block");
 }
 
 /// Arrays that a run does not compute are left out of the file.
@@ -73,31 +78,45 @@ void write_frame(File& file, std::size_t index, const Frame& frame) {
                "gap to the bottom block, open positive");
   write_if_any(file, group + "/bottom_pressure_pa", bottom, frame.bottom_pressure, "Pa",
                "contact pressure");
-}
-
-void write_field(File& file, const HistoryField& field, const std::vector<StepReport>& steps) {
-  const std::string object = history_dataset(field.name);
-  if (field.real()) {
-    std::vector<double> values;
-    for (const StepReport& step : steps) values.push_back(real_value(field, step));
-    file.write(object, {steps.size()}, values.data(), field.unit, field.meaning);
-  } else {
-    std::vector<std::int64_t> values;
-    for (const StepReport& step : steps) values.push_back(integer_value(field, step));
-    file.write(object, {steps.size()}, values.data(), field.unit, field.meaning);
+  for (const DerivedField& field : derived_fields(frame)) {
+    Shape shape{field.values.size() / static_cast<std::size_t>(field.components)};
+    if (field.components > 1) shape.push_back(static_cast<hsize_t>(field.components));
+    file.write(group + "/" + field.name, shape, field.values.data(), field.unit, field.meaning);
   }
 }
 
-void write_history(File& file, const std::vector<StepReport>& steps, std::size_t monitors) {
-  for (const HistoryField& field : history_fields()) write_field(file, field, steps);
-  std::vector<double> displacement;
-  for (const StepReport& step : steps)
+void write_field(File& file, const HistoryField& field, const std::vector<StepReport>& steps,
+                 int dimension) {
+  const std::string object = history_dataset(field.name);
+  const char* unit = field.unit_in(dimension);
+  if (field.real()) {
+    std::vector<double> values;
+    for (const StepReport& step : steps) values.push_back(real_value(field, step));
+    file.write(object, {steps.size()}, values.data(), unit, field.meaning);
+  } else {
+    std::vector<std::int64_t> values;
+    for (const StepReport& step : steps) values.push_back(integer_value(field, step));
+    file.write(object, {steps.size()}, values.data(), unit, field.meaning);
+  }
+}
+
+void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_t monitors,
+                    int dimension) {
+  std::vector<double> displacement, temperature;
+  for (const StepReport& step : steps) {
     for (const auto& point : step.monitor_displacement)
       displacement.insert(displacement.end(), point.begin(), point.end());
-  if (displacement.size() != steps.size() * monitors * 2)
+    temperature.insert(temperature.end(), step.monitor_temperature.begin(),
+                       step.monitor_temperature.end());
+  }
+  const auto coordinates = static_cast<hsize_t>(dimension);
+  if (displacement.size() != steps.size() * monitors * coordinates)
     throw std::logic_error("StepReport: as many monitor displacements as monitors");
-  file.write("/monitors/displacement_m", {steps.size(), monitors, 2}, displacement.data(), "m",
-             "(step, monitor, x and y)");
+  file.write("/monitors/displacement_m", {steps.size(), monitors, coordinates},
+             displacement.data(), "m", "(step, monitor, coordinate)");
+  if (temperature.size() == steps.size() * monitors)
+    file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature.data(), "degC",
+               "(step, monitor)");
 }
 
 void write_validity_loss(File& file, const ValidityLoss& loss) {
@@ -106,8 +125,9 @@ void write_validity_loss(File& file, const ValidityLoss& loss) {
   file.write_attribute(group, "kind", loss.kind);
   file.write_attribute(group, "message", loss.message);
   file.write_attribute(group, "time_s", loss.time);
-  file.write_attribute(group, "x_m", loss.place[0]);
-  file.write_attribute(group, "y_m", loss.place[1]);
+  file.write_attribute(group, "x_m", loss.place.at(0));
+  file.write_attribute(group, "y_m", loss.place.at(1));
+  if (loss.place.size() > 2) file.write_attribute(group, "z_m", loss.place[2]);
   file.write_attribute(group, "value", loss.value);
   file.write_attribute(group, "limit", loss.limit);
   file.write_attribute(group, "unit", loss.unit);
@@ -134,6 +154,7 @@ void ResultFileBuilder::take(const Record& record) {
   if (record.kind == RecordKind::header) {
     const RunHeader header = header_of(record.content);
     monitors_ = header.monitor_name.size();
+    dimension_ = header.dimension;
     write_header(file_, header);
   } else if (record.kind == RecordKind::step) {
     steps_.push_back(step_of(record.content));
@@ -149,7 +170,8 @@ void ResultFileBuilder::finish(const RunSummary& summary) {
   follow();
   if (journal_end_ != std::filesystem::file_size(journal_))
     throw StorageError(EIO, journal_.string(), "is damaged");
-  write_history(file_, steps_, monitors_);
+  for (const HistoryField& field : history_fields()) write_field(file_, field, steps_, dimension_);
+  write_monitors(file_, steps_, monitors_, dimension_);
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);

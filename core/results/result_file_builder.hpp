@@ -32,6 +32,7 @@ private:
   std::uint64_t journal_end_ = 0;  ///< byte behind the last record taken over
   hdf5::File file_;
   std::size_t monitors_ = 0;
+  int dimension_ = 2;
   std::vector<StepReport> steps_;
   std::vector<FrameOutline> frames_;
 };

@@ -25,10 +25,11 @@ std::vector<std::int32_t> narrow(const std::vector<std::int64_t>& values) {
   return narrowed;
 }
 
-std::vector<std::array<double, 2>> points_of(const std::vector<double>& values) {
-  std::vector<std::array<double, 2>> points(values.size() / 2);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {values[2 * i], values[2 * i + 1]};
-  return points;
+/// Point `index` of values that hold `dimension` coordinates each.
+std::vector<double> point_of(const std::vector<double>& values, std::size_t index,
+                             std::size_t dimension) {
+  const auto from = values.begin() + static_cast<std::ptrdiff_t>(index * dimension);
+  return {from, from + static_cast<std::ptrdiff_t>(dimension)};
 }
 
 void require_rank(const File& file, const std::string& object, const hdf5::Shape& shape,
@@ -56,13 +57,19 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   }
 }
 
+int dimension_of(const File& file) {
+  return columns_of(file, "/monitors/position_m");
+}
+
 std::optional<ValidityLoss> validity_loss_of(const File& file) {
   const char* group = "/validity_loss";
   if (!file.has(group)) return std::nullopt;
+  std::vector<double> place{file.real_attribute(group, "x_m"), file.real_attribute(group, "y_m")};
+  if (dimension_of(file) == 3) place.push_back(file.real_attribute(group, "z_m"));
   return ValidityLoss{file.text_attribute(group, "kind"),
                       file.text_attribute(group, "message"),
                       file.real_attribute(group, "time_s"),
-                      {file.real_attribute(group, "x_m"), file.real_attribute(group, "y_m")},
+                      place,
                       file.real_attribute(group, "value"),
                       file.real_attribute(group, "limit"),
                       file.text_attribute(group, "unit")};
@@ -91,7 +98,10 @@ RunHeader ResultReader::header() const {
   const auto texts = file_->read_texts("/case");
   header.case_json = texts.empty() ? "" : texts.front();
   header.monitor_name = file_->read_texts("/monitors/name");
-  header.monitor_position = points_of(file_->read_reals("/monitors/position_m"));
+  header.dimension = dimension_of(*file_);
+  const auto position = file_->read_reals("/monitors/position_m");
+  for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
+    header.monitor_position.push_back(point_of(position, i, std::size_t(header.dimension)));
   return header;
 }
 
@@ -105,11 +115,13 @@ std::vector<StepReport> ResultReader::history() const {
   require_rank(*file_, "/monitors/displacement_m", shape, 3);
   std::vector<StepReport> steps(shape[0]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
-  const auto points = points_of(file_->read_reals("/monitors/displacement_m"));
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    steps[i].monitor_displacement.assign(
-        points.begin() + static_cast<std::ptrdiff_t>(i * shape[1]),
-        points.begin() + static_cast<std::ptrdiff_t>((i + 1) * shape[1]));
+  const auto displacement = file_->read_reals("/monitors/displacement_m");
+  const auto temperature = reals_if_any(*file_, "/monitors/temperature_c");
+  for (std::size_t i = 0; i < steps.size() * shape[1]; ++i) {
+    StepReport& step = steps[i / shape[1]];
+    step.monitor_displacement.push_back(point_of(displacement, i, shape[2]));
+    if (!temperature.empty()) step.monitor_temperature.push_back(temperature.at(i));
+  }
   return steps;
 }
 

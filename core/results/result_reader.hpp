@@ -24,7 +24,7 @@ public:
 
   RunHeader header() const;
   RunSummary summary() const;
-  /// Every accepted step; `solver_seconds` is not stored and zero.
+  /// Every accepted step; the seconds of the processor are not stored and zero.
   std::vector<StepReport> history() const;
   std::size_t frames() const { return frames_; }
   /// @pre index < frames()

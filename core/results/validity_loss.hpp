@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <string>
+#include <vector>
 
 namespace dccast::results {
 
@@ -10,7 +10,7 @@ struct ValidityLoss {
   std::string kind;               ///< as the outcome of a run that stops there: SCHEMA.md
   std::string message;            ///< one sentence, with time, place, value, limit and its key
   double time = 0.0;              ///< [s] end of the step that lost it
-  std::array<double, 2> place{};  ///< in the undeformed slab [m]
+  std::vector<double> place;      ///< coordinates in the undeformed slab [m]
   double value = 0.0;             ///< in `unit`
   double limit = 0.0;             ///< in `unit`
   std::string unit;               ///< "m", "rad" or "1"

@@ -1,8 +1,8 @@
 #include "core/results/xdmf.hpp"
 
 #include <cstdio>
-#include <string_view>
 
+#include "core/results/derived_fields.hpp"
 #include "core/results/result_file.hpp"
 
 namespace dccast::results {
@@ -15,19 +15,10 @@ const char* topology_of(const FrameOutline& frame) {
   return frame.dimension == 2 ? "Quadrilateral" : "Tetrahedron";
 }
 
-/// A field as XDMF sees it. Tensors are matrices: with its four components in plane strain none of
-/// XDMF's tensor types fits.
-struct Field {
-  const char* type;
-  const char* center;
-  int components;
-};
-
-Field field_of(std::string_view dataset, int dimension) {
-  if (dataset == "displacement_m") return {dimension == 3 ? "Vector" : "Matrix", "Node", dimension};
-  if (dataset == "stress_pa" || dataset == "viscoplastic_strain")
-    return {"Matrix", "Cell", tensor_components(dimension)};
-  return {"Scalar", "Node", 1};
+/// Tensors are matrices: with its four components in plane strain none of XDMF's tensor types fits.
+const char* type_of(const ShownField& field) {
+  if (field.components == 1) return "Scalar";
+  return field.components == 3 ? "Vector" : "Matrix";
 }
 
 std::string exact(double value) {
@@ -65,14 +56,12 @@ std::string rows(std::int64_t count, int columns) {
   return text;
 }
 
-std::string attribute(const FrameOutline& frame, const std::string& dataset,
+std::string attribute(const FrameOutline& frame, const ShownField& field,
                       const std::string& group) {
-  const Field field = field_of(dataset, frame.dimension);
-  const bool on_nodes = std::string_view(field.center) == "Node";
-  const std::string size = rows(on_nodes ? frame.nodes : frame.elements, field.components);
-  return "        <Attribute Name=\"" + dataset + "\" AttributeType=\"" + field.type +
-         "\" Center=\"" + field.center + "\">" +
-         data_item(size, "Float", 8, group + "/" + dataset) + "</Attribute>\n";
+  const std::string size = rows(field.on_nodes ? frame.nodes : frame.elements, field.components);
+  return "        <Attribute Name=\"" + field.name + "\" AttributeType=\"" + type_of(field) +
+         "\" Center=\"" + (field.on_nodes ? "Node" : "Cell") + "\">" +
+         data_item(size, "Float", 8, group + "/" + field.dataset) + "</Attribute>\n";
 }
 
 std::string grid(const FrameOutline& frame, const std::string& group) {
@@ -86,7 +75,7 @@ std::string grid(const FrameOutline& frame, const std::string& group) {
   text += std::string("        <Geometry GeometryType=\"") + (frame.dimension == 2 ? "XY" : "XYZ") +
           "\">" + data_item(rows(frame.nodes, frame.dimension), "Float", 8, group + "/node_m") +
           "</Geometry>\n";
-  for (const std::string& dataset : frame.datasets) text += attribute(frame, dataset, group);
+  for (const ShownField& field : frame.fields) text += attribute(frame, field, group);
   return text + "      </Grid>\n";
 }
 
@@ -95,14 +84,23 @@ std::string grid(const FrameOutline& frame, const std::string& group) {
 FrameOutline outline_of(const Frame& frame) {
   FrameOutline outline{frame.time,    frame.dimension,  frame.nodes_per_element,
                        frame.nodes(), frame.elements(), {}};
-  const auto add = [&](const char* dataset, const std::vector<double>& values) {
-    if (!values.empty()) outline.datasets.emplace_back(dataset);
+  const auto add = [&](const char* name, bool on_nodes, int components,
+                       const std::vector<double>& values) {
+    if (!values.empty()) outline.fields.push_back({name, name, on_nodes, components});
   };
-  add("temperature_c", frame.temperature);
-  add("liquid_fraction", frame.liquid_fraction);
-  add("displacement_m", frame.displacement);
-  add("stress_pa", frame.stress);
-  add("viscoplastic_strain", frame.viscoplastic_strain);
+  const int tensor = tensor_components(frame.dimension);
+  add("temperature_c", true, 1, frame.temperature);
+  add("liquid_fraction", true, 1, frame.liquid_fraction);
+  if (frame.dimension == 3) add("displacement_m", true, 3, frame.displacement);
+  add("stress_pa", false, tensor, frame.stress);
+  add("viscoplastic_strain", false, tensor, frame.viscoplastic_strain);
+  for (const DerivedField& field : derived_fields(frame)) {
+    // What ParaView warps by has one name in two and in three dimensions.
+    const std::string dataset = field.name;
+    const bool padded = dataset == "displacement_xyz_m";
+    outline.fields.push_back(
+        {padded ? "displacement_m" : dataset, dataset, field.on_nodes, field.components});
+  }
   return outline;
 }
 

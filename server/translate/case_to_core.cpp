@@ -44,17 +44,30 @@ mesh::ElementKind element(v1::ElementKind from) {
   }
 }
 
+mesh::SectionKind section_kind(v1::Section::Kind from) {
+  switch (from) {
+    case v1::Section::AXISYMMETRIC:
+      return mesh::SectionKind::axisymmetric;
+    case v1::Section::QUARTER_SLAB:
+      return mesh::SectionKind::quarter_slab;
+    default:
+      return mesh::SectionKind::plane_strain;
+  }
+}
+
 mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   mesh::SectionSpec to;
-  to.kind = from.section().kind() == v1::Section::AXISYMMETRIC ? mesh::SectionKind::axisymmetric
-                                                               : mesh::SectionKind::plane_strain;
+  to.kind = section_kind(from.section().kind());
   to.half_width = from.section().half_width_m();
+  to.half_thickness = to_core(from.section().half_thickness_m());
   to.initial_depth = from.section().initial_depth_m();
   const v1::Mesh& mesh = from.mesh();
   to.element = element(mesh.element());
   if (mesh.has_columns()) to.columns = mesh.columns();
   if (mesh.has_rows()) to.rows = mesh.rows();
+  if (mesh.has_layers()) to.layers = mesh.layers();
   if (mesh.has_side_cell_m()) to.side_cell = mesh.side_cell_m();
+  if (mesh.has_wide_side_cell_m()) to.wide_side_cell = mesh.wide_side_cell_m();
   if (mesh.has_bottom_cell_m()) to.bottom_cell = mesh.bottom_cell_m();
   if (mesh.has_growth_cell_m()) to.growth_cell = mesh.growth_cell_m();
   if (mesh.has_refinement()) to.refinement = mesh.refinement();
@@ -228,11 +241,16 @@ casting::Validity validity(const v1::Validity& from) {
   return to;
 }
 
+casting::Monitor monitor(const v1::Monitor& from) {
+  casting::Monitor to{.name = from.name(), .x = from.x_m(), .y = from.y_m()};
+  if (from.has_z_m()) to.z = from.z_m();
+  return to;
+}
+
 void small_tables(const v1::Case& from, casting::Case& to) {
   if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
   if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
-  for (const v1::Monitor& monitor : from.monitor())
-    to.monitors.push_back({monitor.name(), monitor.x_m(), monitor.y_m()});
+  for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
   if (from.output().has_frame_interval_s())
     to.output.frame_interval = from.output().frame_interval_s();
   if (from.output().has_stresses()) to.output.stresses = from.output().stresses();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace dccast::translate {
 
@@ -14,6 +15,8 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
     if (i < monitors.size()) value->set_name(monitors[i].name);
     for (const double component : report.monitor_displacement[i])
       value->add_displacement_m(component);
+    if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
+      value->set_temperature_c(report.monitor_temperature[i]);
   }
 }
 
@@ -81,6 +84,12 @@ v1::StepReport to_proto(const results::StepReport& report,
   to.set_beyond_validity(report.beyond_validity);
   to.set_maximum_rotation_rad(report.maximum_rotation);
   to.set_bottom_slip_m(report.bottom_slip);
+  to.set_process_s(report.process_seconds);
+  to.set_side_heat_w_per_m(report.side_heat);
+  to.set_narrow_heat_w_per_m(report.narrow_heat);
+  to.set_bottom_heat_w_per_m(report.bottom_heat);
+  to.set_conjugate_gradient_iterations(report.conjugate_gradient_iterations);
+  to.set_contact_area_m2(report.contact_area);
   return to;
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/casting/monitors.hpp"
+#include "core/fem/point_location.hpp"
 
 namespace dccast::casting {
 
@@ -28,7 +28,7 @@ void beside_or_above(CaseFindings& found, const std::string& field, const Monito
 
 void outside_the_mesh(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({field + ".x", field + ".y", "mesh.file", "mesh.element"})) return;
-  if (locate(*found.imported, m.x, m.y)) return;
+  if (fem::locate(*found.imported, point_of<2>(m))) return;
   found.fault(field + ".y", with_unit(m.y, "m"), "lies outside the slab",
               "a point of the imported mesh", "move the monitor");
 }

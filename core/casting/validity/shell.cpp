@@ -15,7 +15,8 @@ constexpr double unreached = std::numeric_limits<double>::infinity();
 /// Elements around each node, contiguous by node.
 class ElementsOfNodes {
 public:
-  explicit ElementsOfNodes(const mesh::Mesh2D& mesh)
+  template <int Dim>
+  explicit ElementsOfNodes(const mesh::Mesh<Dim>& mesh)
       : first_(std::size_t(mesh.nodes()) + 1, 0), element_(mesh.element_node.size()) {
     for (int n : mesh.element_node) ++first_[std::size_t(n) + 1];
     for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
@@ -35,15 +36,17 @@ private:
   std::vector<int> element_;
 };
 
-std::span<const int> corners(const mesh::Mesh2D& mesh, int e) {
+template <int Dim>
+std::span<const int> corners(const mesh::Mesh<Dim>& mesh, int e) {
   return {mesh.nodes_of(e), std::size_t(mesh.nodes_per_element)};
 }
 
 /// Nodes at the top of the slab and those of the melt below them (node).
-std::vector<char> open_melt(const mesh::Mesh2D& mesh, std::span<const char> solid,
+template <int Dim>
+std::vector<char> open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
                             const ElementsOfNodes& around) {
   double level = -unreached;
-  for (int n = 0; n < mesh.nodes(); ++n) level = std::max(level, mesh.point(n)[1]);
+  for (int n = 0; n < mesh.nodes(); ++n) level = std::max(level, mesh.point(n)[Dim - 1]);
   constexpr double same_height = 1e-9;  // [m]
   std::vector<char> reached(std::size_t(mesh.nodes()), 0);
   std::vector<int> to_do;
@@ -53,7 +56,7 @@ std::vector<char> open_melt(const mesh::Mesh2D& mesh, std::span<const char> soli
     to_do.push_back(n);
   };
   for (int n = 0; n < mesh.nodes(); ++n) {
-    if (mesh.point(n)[1] >= level - same_height) reach(n);
+    if (mesh.point(n)[Dim - 1] >= level - same_height) reach(n);
   }
   while (!to_do.empty()) {
     const int n = to_do.back();
@@ -66,8 +69,11 @@ std::vector<char> open_melt(const mesh::Mesh2D& mesh, std::span<const char> soli
   return reached;
 }
 
-double distance(const mesh::Mesh2D& mesh, int a, int b) {
-  return std::hypot(mesh.point(b)[0] - mesh.point(a)[0], mesh.point(b)[1] - mesh.point(a)[1]);
+template <int Dim>
+double distance(const mesh::Mesh<Dim>& mesh, int a, int b) {
+  const double *from = mesh.point(a), *to = mesh.point(b);
+  if constexpr (Dim == 2) return std::hypot(to[0] - from[0], to[1] - from[1]);
+  else return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
 }
 
 /// A node that a cut has come to.
@@ -81,7 +87,8 @@ struct Tip {
 }  // namespace
 
 /// Dijkstra's shortest path.
-std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const char> solid) {
+template <int Dim>
+std::optional<Extreme> thinnest_shell(const mesh::Mesh<Dim>& mesh, std::span<const char> solid) {
   const ElementsOfNodes around(mesh);
   const std::vector<char> melt = open_melt(mesh, solid, around);
   std::vector<double> shortest(std::size_t(mesh.nodes()), unreached);
@@ -97,7 +104,7 @@ std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const 
     tips.pop();
     if (melt[std::size_t(tip.node)] != 0) {
       const double* at = mesh.point(tip.begin);
-      return Extreme{tip.length, {at[0], at[1]}};
+      return Extreme{tip.length, {at, at + Dim}};
     }
     if (tip.length > shortest[std::size_t(tip.node)]) continue;
     for (int e : around.of(tip.node)) {
@@ -110,7 +117,8 @@ std::optional<Extreme> thinnest_shell(const mesh::Mesh2D& mesh, std::span<const 
   return std::nullopt;
 }
 
-bool melt_touches_bottom(const mesh::Mesh2D& mesh, std::span<const char> solid) {
+template <int Dim>
+bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> solid) {
   std::vector<char> at_bottom(std::size_t(mesh.nodes()), 0);
   for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) at_bottom[std::size_t(n)] = 1;
   for (int e = 0; e < mesh.elements(); ++e) {
@@ -121,5 +129,10 @@ bool melt_touches_bottom(const mesh::Mesh2D& mesh, std::span<const char> solid) 
   }
   return false;
 }
+
+template std::optional<Extreme> thinnest_shell(const mesh::Mesh<2>&, std::span<const char>);
+template std::optional<Extreme> thinnest_shell(const mesh::Mesh<3>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<2>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<3>&, std::span<const char>);
 
 }  // namespace dccast::casting

@@ -24,13 +24,33 @@ std::string sentence(const char* format, Values... values) {
   return text;
 }
 
+/// "(0.1, 0.02) m"
+std::string in_words(const std::vector<double>& place) {
+  std::string text;
+  for (const double coordinate : place)
+    text += sentence(text.empty() ? "(%.4g" : ", %.4g", coordinate);
+  return text + ") m";
+}
+
+/// "0.1 m from the symmetry plane"; of a quarter slab from both.
+std::string along_bottom(const std::vector<double>& place) {
+  if (place.size() == 2) return sentence("%.4g m from the symmetry plane", place[0]);
+  return sentence("%.4g m and %.4g m from the symmetry planes", place[0], place[1]);
+}
+
+template <int Dim>
+constexpr const char* what_melting_through_means =
+    Dim == 2 ? "no solid path joins the plane and the cooled faces any more"
+             : "melt that is connected to the top stands on the block there";
+
 }  // namespace
 
-ValidityJudge::ValidityJudge(const Case& c)
+template <int Dim>
+ValidityJudge<Dim>::ValidityJudge(const Case& c)
     : limits_(c.validity),
       properties_(c.alloy),
       // A billet is held by its hoop stress, whatever happens to the shell below its axis.
-      judges_shell_(c.section.kind == mesh::SectionKind::plane_strain &&
+      judges_shell_(c.section.kind != mesh::SectionKind::axisymmetric &&
                     c.mechanics.options.liquid != mechanics::Liquid::solid),
       // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
       // use it; choosing it is the user's decision.
@@ -38,7 +58,8 @@ ValidityJudge::ValidityJudge(const Case& c)
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}
 
-SolidMotion ValidityJudge::judge(const JudgedStep& step, ValidityState& state) const {
+template <int Dim>
+SolidMotion ValidityJudge<Dim>::judge(const JudgedStep<Dim>& step, ValidityState& state) const {
   const Extreme turned = largest_rotation(step.mesh, step.slab.solid, step.slab.displacement,
                                           step.growing, state.when_liquid);
   const Extreme slid = largest_slip(step.mesh, step.slab.solid, step.slab.displacement,
@@ -50,7 +71,8 @@ SolidMotion ValidityJudge::judge(const JudgedStep& step, ValidityState& state) c
   return {turned.value, slid.value};
 }
 
-std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
+template <int Dim>
+std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& step,
                                                  ValidityState& state) const {
   if (!judges_shell_) return std::nullopt;
   const double limit = limits_.minimum_shell;
@@ -64,15 +86,12 @@ std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
   state.shell_stood |= stands;
   if (stands || !state.shell_stood) return std::nullopt;
   std::string message = sentence("at t = %.6g s the shell over the bottom block ", step.time);
+  const std::string where = along_bottom(shell->place);
   message += shell->value <= 0.0
-                 ? sentence(
-                       "has melted through %.4g m from the symmetry plane: no solid path joins "
-                       "the plane and the cooled faces any more",
-                       shell->place[0])
-                 : sentence(
-                       "is %.3g mm thick %.4g m from the symmetry plane, less than "
-                       "validity.minimum_shell = %.3g mm",
-                       millimetres * shell->value, shell->place[0], millimetres * limit);
+                 ? "has melted through " + where + ": " + what_melting_through_means<Dim>
+                 : sentence("is %.3g mm thick ", millimetres * shell->value) + where +
+                       sentence(", less than validity.minimum_shell = %.3g mm",
+                                millimetres * limit);
   return ValidityLoss{name_of(FailureKind::shell_melted_through),
                       message + "; " + no_answer,
                       step.time,
@@ -82,15 +101,16 @@ std::optional<ValidityLoss> ValidityJudge::shell(const JudgedStep& step,
                       "m"};
 }
 
-std::optional<ValidityLoss> ValidityJudge::rotation(const JudgedStep& step,
+template <int Dim>
+std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& step,
                                                     const Extreme& found) const {
   if (found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
       sentence(
-          "at t = %.6g s the solid at (%.4g, %.4g) m has turned by %.3g degrees; small strains "
+          "at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "
           "hold to validity.maximum_rotation = %.3g degrees; %s",
-          step.time, found.place[0], found.place[1], degrees * found.value,
+          step.time, in_words(found.place).c_str(), degrees * found.value,
           degrees * limits_.maximum_rotation, no_answer),
       step.time,
       found.place,
@@ -99,16 +119,17 @@ std::optional<ValidityLoss> ValidityJudge::rotation(const JudgedStep& step,
       "rad"};
 }
 
-std::optional<ValidityLoss> ValidityJudge::slip(const JudgedStep& step,
+template <int Dim>
+std::optional<ValidityLoss> ValidityJudge<Dim>::slip(const JudgedStep<Dim>& step,
                                                 const Extreme& found) const {
   if (found.value <= limits_.maximum_slip) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
       sentence(
-          "at t = %.6g s the butt %.4g m from the symmetry plane has slid %.3g mm over the bottom "
+          "at t = %.6g s the butt %s has slid %.3g mm over the bottom "
           "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
-          step.time, found.place[0], millimetres * found.value, millimetres * limits_.maximum_slip,
-          no_answer),
+          step.time, along_bottom(found.place).c_str(), millimetres * found.value,
+          millimetres * limits_.maximum_slip, no_answer),
       step.time,
       found.place,
       found.value,
@@ -116,7 +137,8 @@ std::optional<ValidityLoss> ValidityJudge::slip(const JudgedStep& step,
       "m"};
 }
 
-std::optional<ValidityLoss> ValidityJudge::liquid_pressure(const JudgedStep& step) const {
+template <int Dim>
+std::optional<ValidityLoss> ValidityJudge<Dim>::liquid_pressure(const JudgedStep<Dim>& step) const {
   const Extreme& found = step.liquid_pressure_error;
   if (!judges_pressure_ || found.value <= limits_.maximum_liquid_pressure_error) {
     return std::nullopt;
@@ -124,9 +146,9 @@ std::optional<ValidityLoss> ValidityJudge::liquid_pressure(const JudgedStep& ste
   return ValidityLoss{
       name_of(FailureKind::liquid_pressure_lost),
       sentence("at t = %.6g s the pressure of the liquid on its front is off by %.3g %% of the "
-               "hydrostatic one, most at (%.4g, %.4g) m, more than "
+               "hydrostatic one, most at %s, more than "
                "validity.maximum_liquid_pressure_error = %.3g %%; %s",
-               step.time, percent * found.value, found.place[0], found.place[1],
+               step.time, percent * found.value, in_words(found.place).c_str(),
                percent * limits_.maximum_liquid_pressure_error, no_answer),
       step.time,
       found.place,
@@ -134,5 +156,8 @@ std::optional<ValidityLoss> ValidityJudge::liquid_pressure(const JudgedStep& ste
       limits_.maximum_liquid_pressure_error,
       "1"};
 }
+
+template class ValidityJudge<2>;
+template class ValidityJudge<3>;
 
 }  // namespace dccast::casting

@@ -13,10 +13,11 @@
 namespace dccast::casting {
 
 /// An accepted mechanical step.
+template <int Dim>
 struct JudgedStep {
   double time = 0.0;  ///< [s]
-  const mesh::Mesh2D& mesh;
-  const mechanics::SlabState<2>& slab;
+  const mesh::Mesh<Dim>& mesh;
+  const mechanics::SlabState<Dim>& slab;
   std::span<const double> temperature;  ///< (node) [°C]
   int growing = 0;                      ///< first element of the row that still stretches
   Extreme liquid_pressure_error;        ///< relative, and the place of the worst cell
@@ -31,18 +32,19 @@ struct SolidMotion {
 /// Judges each step by the limits of the case, one function per finding, whose
 /// computation is a file of its own. Of several findings in one
 /// step the one nearest to the cause comes first: shell, motion, pressure.
+template <int Dim>
 class ValidityJudge {
 public:
   explicit ValidityJudge(const Case& casting_case);
 
   /// Brings the state up to date; a first loss is put into it.
-  SolidMotion judge(const JudgedStep& step, ValidityState& state) const;
+  SolidMotion judge(const JudgedStep<Dim>& step, ValidityState& state) const;
 
 private:
-  std::optional<ValidityLoss> shell(const JudgedStep& step, ValidityState& state) const;
-  std::optional<ValidityLoss> rotation(const JudgedStep& step, const Extreme& found) const;
-  std::optional<ValidityLoss> slip(const JudgedStep& step, const Extreme& found) const;
-  std::optional<ValidityLoss> liquid_pressure(const JudgedStep& step) const;
+  std::optional<ValidityLoss> shell(const JudgedStep<Dim>& step, ValidityState& state) const;
+  std::optional<ValidityLoss> rotation(const JudgedStep<Dim>& step, const Extreme& found) const;
+  std::optional<ValidityLoss> slip(const JudgedStep<Dim>& step, const Extreme& found) const;
+  std::optional<ValidityLoss> liquid_pressure(const JudgedStep<Dim>& step) const;
 
   Validity limits_;
   material::MechanicalProperties properties_;
@@ -50,5 +52,8 @@ private:
   bool judges_pressure_;
   double solid_below_;  ///< [°C]
 };
+
+extern template class ValidityJudge<2>;
+extern template class ValidityJudge<3>;
 
 }  // namespace dccast::casting

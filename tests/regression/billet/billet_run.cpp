@@ -10,7 +10,7 @@ namespace dccast::regression {
 
 namespace {
 
-using Run = casting::SlabRun;
+using Run = casting::SlabRun<2>;
 
 constexpr double still_over = 100.0;    // [s]
 constexpr double averaged_over = 50.0;  // [s], many times what a row of cells takes to grow

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <fstream>
@@ -87,9 +88,13 @@ inline bool equal_except_timing(results::StepReport a, results::StepReport b) {
       for (const double value : point) all.push_back(std::bit_cast<std::uint64_t>(value));
     return all;
   };
-  const bool same_monitors = bits(a.monitor_displacement) == bits(b.monitor_displacement);
+  const bool same_monitors =
+      bits(a.monitor_displacement) == bits(b.monitor_displacement) &&
+      bits(std::array{a.monitor_temperature}) == bits(std::array{b.monitor_temperature});
   a.monitor_displacement = b.monitor_displacement = {};
+  a.monitor_temperature = b.monitor_temperature = {};
   a.solver_seconds = b.solver_seconds;
+  a.process_seconds = b.process_seconds;
   return same_monitors && a == b;
 }
 

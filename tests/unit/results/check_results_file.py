@@ -72,21 +72,25 @@ def check_root(findings, file):
 
 def check_history(findings, file, fields):
     steps = file["history/step"].shape[0]
+    in_plane = file.attrs["section"] != "quarter_slab"
     findings.require(set(file["history"]) == set(fields),
                      f"/history differs from the schema: {set(file['history']) ^ set(fields)}")
     for name, (kind, unit) in fields.items():
         if name in file["history"]:
             dataset = file["history"][name]
             findings.require(dataset.shape == (steps,), f"{dataset.name}: shape {dataset.shape}")
-            check_array(findings, dataset, kind, unit)
+            check_array(findings, dataset, kind, unit if in_plane else unit.removesuffix("/m"))
     findings.require((file["history/step"][()] == np.arange(1, steps + 1)).all(),
                      "/history/step has holes")
     findings.require((np.diff(file["history/time_s"][()]) > 0).all(), "/history/time_s goes back")
     monitors = file["monitors/name"].shape[0]
-    for name, shape in (("position_m", (monitors, 2)), ("displacement_m", (steps, monitors, 2))):
+    coordinates = 3 if file.attrs["section"] == "quarter_slab" else 2
+    for name, shape, unit in (("position_m", (monitors, coordinates), "m"),
+                              ("displacement_m", (steps, monitors, coordinates), "m"),
+                              ("temperature_c", (steps, monitors), "degC")):
         dataset = file["monitors"][name]
         findings.require(dataset.shape == shape, f"{dataset.name}: shape {dataset.shape}")
-        check_array(findings, dataset, "f8", "m")
+        check_array(findings, dataset, "f8", unit)
 
 
 def frame_shapes(group):
@@ -98,7 +102,9 @@ def frame_shapes(group):
             "temperature_c": (nodes,), "liquid_fraction": (nodes,),
             "displacement_m": (nodes, dimension), "stress_pa": tensors,
             "viscoplastic_strain": tensors, "bottom_node": (bottom,), "bottom_gap_m": (bottom,),
-            "bottom_pressure_pa": (bottom,)}
+            "bottom_pressure_pa": (bottom,), "displacement_xyz_m": (nodes, 3),
+            "solid_fraction": (nodes,), "von_mises_pa": (elements,),
+            "contact_pressure_pa": (nodes,)}
 
 
 def check_frame(findings, group, fields):

@@ -52,12 +52,17 @@ inline StepReport sample_step(std::int64_t step) {
   report.heat_iterations = static_cast<int>(step % 5);
   report.contact_changes = static_cast<int>(step % 3);
   report.monitor_displacement = {{std::sin(s), std::cos(s)}, {std::exp(-s), std::sqrt(s)}};
+  report.monitor_temperature = {600.0 + std::sin(s), 500.0 + std::cos(s)};
+  report.side_heat = 5e5 + s / 7.0;
+  report.bottom_heat = 2e5;
+  report.conjugate_gradient_iterations = static_cast<int>(step % 11);
   report.equilibrium_residual = 1e-7 / (1.0 + s);
   report.wall_heat_flux = 7e5 + s / 7.0;
   report.maximum_rotation = 0.01 * std::sqrt(s);
   report.bottom_slip = 1e-4 / (1.0 + s);
   report.beyond_validity = step > 290;
   report.solver_seconds = 0.25;
+  report.process_seconds = 0.5;
   report.nodes = 6 + 2 * step;
   report.elements = 4;
   return report;

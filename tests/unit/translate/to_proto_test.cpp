@@ -2,6 +2,8 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/frame_to_proto.hpp"
 #include "server/translate/step_to_proto.hpp"
@@ -14,6 +16,7 @@ TEST(StepToProto, NamesTheMonitors) {
   report.step = 3;
   report.cast_length = 0.5;
   report.monitor_displacement = {{1.0, 2.0}, {3.0, 4.0}};
+  report.monitor_temperature = {600.0, std::nan("")};  // the second one is not poured yet
   report.liquid_pressure_error = 7.0;
   const auto to = to_proto(report, {{"centre", 0, 0}, {"corner", 1, 0}});
   EXPECT_EQ(to.step(), 3);
@@ -21,6 +24,8 @@ TEST(StepToProto, NamesTheMonitors) {
   ASSERT_EQ(to.monitors_size(), 2);
   EXPECT_EQ(to.monitors(1).name(), "corner");
   EXPECT_EQ(to.monitors(1).displacement_m(1), 4.0);
+  EXPECT_EQ(to.monitors(0).temperature_c(), 600.0);
+  EXPECT_FALSE(to.monitors(1).has_temperature_c());
   EXPECT_EQ(to.liquid_pressure_error(), 7.0);
 }
 

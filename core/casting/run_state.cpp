@@ -1,30 +1,32 @@
-#include <stdexcept>
-
 #include "core/casting/run_state.hpp"
-#include "core/results/checkpoint_file.hpp"
-#include "core/results/result_writer.hpp"
+
+#include <stdexcept>
+#include <string>
 
 namespace dccast::casting {
 
 namespace {
 
 using results::Sections;
-using Tensors = std::vector<SymmetricTensor<2>>;
+template <int Dim>
+using Tensors = std::vector<SymmetricTensor<Dim>>;
 
-Sections::Reals flat(const Tensors& tensors) {
+template <int Dim>
+Sections::Reals flat(const Tensors<Dim>& tensors) {
   Sections::Reals values;
-  values.reserve(tensors.size() * SymmetricTensor<2>::components);
+  values.reserve(tensors.size() * SymmetricTensor<Dim>::components);
   for (const auto& t : tensors) values.insert(values.end(), t.value.begin(), t.value.end());
   return values;
 }
 
 /// @throws std::out_of_range  the values are not whole tensors
-Tensors tensors(const Sections& s, const std::string& name) {
-  constexpr std::size_t components = SymmetricTensor<2>::components;
+template <int Dim>
+Tensors<Dim> tensors(const Sections& s, const std::string& name) {
+  constexpr std::size_t components = SymmetricTensor<Dim>::components;
   const Sections::Reals& values = s.reals(name);
   if (values.size() % components != 0)
     throw std::out_of_range("'" + name + "' is no whole tensors");
-  Tensors result(values.size() / components);
+  Tensors<Dim> result(values.size() / components);
   for (std::size_t i = 0; i < values.size(); ++i)
     result[i / components][i % components] = values[i];
   return result;
@@ -42,28 +44,30 @@ std::vector<char> flags(const Sections& s, const std::string& name) {
   return {values.begin(), values.end()};
 }
 
-void write_slab(const mechanics::SlabState<2>& slab, Sections& s) {
+template <int Dim>
+void write_slab(const mechanics::SlabState<Dim>& slab, Sections& s) {
   s.set_integer("slab/started", slab.started ? 1 : 0);
   s.set("slab/displacement_m", slab.displacement);
   s.set("slab/released", flags(slab.released));
   s.set("slab/solid", flags(slab.solid));
-  s.set("slab/inelastic_strain", flat(slab.inelastic));
-  s.set("slab/viscoplastic_strain", flat(slab.viscoplastic));
-  s.set("slab/stress_deviator_pa", flat(slab.deviator));
+  s.set("slab/inelastic_strain", flat<Dim>(slab.inelastic));
+  s.set("slab/viscoplastic_strain", flat<Dim>(slab.viscoplastic));
+  s.set("slab/stress_deviator_pa", flat<Dim>(slab.deviator));
   s.set("slab/pressure_pa", slab.pressure);
   s.set("slab/contact", flags(slab.contact));
   s.set("slab/contact_multiplier_pa", slab.contact_multiplier);
   s.set("slab/reaction_n_per_m", slab.reaction);
 }
 
-void read_slab(const Sections& s, mechanics::SlabState<2>& slab) {
+template <int Dim>
+void read_slab(const Sections& s, mechanics::SlabState<Dim>& slab) {
   slab.started = s.integer("slab/started") != 0;
   slab.displacement = s.reals("slab/displacement_m");
   slab.released = flags(s, "slab/released");
   slab.solid = flags(s, "slab/solid");
-  slab.inelastic = tensors(s, "slab/inelastic_strain");
-  slab.viscoplastic = tensors(s, "slab/viscoplastic_strain");
-  slab.deviator = tensors(s, "slab/stress_deviator_pa");
+  slab.inelastic = tensors<Dim>(s, "slab/inelastic_strain");
+  slab.viscoplastic = tensors<Dim>(s, "slab/viscoplastic_strain");
+  slab.deviator = tensors<Dim>(s, "slab/stress_deviator_pa");
   slab.pressure = s.reals("slab/pressure_pa");
   slab.contact = flags(s, "slab/contact");
   slab.contact_multiplier = s.reals("slab/contact_multiplier_pa");
@@ -100,41 +104,18 @@ RunFailures read_failures(const Sections& s) {
   return failures;
 }
 
-/// @throws std::out_of_range  a section is missing or not what it should be
-RunState state_of(const Sections& s) {
-  RunState state;
-  state.step = s.integer("step");
-  state.time = s.real("time_s");
-  state.cast_length = s.real("cast_length_m");
-  state.next_frame = s.real("next_frame_s");
-  state.step_limit = s.real("step_limit_s");
-  state.solver_seconds = s.real("solver_s");
-  state.row_heights = s.reals("row_heights_m");
-  state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
-  state.heat.temperature = s.reals("heat/temperature_c");
-  state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
-  read_slab(s, state.slab);
-  state.validity = read_validity(s);
-  state.failures = read_failures(s);
-  return state;
-}
-
-RestoredState of_other_version(const std::string& whose) {
-  return {std::nullopt, "it is of another version: " + whose, true};
-}
-
 }  // namespace
 
-Sections to_sections(const RunState& state, const CheckpointOrigin& origin) {
+template <int Dim>
+Sections to_sections(const RunState<Dim>& state) {
   Sections s;
-  s.set("solver", origin.solver);
-  s.set("case", origin.case_json);
   s.set_integer("step", state.step);
   s.set_real("time_s", state.time);
   s.set_real("cast_length_m", state.cast_length);
   s.set_real("next_frame_s", state.next_frame);
   s.set_real("step_limit_s", state.step_limit);
   s.set_real("solver_s", state.solver_seconds);
+  s.set_real("process_s", state.process_seconds);
   s.set("row_heights_m", state.row_heights);
   s.set("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   s.set("heat/temperature_c", state.heat.temperature);
@@ -145,30 +126,29 @@ Sections to_sections(const RunState& state, const CheckpointOrigin& origin) {
   return s;
 }
 
-RestoredState from_sections(const Sections& s, const CheckpointOrigin& origin) {
-  try {
-    if (!s.has("solver")) return of_other_version("one that did not name itself");
-    if (s.text("solver") != origin.solver)
-      return of_other_version(s.text("solver") + "; this is " + origin.solver);
-    if (s.text("case") != origin.case_json) return {std::nullopt, "it is of another case"};
-    return {state_of(s), ""};
-  } catch (const std::out_of_range& error) {
-    return {std::nullopt, std::string("it is incomplete: ") + error.what()};
-  }
+template <int Dim>
+RunState<Dim> state_of(const Sections& s) {
+  RunState<Dim> state;
+  state.step = s.integer("step");
+  state.time = s.real("time_s");
+  state.cast_length = s.real("cast_length_m");
+  state.next_frame = s.real("next_frame_s");
+  state.step_limit = s.real("step_limit_s");
+  state.solver_seconds = s.real("solver_s");
+  state.process_seconds = s.real("process_s");
+  state.row_heights = s.reals("row_heights_m");
+  state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
+  state.heat.temperature = s.reals("heat/temperature_c");
+  state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
+  read_slab(s, state.slab);
+  state.validity = read_validity(s);
+  state.failures = read_failures(s);
+  return state;
 }
 
-RestoredState read_state(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin) {
-  const results::CheckpointRead read = results::read_checkpoint(checkpoint);
-  if (read.other_format) return of_other_version(read.reason);
-  if (!read.content) return {std::nullopt, read.reason};
-  RestoredState restored = from_sections(*read.content, origin);
-  if (!restored.state) return restored;
-  try {
-    restored.journal_records = read.content->integer(results::journal_records);
-    return restored;
-  } catch (const std::out_of_range&) {
-    return {std::nullopt, "it does not say how far the journal went"};
-  }
-}
+template Sections to_sections(const RunState<2>&);
+template Sections to_sections(const RunState<3>&);
+template RunState<2> state_of<2>(const Sections&);
+template RunState<3> state_of<3>(const Sections&);
 
 }  // namespace dccast::casting

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+
+namespace dccast::casting {
+
+using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< by row
+
+double determinant(const Matrix3& m);
+/// @pre determinant(m) != 0
+Matrix3 inverse(const Matrix3& m);
+Matrix3 product(const Matrix3& a, const Matrix3& b);
+
+/// The rotation R of the polar decomposition F = R U, by Newton's iteration R <- (R + R^-T) / 2
+/// (Higham 1986); no rotation where F turns a volume inside out.
+Matrix3 polar_rotation(const Matrix3& gradient);
+
+/// The unit quaternion of a rotation, its real part first (Shepperd 1978).
+std::array<double, 4> quaternion_of(const Matrix3& rotation);
+
+}  // namespace dccast::casting
