@@ -11,9 +11,9 @@
 
 #include "core/base/curve.hpp"
 #include "core/material/alloy_card.hpp"
+#include "core/mechanics/options.hpp"
 #include "core/mesh/section_spec.hpp"
 #include "core/thermal/cooling_spec.hpp"
-#include "core/mechanics/options.hpp"
 
 /// The description of one casting, complete and in SI units and °C. It mirrors
 /// proto/dccast/v1/case.proto field by field; meanings, ranges and defaults are documented there.
@@ -21,10 +21,10 @@
 namespace dccast::casting {
 
 struct Schedule {
-  double hold = 0.0;              ///< [s]
-  Curve casting_speed;            ///< [m/s] against time or cast length
-  Curve casting_temperature;      ///< [°C] against time or cast length
-  Curve water_flow;               ///< [m2/s] against time or cast length
+  double hold = 0.0;          ///< [s]
+  Curve casting_speed;        ///< [m/s] against time or cast length
+  Curve casting_temperature;  ///< [°C] against time or cast length
+  Curve water_flow;           ///< [m2/s] against time or cast length
 };
 
 struct ThermalOptions {
@@ -36,7 +36,7 @@ struct ThermalOptions {
 
 struct MechanicsCase {
   bool enabled = true;
-  double start = 0.0;   ///< [s]
+  double start = 0.0;  ///< [s]
   mechanics::Options options;
 };
 
@@ -63,8 +63,10 @@ struct Monitor {
 /// Its coordinates [m].
 template <int Dim>
 std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
-  if constexpr (Dim == 2) return {monitor.x, monitor.y};
-  else return {monitor.x, monitor.y, monitor.z.value_or(0.0)};
+  if constexpr (Dim == 2)
+    return {monitor.x, monitor.y};
+  else
+    return {monitor.x, monitor.y, monitor.z.value_or(0.0)};
 }
 
 struct OutputOptions {

@@ -30,8 +30,8 @@ void add_stresses(const mechanics::SlabState<Dim>& slab, std::size_t elements,
     SymmetricTensor<Dim> stress = slab.deviator[i];
     return stress.add_identity(slab.pressure[i]);
   });
-  frame.viscoplastic_strain = element_means<Dim>(
-      elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
+  frame.viscoplastic_strain =
+      element_means<Dim>(elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
 }
 
 template <int Dim>

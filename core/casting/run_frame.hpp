@@ -14,10 +14,10 @@ template <int Dim>
 struct FrameSource {
   const mesh::Mesh<Dim>& mesh;
   const RunState<Dim>& state;
-  double metal_level = 0.0;                  ///< [m]
-  std::span<const int> bottom_node;          ///< in the order of what follows
-  std::span<const double> bottom_gap;        ///< [m] open positive
-  std::span<const double> bottom_area;       ///< [m2], in 2D [m]
+  double metal_level = 0.0;             ///< [m]
+  std::span<const int> bottom_node;     ///< in the order of what follows
+  std::span<const double> bottom_gap;   ///< [m] open positive
+  std::span<const double> bottom_area;  ///< [m2], in 2D [m]
   bool with_stresses = false;
 };
 

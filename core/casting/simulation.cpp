@@ -51,11 +51,12 @@ results::RunHeader header_of(const Case& c) {
 std::string failed_check(const results::StepReport& r) {
   char text[200] = "";
   if (!(std::abs(r.energy_balance_error) <= energy_bound)) {
-    std::snprintf(text, sizeof text, "energy balance off by %.2e at t = %g s", r.energy_balance_error,
-                  r.time);
+    std::snprintf(text, sizeof text, "energy balance off by %.2e at t = %g s",
+                  r.energy_balance_error, r.time);
   } else if (r.weight > 0.0 &&
              !(std::abs(r.bottom_reaction - r.weight) <= support_bound * r.weight)) {
-    std::snprintf(text, sizeof text, "bottom reaction %.6g N/m against a weight of %.6g N/m at t = %g s",
+    std::snprintf(text, sizeof text,
+                  "bottom reaction %.6g N/m against a weight of %.6g N/m at t = %g s",
                   r.bottom_reaction, r.weight, r.time);
   } else if (!(r.complementarity_error <= contact_bound)) {
     std::snprintf(text, sizeof text, "contact conditions violated by %.2e at t = %g s",
@@ -207,9 +208,7 @@ private:
   }
 
   /// Whether a failure of a step has ended the run before its time.
-  bool over() const {
-    return std::ranges::any_of(run_->failures(), ends_run, &RunFailure::kind);
-  }
+  bool over() const { return std::ranges::any_of(run_->failures(), ends_run, &RunFailure::kind); }
 
   void write_checkpoint() {
     results::Sections content = run_->state_sections();

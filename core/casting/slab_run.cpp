@@ -132,12 +132,13 @@ results::StepReport SlabRun<Dim>::advance() {
     control_.restore(limit);
     if (smaller) continue;
     char text[256];
-    std::snprintf(text, sizeof text,
-                  "the %s step at t = %.6g s did not converge, and the time step cannot be cut below "
-                  "%.3g s (time.minimum_step)",
-                  tried.why.c_str(), state_.time, case_.time.minimum_step);
-    const auto& history = tried.why == "heat" ? tried.heat.residual_history
-                                              : tried.mechanics.residual_history;
+    std::snprintf(
+        text, sizeof text,
+        "the %s step at t = %.6g s did not converge, and the time step cannot be cut below "
+        "%.3g s (time.minimum_step)",
+        tried.why.c_str(), state_.time, case_.time.minimum_step);
+    const auto& history =
+        tried.why == "heat" ? tried.heat.residual_history : tried.mechanics.residual_history;
     throw SolveFailed(text, state_.time, dt, history);
   }
 }
@@ -169,7 +170,8 @@ Attempt SlabRun<Dim>::attempt(double dt) {
 }
 
 template <int Dim>
-bool SlabRun<Dim>::grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry) {
+bool SlabRun<Dim>::grow(double length, double temperature,
+                        std::optional<thermal::MetalEntry>& entry) {
   const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
   mesh::SlabMesh<Dim>& slab = mesh_.slab();
@@ -192,7 +194,7 @@ std::vector<double> SlabRun<Dim>::bottom_gap() const {
 
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
-                        const std::optional<thermal::MetalEntry>& entry) {
+                             const std::optional<thermal::MetalEntry>& entry) {
   std::vector<double> gap;
   if (case_.coupling.gap_feedback && state_.slab.started) gap = bottom_gap();
   thermal::HeatStepInput input;
@@ -262,8 +264,8 @@ void SlabRun<Dim>::report_heat(const Attempt& accepted, results::StepReport& r) 
   r.bottom_heat = accepted.heat.bottom_heat_flux / face_length_;
   const double level = metal_level();
   r.sump_depth = sump_depth<Dim>(mesh(), state_.heat.temperature, level, case_.alloy.coherency);
-  r.mould_exit_temperature = side_temperature<Dim>(mesh(), state_.heat.temperature,
-                                                   level - case_.cooling.water.from);
+  r.mould_exit_temperature =
+      side_temperature<Dim>(mesh(), state_.heat.temperature, level - case_.cooling.water.from);
 }
 
 /// A monitor above the metal level is not poured yet: it has neither displacement nor temperature.

@@ -22,7 +22,7 @@ namespace dccast::casting {
 /// Outcome of one attempt at one step.
 struct Attempt {
   bool converged = false;
-  std::string why;  ///< heat or mechanics, when it did not converge
+  std::string why;         ///< heat or mechanics, when it did not converge
   double time_step = 0.0;  ///< [s]
   thermal::HeatStepOutcome heat;
   mechanics::StepOutcome mechanics;
@@ -43,9 +43,7 @@ public:
   results::Frame take_frame() override;
   void fail(RunFailure failure) override { add_failure(state_.failures, std::move(failure)); }
   const RunFailures& failures() const override { return state_.failures; }
-  const std::optional<ValidityLoss>& validity_lost() const override {
-    return state_.validity.lost;
-  }
+  const std::optional<ValidityLoss>& validity_lost() const override { return state_.validity.lost; }
   results::Sections state_sections() const override { return to_sections(state_); }
   std::string restore(const results::Sections& state) override;
 
@@ -74,7 +72,7 @@ private:
   CastingSchedule schedule_;
   StepControl control_;
   RunMesh<Dim> mesh_;
-  HeatSource<Dim> heat_;
+  HeatSource heat_;
   mechanics::SlabMechanics<Dim> mechanics_;
   double initial_level_;  ///< [m]
   /// That heat and forces of a step stand for: 1 m, of a billet [m/rad], of a quarter slab itself.

@@ -128,8 +128,8 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   fit_heat(state.heat, shape, reasons);
   fit_slab(state.slab, shape, reasons);
   if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
-    reasons.require_reals(state.validity.when_liquid,
-                          shape.elements * std::tuple_size_v<Turn<Dim>>, "rotation when liquid");
+    reasons.require_reals(state.validity.when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
+                          "rotation when liquid");
   return reasons.first();
 }
 

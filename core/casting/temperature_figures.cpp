@@ -46,8 +46,8 @@ double largest_crossing(const mesh::Mesh<Dim>& mesh, std::span<const double> tem
     const double low = height_of(mesh, a), high = height_of(mesh, b);
     if (low >= height || high < height) return;
     const double share = (height - low) / (high - low);
-    largest = std::max(largest, (1.0 - share) * temperature[std::size_t(a)] +
-                                    share * temperature[std::size_t(b)]);
+    largest = std::max(
+        largest, (1.0 - share) * temperature[std::size_t(a)] + share * temperature[std::size_t(b)]);
   };
   mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto&) {
     const std::size_t corners = std::size_t(facet.nodes);

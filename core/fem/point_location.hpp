@@ -20,7 +20,8 @@ struct Place {
 /// @param point  [m] in the undeformed slab
 /// @return       the first element that has the point, its boundary included; nothing outside
 template <int Dim>
-std::optional<Place> locate(const mesh::Mesh<Dim>& mesh, const std::array<double, std::size_t(Dim)>& point);
+std::optional<Place> locate(const mesh::Mesh<Dim>& mesh,
+                            const std::array<double, std::size_t(Dim)>& point);
 
 /// A nodal field interpolated at a place, in the unit of the field.
 /// @param values      (node, components)
@@ -36,9 +37,7 @@ double interpolate(const mesh::Mesh<Dim>& mesh, const Place& place, std::span<co
   return sum;
 }
 
-extern template std::optional<Place> locate<2>(const mesh::Mesh<2>&,
-                                               const std::array<double, 2>&);
-extern template std::optional<Place> locate<3>(const mesh::Mesh<3>&,
-                                               const std::array<double, 3>&);
+extern template std::optional<Place> locate<2>(const mesh::Mesh<2>&, const std::array<double, 2>&);
+extern template std::optional<Place> locate<3>(const mesh::Mesh<3>&, const std::array<double, 3>&);
 
 }  // namespace dccast::fem

@@ -50,8 +50,8 @@ constexpr int tensor_components(int dimension) {
 
 /// A field that a sidecar shows.
 struct ShownField {
-  std::string name;     ///< under which ParaView lists it
-  std::string dataset;  ///< in the frame's group
+  std::string name;      ///< under which ParaView lists it
+  std::string dataset;   ///< in the frame's group
   bool on_nodes = true;  ///< else on elements
   int components = 1;
 };
@@ -76,7 +76,7 @@ struct RunHeader {
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
   std::vector<std::string> monitor_name;
-  int dimension = 2;      ///< coordinates of a point, the last one up
+  int dimension = 2;                                  ///< coordinates of a point, the last one up
   std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]
   bool operator==(const RunHeader&) const = default;
 };

@@ -31,16 +31,16 @@ const std::array fields{
                  &R::energy_balance_error},
     HistoryField{"liquid_pressure_error", "1",
                  "relative error of the pressure on the liquidus front", &R::liquid_pressure_error},
-    HistoryField{"maximum_rotation_rad", "rad", "largest turn of a solid element since it solidified",
-                 &R::maximum_rotation},
-    HistoryField{"bottom_slip_m", "m", "slide of the butt over the block beyond thermal contraction",
-                 &R::bottom_slip},
+    HistoryField{"maximum_rotation_rad", "rad",
+                 "largest turn of a solid element since it solidified", &R::maximum_rotation},
+    HistoryField{"bottom_slip_m", "m",
+                 "slide of the butt over the block beyond thermal contraction", &R::bottom_slip},
     HistoryField{"beyond_validity", "1", "1 from the step on that left the model's limits",
                  &R::beyond_validity},
-    HistoryField{"wall_heat_flux_w_per_m", "W/m", "heat out of side and bottom",
-                 &R::wall_heat_flux, "W"},
-    HistoryField{"side_heat_w_per_m", "W/m", "heat out of the side, of a quarter slab its wide face",
-                 &R::side_heat, "W"},
+    HistoryField{"wall_heat_flux_w_per_m", "W/m", "heat out of side and bottom", &R::wall_heat_flux,
+                 "W"},
+    HistoryField{"side_heat_w_per_m", "W/m",
+                 "heat out of the side, of a quarter slab its wide face", &R::side_heat, "W"},
     HistoryField{"narrow_heat_w_per_m", "W/m", "heat out of the narrow face of a quarter slab",
                  &R::narrow_heat, "W"},
     HistoryField{"bottom_heat_w_per_m", "W/m", "heat into the bottom block", &R::bottom_heat, "W"},
@@ -51,8 +51,8 @@ const std::array fields{
                  &R::sump_depth},
     HistoryField{"contact_length_m", "m", "part of the bottom that stands on the block",
                  &R::contact_length},
-    HistoryField{"contact_area_m2", "m2", "part of a quarter slab's bottom that stands on the block",
-                 &R::contact_area},
+    HistoryField{"contact_area_m2", "m2",
+                 "part of a quarter slab's bottom that stands on the block", &R::contact_area},
     HistoryField{"maximum_surface_temperature_at_mould_exit_c", "degC",
                  "hottest surface at the mould exit", &R::mould_exit_temperature},
     HistoryField{"progress", "1", "share of the simulated time", &R::progress},
@@ -76,7 +76,8 @@ void set_real(const HistoryField& field, StepReport& report, double value) {
 
 std::int64_t integer_value(const HistoryField& field, const StepReport& report) {
   if (const auto* member = std::get_if<int StepReport::*>(&field.member)) return report.**member;
-  if (const auto* flag = std::get_if<bool StepReport::*>(&field.member)) return report.**flag ? 1 : 0;
+  if (const auto* flag = std::get_if<bool StepReport::*>(&field.member))
+    return report.**flag ? 1 : 0;
   return report.*std::get<std::int64_t StepReport::*>(field.member);
 }
 

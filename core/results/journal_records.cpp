@@ -124,9 +124,8 @@ StepReport step_of(const Sections& content) {
       set_integer(field, report, content.integers("integers").at(integer++));
   }
   report.monitor_temperature = content.reals("monitor_temperature");
-  report.monitor_displacement =
-      points_of(content.reals("monitor_displacement"),
-                static_cast<std::size_t>(content.integer("monitors")));
+  report.monitor_displacement = points_of(content.reals("monitor_displacement"),
+                                          static_cast<std::size_t>(content.integer("monitors")));
   report.solver_seconds = content.reals("processor_s").at(0);
   report.process_seconds = content.reals("processor_s").at(1);
   return report;

@@ -112,8 +112,8 @@ void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_
   const auto coordinates = static_cast<hsize_t>(dimension);
   if (displacement.size() != steps.size() * monitors * coordinates)
     throw std::logic_error("StepReport: as many monitor displacements as monitors");
-  file.write("/monitors/displacement_m", {steps.size(), monitors, coordinates},
-             displacement.data(), "m", "(step, monitor, coordinate)");
+  file.write("/monitors/displacement_m", {steps.size(), monitors, coordinates}, displacement.data(),
+             "m", "(step, monitor, coordinate)");
   if (temperature.size() == steps.size() * monitors)
     file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature.data(), "degC",
                "(step, monitor)");

@@ -66,12 +66,9 @@ std::optional<ValidityLoss> validity_loss_of(const File& file) {
   if (!file.has(group)) return std::nullopt;
   std::vector<double> place{file.real_attribute(group, "x_m"), file.real_attribute(group, "y_m")};
   if (dimension_of(file) == 3) place.push_back(file.real_attribute(group, "z_m"));
-  return ValidityLoss{file.text_attribute(group, "kind"),
-                      file.text_attribute(group, "message"),
-                      file.real_attribute(group, "time_s"),
-                      place,
-                      file.real_attribute(group, "value"),
-                      file.real_attribute(group, "limit"),
+  return ValidityLoss{file.text_attribute(group, "kind"),   file.text_attribute(group, "message"),
+                      file.real_attribute(group, "time_s"), place,
+                      file.real_attribute(group, "value"),  file.real_attribute(group, "limit"),
                       file.text_attribute(group, "unit")};
 }
 

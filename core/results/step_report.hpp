@@ -23,16 +23,16 @@ struct StepReport {
   /// (monitor, coordinate) [m], by Case::monitors; not a number while its place is not poured yet.
   std::vector<std::vector<double>> monitor_displacement;
   std::vector<double> monitor_temperature;  ///< (monitor) [°C], likewise
-  double equilibrium_residual = 0.0;                        ///< [1] relative to the forces that act
-  double energy_balance_error = 0.0;                        ///< [1] relative to the heat that moved
-  double wall_heat_flux = 0.0;                              ///< [W/m] out of side and bottom
-  double bottom_reaction = 0.0;                             ///< [N/m] upwards
-  double weight = 0.0;                                      ///< [N/m]
-  double sump_depth = 0.0;      ///< [m] below the metal level, on the symmetry plane
-  double contact_length = 0.0;  ///< [m] of the bottom that stands on the block
+  double equilibrium_residual = 0.0;        ///< [1] relative to the forces that act
+  double energy_balance_error = 0.0;        ///< [1] relative to the heat that moved
+  double wall_heat_flux = 0.0;              ///< [W/m] out of side and bottom
+  double bottom_reaction = 0.0;             ///< [N/m] upwards
+  double weight = 0.0;                      ///< [N/m]
+  double sump_depth = 0.0;                  ///< [m] below the metal level, on the symmetry plane
+  double contact_length = 0.0;              ///< [m] of the bottom that stands on the block
   double solver_seconds = 0.0;   ///< [s] of the processor so far, of the thread of the run
   double process_seconds = 0.0;  ///< [s] of the processor so far, of all threads of the process
-  double progress = 0.0;        ///< [1] 0 to 1, of the simulated time
+  double progress = 0.0;         ///< [1] 0 to 1, of the simulated time
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
   double mould_exit_temperature = 0.0;  ///< [°C] largest of the surface
@@ -42,10 +42,10 @@ struct StepReport {
   bool beyond_validity = false;
   double maximum_rotation = 0.0;  ///< [rad] of a solid element since it solidified
   double bottom_slip = 0.0;       ///< [m] of the butt beyond its thermal contraction
-  double side_heat = 0.0;    ///< [W/m] out of the side; of a quarter slab of its wide face [W]
-  double narrow_heat = 0.0;  ///< [W] out of the narrow face of a quarter slab
-  double bottom_heat = 0.0;  ///< [W/m] into the block
-  double contact_area = 0.0;  ///< [m2] of the bottom of a quarter slab that stands on the block
+  double side_heat = 0.0;         ///< [W/m] out of the side; of a quarter slab of its wide face [W]
+  double narrow_heat = 0.0;       ///< [W] out of the narrow face of a quarter slab
+  double bottom_heat = 0.0;       ///< [W/m] into the block
+  double contact_area = 0.0;      ///< [m2] of the bottom of a quarter slab that stands on the block
   int conjugate_gradient_iterations = 0;
   bool operator==(const StepReport&) const = default;
 };

@@ -117,13 +117,25 @@ casting::Schedule schedule(const v1::Schedule& from) {
           .water_flow = to_core(from.water_flow_m2_per_s())};
 }
 
+std::optional<thermal::Face> face_of(v1::SideZone::Face face) {
+  switch (face) {
+    case v1::SideZone::WIDE:
+      return thermal::Face::wide;
+    case v1::SideZone::NARROW:
+      return thermal::Face::narrow;
+    default:
+      return std::nullopt;
+  }
+}
+
 thermal::SideZone zone(const v1::SideZone& from) {
   return {.name = from.name(),
           .from = from.from_m(),
           .to = from.to_m(),
           .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
           .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
-          .temperature = to_core(from.temperature_c())};
+          .temperature = to_core(from.temperature_c()),
+          .face = face_of(from.face())};
 }
 
 thermal::Water water(const v1::Water& from) {
@@ -146,6 +158,7 @@ thermal::CoolingSpec cooling(const v1::Cooling& from) {
   thermal::CoolingSpec to;
   for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
   to.water = water(from.water());
+  if (from.has_narrow_water()) to.narrow_water = water(from.narrow_water());
   const v1::BottomBlock& block = from.bottom_block();
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
                      .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),

@@ -61,11 +61,11 @@ Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double
 template <>
 Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
   if (mesh.nodes_per_element == 4)
-    return quaternion_of(polar_rotation(
-        deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
+    return quaternion_of(
+        polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
   static const auto in_the_middle = fem::Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
-  return quaternion_of(polar_rotation(
-      deformation_gradient(mesh, element, displacement, in_the_middle)));
+  return quaternion_of(
+      polar_rotation(deformation_gradient(mesh, element, displacement, in_the_middle)));
 }
 
 template <>
@@ -119,16 +119,15 @@ Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
 
 namespace {
 
-/// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least zero.
+/// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least
+/// zero.
 template <int Dim>
 double contraction_of(const mesh::Facet<Dim>& facet, std::span<const double> temperature,
                       const material::MechanicalProperties& properties, double solid_below) {
   double sum = 0.0;
-  for (int i = 0; i < facet.nodes; ++i)
-    sum += temperature[std::size_t(facet.node[std::size_t(i)])];
+  for (int i = 0; i < facet.nodes; ++i) sum += temperature[std::size_t(facet.node[std::size_t(i)])];
   const double mean = sum / facet.nodes;
-  return std::max(0.0,
-                  properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean));
+  return std::max(0.0, properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean));
 }
 
 /// Keeps the worst slip: displacement `u` along one axis against a contraction, both [m].

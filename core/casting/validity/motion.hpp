@@ -23,8 +23,10 @@ using Turn = std::array<double, Dim == 2 ? 1 : 4>;
 /// The turn of no motion.
 template <int Dim>
 constexpr Turn<Dim> no_turn() {
-  if constexpr (Dim == 2) return {0.0};
-  else return {1.0, 0.0, 0.0, 0.0};
+  if constexpr (Dim == 2)
+    return {0.0};
+  else
+    return {1.0, 0.0, 0.0, 0.0};
 }
 
 /// The turn of an element; grad u is its mean over the element in 2D, that of the middle in 3D.
@@ -61,8 +63,8 @@ Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
 /// How far the butt has slid over the bottom block [m]: of the bottom nodes of solid elements, the
 /// largest distance of the sideways displacement from what thermal contraction alone permits, from
 /// nothing to the whole of it, counted from the symmetry plane. In 3D, where no one path leads from
-/// a plane to a node, the whole of it is the distance from the plane times the strain of the coldest
-/// bottom facet.
+/// a plane to a node, the whole of it is the distance from the plane times the strain of the
+/// coldest bottom facet.
 ///
 /// @param solid_below  temperature from which the contraction counts [°C]
 /// @param temperature  (node) [°C]

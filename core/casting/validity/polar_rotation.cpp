@@ -61,8 +61,8 @@ std::array<double, 4> quaternion_of(const Matrix3& m) {
   // The largest of the four squares is taken under the root, so that nothing cancels.
   const double trace = m[0][0] + m[1][1] + m[2][2];
   const std::array<double, 4> squares{trace, m[0][0], m[1][1], m[2][2]};
-  const auto largest = static_cast<std::size_t>(
-      std::max_element(squares.begin(), squares.end()) - squares.begin());
+  const auto largest =
+      static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
   std::array<double, 4> q{};
   if (largest == 0) {
     q = {1.0 + trace, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};

@@ -72,8 +72,10 @@ std::vector<char> open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> s
 template <int Dim>
 double distance(const mesh::Mesh<Dim>& mesh, int a, int b) {
   const double *from = mesh.point(a), *to = mesh.point(b);
-  if constexpr (Dim == 2) return std::hypot(to[0] - from[0], to[1] - from[1]);
-  else return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  if constexpr (Dim == 2)
+    return std::hypot(to[0] - from[0], to[1] - from[1]);
+  else
+    return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
 }
 
 /// A node that a cut has come to.

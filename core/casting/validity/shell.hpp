@@ -12,8 +12,8 @@ namespace dccast::casting {
 /// shortest way through it, and where that begins at the bottom.
 ///
 /// A way runs from node to node, from the bottom to the melt that is connected to the top (or to
-/// the top itself); what it crosses of a solid element counts with its length, a molten one is free.
-/// In a section it is the shortest cut that separates the symmetry plane from the faces: the
+/// the top itself); what it crosses of a solid element counts with its length, a molten one is
+/// free. In a section it is the shortest cut that separates the symmetry plane from the faces: the
 /// thickness is zero exactly when no path over edges of solid elements joins the two, and two solid
 /// cells that touch in a corner alone do not hold each other. In three dimensions a hole separates
 /// nothing yet: zero means that melt connected to the top stands on the block there.

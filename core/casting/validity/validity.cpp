@@ -73,7 +73,7 @@ SolidMotion ValidityJudge<Dim>::judge(const JudgedStep<Dim>& step, ValidityState
 
 template <int Dim>
 std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& step,
-                                                 ValidityState& state) const {
+                                                      ValidityState& state) const {
   if (!judges_shell_) return std::nullopt;
   const double limit = limits_.minimum_shell;
   if (limit <= 0.0 && !melt_touches_bottom(step.mesh, step.slab.solid)) {
@@ -87,11 +87,11 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& ste
   if (stands || !state.shell_stood) return std::nullopt;
   std::string message = sentence("at t = %.6g s the shell over the bottom block ", step.time);
   const std::string where = along_bottom(shell->place);
-  message += shell->value <= 0.0
-                 ? "has melted through " + where + ": " + what_melting_through_means<Dim>
-                 : sentence("is %.3g mm thick ", millimetres * shell->value) + where +
-                       sentence(", less than validity.minimum_shell = %.3g mm",
-                                millimetres * limit);
+  message +=
+      shell->value <= 0.0
+          ? "has melted through " + where + ": " + what_melting_through_means<Dim>
+          : sentence("is %.3g mm thick ", millimetres * shell->value) + where +
+                sentence(", less than validity.minimum_shell = %.3g mm", millimetres * limit);
   return ValidityLoss{name_of(FailureKind::shell_melted_through),
                       message + "; " + no_answer,
                       step.time,
@@ -103,15 +103,14 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& ste
 
 template <int Dim>
 std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& step,
-                                                    const Extreme& found) const {
+                                                         const Extreme& found) const {
   if (found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
-      sentence(
-          "at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "
-          "hold to validity.maximum_rotation = %.3g degrees; %s",
-          step.time, in_words(found.place).c_str(), degrees * found.value,
-          degrees * limits_.maximum_rotation, no_answer),
+      sentence("at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "
+               "hold to validity.maximum_rotation = %.3g degrees; %s",
+               step.time, in_words(found.place).c_str(), degrees * found.value,
+               degrees * limits_.maximum_rotation, no_answer),
       step.time,
       found.place,
       found.value,
@@ -121,7 +120,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& 
 
 template <int Dim>
 std::optional<ValidityLoss> ValidityJudge<Dim>::slip(const JudgedStep<Dim>& step,
-                                                const Extreme& found) const {
+                                                     const Extreme& found) const {
   if (found.value <= limits_.maximum_slip) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),

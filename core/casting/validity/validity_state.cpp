@@ -25,9 +25,9 @@ ValidityState read_validity(const Sections& s) {
   state.when_liquid = s.reals("validity/when_liquid");
   if (s.integer("validity/lost") == 0) return state;
   const auto& numbers = s.reals("validity/time_value_limit");
-  state.lost = ValidityLoss{s.text("validity/kind"),      s.text("validity/message"),
-                            numbers.at(0),                s.reals("validity/place_m"),
-                            numbers.at(1),                numbers.at(2),
+  state.lost = ValidityLoss{s.text("validity/kind"), s.text("validity/message"),
+                            numbers.at(0),           s.reals("validity/place_m"),
+                            numbers.at(1),           numbers.at(2),
                             s.text("validity/unit")};
   return state;
 }

@@ -101,7 +101,8 @@ TEST_P(SolidMotion3D, ThermalContractionIsNoSlip) {
   const auto shrunk = [&](double x, double y) {
     return moved({{{1.0 + x * strain, 0, 0}, {0, 1.0 + y * strain, 0}, {0, 0, 1}}});
   };
-  for (const double share : {0.0, 0.5, 1.0}) EXPECT_NEAR(slip(400.0, shrunk(share, share)), 0, 1e-12);
+  for (const double share : {0.0, 0.5, 1.0})
+    EXPECT_NEAR(slip(400.0, shrunk(share, share)), 0, 1e-12);
   EXPECT_NEAR(slip(400.0, shrunk(1.5, 1.0)), -0.5 * strain * 0.28, 1e-12);
   EXPECT_NEAR(slip(400.0, shrunk(1.0, 1.5)), -0.5 * strain * 0.15, 1e-12);
   EXPECT_NEAR(slip(400.0, shrunk(1.0, -0.1)), -0.1 * strain * 0.15, 1e-12) << "outwards";

@@ -112,8 +112,8 @@ TEST(PointLocationInOneCell, InvertsTheMapOfASkewedQuadrilateral) {
 /// A hexahedron of which no face is plane.
 TEST(PointLocationInOneCell, InvertsTheMapOfASkewedHexahedron) {
   mesh::Mesh3D skewed;
-  skewed.node = {0.0,  0.0, 0.0, 2.0, 0.3, -0.2, 1.7, 1.9, 0.1, -0.2, 1.1, 0.0,
-                 0.1,  0.0, 1.0, 1.9, 0.1, 1.2,  1.8, 1.7, 0.9, 0.0,  1.2, 1.1};
+  skewed.node = {0.0, 0.0, 0.0, 2.0, 0.3, -0.2, 1.7, 1.9, 0.1, -0.2, 1.1, 0.0,
+                 0.1, 0.0, 1.0, 1.9, 0.1, 1.2,  1.8, 1.7, 0.9, 0.0,  1.2, 1.1};
   skewed.nodes_per_element = 8;
   skewed.element_node = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto place = locate<3>(skewed, {0.9, 0.8, 0.4});
