@@ -3,6 +3,7 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
 
 namespace dccast::client {
 namespace {
@@ -27,6 +28,7 @@ v1::Case undivided(v1::Case description) {
 
 v1::Case divided(const v1::Case& description, int parts) {
   v1::Case fine = description;
+  case_file::apply_quality(fine);
   case_file::apply_defaults(*fine.mutable_mesh());
   case_file::apply_defaults(*fine.mutable_time());
   fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);

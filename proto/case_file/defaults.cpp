@@ -4,6 +4,7 @@
 
 #include "dccast/v1/case.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/schema.hpp"
 
 namespace dccast::case_file {
@@ -12,7 +13,7 @@ namespace {
 /// Sets one field from its default text, by the reader itself: a default is written as in a file.
 void set_default(Message& message, const FieldDescriptor& field) {
   const std::string& text = key_of(field).default_text();
-  if (text.empty() || text == "\"\"") return;
+  if (text.empty() || text == "\"\"" || text == by_quality) return;
   const std::unique_ptr<Message> read(message.New());
   const ReadOutcome outcome = read_text(toml_key(field) + " = " + text, "default", *read);
   // The text holds one key only, so required ones are missing by design.
@@ -53,6 +54,7 @@ void apply(Message& message, bool alloy_inside) {
 }  // namespace
 
 void apply_defaults(Message& message) {
+  if (auto* description = dynamic_cast<v1::Case*>(&message)) apply_quality(*description);
   apply(message, false);
 }
 

@@ -185,7 +185,8 @@ std::string example_quantity(const v1::Key& key) {
 
 std::string example_text(const FieldDescriptor& field) {
   const v1::Key& key = key_of(field);
-  const bool plain_default = !key.default_text().empty() && !key.default_text().starts_with('[');
+  const bool plain_default = !key.default_text().empty() && !key.default_text().starts_with('[') &&
+                             key.default_text() != by_quality;
   if (plain_default && key.default_text() != "\"\"") return key.default_text();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:

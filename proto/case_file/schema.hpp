@@ -21,6 +21,9 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
+/// Stands as the default of the keys that `apply_quality` fills.
+inline constexpr std::string_view by_quality = "by quality";
+
 /// The (key) option of a field.
 const v1::Key& key_of(const FieldDescriptor& field);
 

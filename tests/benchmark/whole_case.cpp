@@ -41,6 +41,7 @@ void run_case(benchmark::State& state, const casting::Case& c) {
 
 void start_2d_thickness(benchmark::State& state) {
   casting::Case c = support::load_case("start-2d-thickness");
+  support::take_paper_size(c);
   c.section.element = state.range(0) == 0 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
   c.section.refinement = static_cast<int>(state.range(1));
   c.mechanics.options.algorithm =

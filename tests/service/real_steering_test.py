@@ -38,9 +38,10 @@ class RealSteering(ServiceTest):
         path = os.path.join(self.folder, f"{columns}.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
-        for pattern, coarse in ((r"^columns = \d+$", f"columns = {columns}"),
-                                (r"^(side|bottom)_cell = .*$", r'\1_cell = "10 mm"'),
-                                (r'\["10.001 s", "1 s"\]', '["10.001 s", "0.2 s"]')):
+        mesh = (f'[mesh]\ncolumns = {columns}\nrows = 22\nside_cell = "10 mm"\n'
+                'bottom_cell = "10 mm"\ngrowth_cell = "4.9 mm"\n\n')
+        for pattern, coarse in ((r"(?s)^\[mesh\].*?(?=^\[)", mesh),
+                                (r'^end = .*$', 'end = "145 s"\nstep = "0.2 s"')):
             text, changes = re.subn(pattern, coarse, text, flags=re.M)
             self.assertGreater(changes, 0, pattern)
         with open(path, "w", encoding="utf-8") as file:

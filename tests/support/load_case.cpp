@@ -39,9 +39,17 @@ casting::Case load_case(const std::string& name) {
   refuse(card.faults);
   case_file::complete_alloy(card.alloy, *message.mutable_alloy());
   refuse(case_file::check_ranges(message));
-  casting::Case result =
-      translate::to_core(message, std::filesystem::path(name).parent_path());
+  casting::Case result = translate::to_core(message, std::filesystem::path(name).parent_path());
   return result;
+}
+
+void take_paper_size(casting::Case& c) {
+  c.section.columns = 30;
+  c.section.rows = 22;
+  c.section.side_cell = c.section.bottom_cell = 3e-3;
+  c.section.growth_cell = 4.9e-3;
+  c.time.step = Curve(Abscissa::time, {-60.0, -50.0, -0.001, 0.0, 2.0, 2.001, 10.0, 10.001},
+                      {0.25, 1.0, 1.0, 0.05, 0.05, 0.25, 0.25, 1.0});
 }
 
 }  // namespace dccast::support

@@ -12,4 +12,8 @@ namespace dccast::support {
 /// @throws std::runtime_error  with every fault, when it has any
 casting::Case load_case(const std::string& name);
 
+/// The mesh and the steps in which the algorithms are compared and the paper's tables are made, of
+/// the size of the paper's section 5.2: 30 x 22 cells graded to 3 mm at the side and the bottom.
+void take_paper_size(casting::Case& casting_case);
+
 }  // namespace dccast::support

@@ -66,6 +66,7 @@ private:
 
 casting::Case shipped_casting(mesh::ElementKind element) {
   casting::Case casting_case = support::load_case(casting_name);
+  support::take_paper_size(casting_case);
   casting_case.section.element = element;
   return casting_case;
 }

@@ -10,7 +10,7 @@
 
 namespace dccast::verification {
 
-/// The case of table 11 and of the comparison of elements.
+/// The case of table 11 and of the comparison of elements, on a mesh of the paper's size.
 constexpr const char* casting_name = "start-2d-thickness";
 casting::Case shipped_casting(mesh::ElementKind element);
 

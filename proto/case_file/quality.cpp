@@ -1,0 +1,230 @@
+#include "proto/case_file/quality.hpp"
+
+#include <google/protobuf/util/message_differencer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace dccast::case_file {
+
+namespace {
+
+/// From so long after an event, steps of this length.
+struct Rung {
+  double after;  ///< [s]
+  double step;   ///< [s]
+};
+using Ladder = std::vector<Rung>;
+
+/// What one quality means for one kind of section. Lengths in m.
+struct Discretisation {
+  double column;                    ///< width
+  std::optional<double> side_cell;  ///< absent: uniform columns
+  double layer;                     ///< of a quarter slab
+  double bottom_cell, top_cell;     ///< heights of the lowest and the topmost initial row
+  double growth_cell;               ///< height of the rows that growth adds
+  Ladder begin;                     ///< steps from the start of the simulation
+  Ladder event;                     ///< from the start of casting, of the mechanics, of the water
+  std::optional<double> error;      ///< half the band of the curl at the end [1]
+};
+
+const Discretisation& of_section(v1::Quality quality) {
+  static const Discretisation draft{.column = 14e-3,
+                                    .side_cell = {},
+                                    .layer = 0.0,
+                                    .bottom_cell = 3.4e-3,
+                                    .top_cell = 6e-3,
+                                    .growth_cell = 7e-3,
+                                    .begin = {{0, 0.5}, {10, 2}},
+                                    .event = {{0, 0.1}, {2, 0.5}, {10, 1}},
+                                    .error = {}};
+  static const Discretisation engineering{.column = 9.4e-3,
+                                          .side_cell = {},
+                                          .layer = 0.0,
+                                          .bottom_cell = 2.3e-3,
+                                          .top_cell = 2.3e-3,
+                                          .growth_cell = 5e-3,
+                                          .begin = {{0, 0.25}, {10, 1}},
+                                          .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
+                                          .error = {}};
+  static const Discretisation fine{.column = 7e-3,
+                                   .side_cell = {},
+                                   .layer = 0.0,
+                                   .bottom_cell = 1.7e-3,
+                                   .top_cell = 1.7e-3,
+                                   .growth_cell = 3.5e-3,
+                                   .begin = {{0, 0.125}, {10, 0.5}},
+                                   .event = {{0, 0.025}, {2, 0.125}, {10, 0.5}},
+                                   .error = {}};
+  return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
+}
+
+// In three dimensions nothing is measured yet. The shell over the block needs rows of 3 to 5 mm.
+const Discretisation& of_quarter_slab(v1::Quality quality) {
+  static const Discretisation draft{.column = 66e-3,
+                                    .side_cell = 15e-3,
+                                    .layer = 57e-3,
+                                    .bottom_cell = 5e-3,
+                                    .top_cell = 15e-3,
+                                    .growth_cell = 15e-3,
+                                    .begin = {{0, 1}, {10, 4}},
+                                    .event = {{0, 0.5}, {5, 1}, {30, 2}},
+                                    .error = {}};
+  static const Discretisation engineering{.column = 44e-3,
+                                          .side_cell = 10e-3,
+                                          .layer = 41e-3,
+                                          .bottom_cell = 4e-3,
+                                          .top_cell = 12e-3,
+                                          .growth_cell = 12e-3,
+                                          .begin = {{0, 0.5}, {10, 2}},
+                                          .event = {{0, 0.25}, {5, 0.5}, {20, 1}},
+                                          .error = {}};
+  static const Discretisation fine{.column = 30e-3,
+                                   .side_cell = 7e-3,
+                                   .layer = 28e-3,
+                                   .bottom_cell = 3e-3,
+                                   .top_cell = 8e-3,
+                                   .growth_cell = 8e-3,
+                                   .begin = {{0, 0.25}, {10, 1}},
+                                   .event = {{0, 0.1}, {5, 0.25}, {20, 0.5}},
+                                   .error = {}};
+  return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
+}
+
+const Discretisation& discretisation_of(const v1::Case& c) {
+  return c.section().kind() == v1::Section::QUARTER_SLAB ? of_quarter_slab(c.quality())
+                                                         : of_section(c.quality());
+}
+
+/// Cells of about this size along a length, within what the schema permits.
+int cells_along(double length, double size, int fewest) {
+  constexpr double most = 1000.0;
+  return static_cast<int>(std::clamp(std::round(length / size), double(fewest), most));
+}
+
+void fill_columns(const Discretisation& d, double half_width, v1::Mesh& mesh) {
+  constexpr int fewest = 8;
+  if (!mesh.has_columns()) mesh.set_columns(cells_along(half_width, d.column, fewest));
+  if (!mesh.has_side_cell_m())
+    mesh.set_side_cell_m(std::min(d.side_cell.value_or(half_width), half_width / mesh.columns()));
+}
+
+void fill_layers(const Discretisation& d, const v1::Curve& half_thickness, v1::Mesh& mesh) {
+  constexpr int fewest = 3;
+  const double end = *std::prev(half_thickness.value().end());
+  if (!mesh.has_layers()) mesh.set_layers(cells_along(end, d.layer, fewest));
+}
+
+/// Rows that grow geometrically over a depth from a lowest to about a topmost height.
+int graded_rows(double depth, double lowest, double topmost) {
+  if (depth < 2.0 * (lowest + topmost)) return 4;
+  const double ratio = (depth - lowest) / (depth - topmost);
+  const double rows = std::abs(ratio - 1.0) < 1e-6
+                          ? depth / lowest
+                          : 1.0 + std::log(topmost / lowest) / std::log(ratio);
+  return static_cast<int>(std::clamp(std::round(rows), 4.0, 1000.0));
+}
+
+/// Rows that the case gives are its own mesh: growth then goes on in their height.
+void fill_rows(const Discretisation& d, double depth, v1::Mesh& mesh) {
+  if (!mesh.has_growth_cell_m() && !mesh.has_rows())
+    mesh.set_growth_cell_m(std::min(d.growth_cell, depth));
+  const double lowest = mesh.has_bottom_cell_m() ? mesh.bottom_cell_m() : d.bottom_cell;
+  if (!mesh.has_rows()) mesh.set_rows(graded_rows(depth, lowest, std::max(lowest, d.top_cell)));
+  if (!mesh.has_bottom_cell_m())
+    mesh.set_bottom_cell_m(std::min(d.bottom_cell, depth / mesh.rows()));
+}
+
+/// A table of steps: `begin` from `start`, `event` from each of the events, sorted.
+class StepTable {
+public:
+  void add(double at, const Ladder& ladder, double until) {
+    for (const Rung& rung : ladder) {
+      const double from = at + rung.after;
+      if (from >= until) break;
+      hold_last_until(from);
+      curve_.add_at(from);
+      curve_.add_value(rung.step);
+    }
+  }
+  v1::Curve curve() const { return curve_; }
+
+private:
+  /// Tables are interpolated: a step's length is repeated shortly before the next.
+  void hold_last_until(double time) {
+    constexpr double shortly = 1e-3;  // [s]
+    if (curve_.value_size() == 0 || time - *std::prev(curve_.at().end()) <= shortly) return;
+    const double last = *std::prev(curve_.value().end());
+    curve_.add_at(time - shortly);
+    curve_.add_value(last);
+  }
+  v1::Curve curve_;
+};
+
+/// When something sudden happens after the simulation has started [s], rising.
+std::vector<double> sudden_events(const v1::Case& c, double start) {
+  std::vector<double> events{0.0};
+  if (!c.mechanics().has_enabled() || c.mechanics().enabled())
+    events.push_back(c.mechanics().start_s());
+  const v1::Water& water = c.cooling().water();
+  if (!water.has_enabled() || water.enabled()) events.push_back(water.start_s());
+  std::erase_if(events, [&](double e) { return !(e >= start) || !(e < c.time().end_s()); });
+  std::sort(events.begin(), events.end());
+  events.erase(std::unique(events.begin(), events.end()), events.end());
+  return events;
+}
+
+/// Of a case whose times are at fault: the check says so, and nothing else.
+v1::Curve constant_step() {
+  v1::Curve curve;
+  curve.add_at(0.0);
+  curve.add_value(1.0);
+  return curve;
+}
+
+v1::Curve steps(const Discretisation& d, const v1::Case& c) {
+  if (!(c.time().end_s() > -c.schedule().hold_s())) return constant_step();
+  const double start = -c.schedule().hold_s();
+  const std::vector<double> events = sudden_events(c, start);
+  StepTable table;
+  const double end = c.time().end_s();
+  if (events.empty() || events.front() > start)
+    table.add(start, d.begin, events.empty() ? end : events.front());
+  for (std::size_t i = 0; i < events.size(); ++i)
+    table.add(events[i], d.event, i + 1 < events.size() ? events[i + 1] : end);
+  v1::Curve curve = table.curve();
+  curve.set_abscissa(v1::TIME);
+  return curve;
+}
+
+}  // namespace
+
+void apply_quality(v1::Case& c) {
+  const Discretisation& d = discretisation_of(c);
+  v1::Mesh& mesh = *c.mutable_mesh();
+  if (c.section().half_width_m() > 0.0) fill_columns(d, c.section().half_width_m(), mesh);
+  if (c.section().initial_depth_m() > 0.0) fill_rows(d, c.section().initial_depth_m(), mesh);
+  if (c.section().kind() == v1::Section::QUARTER_SLAB &&
+      c.section().half_thickness_m().value_size() > 0)
+    fill_layers(d, c.section().half_thickness_m(), mesh);
+  if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = steps(d, c);
+}
+
+std::optional<double> relative_discretisation_error(const v1::Case& complete) {
+  if (complete.section().kind() != v1::Section::PLANE_STRAIN || !complete.mesh().file().empty() ||
+      !complete.thermal().file().empty())
+    return std::nullopt;
+  v1::Case open = complete;
+  for (const char* key : {"columns", "rows", "side_cell_m", "bottom_cell_m", "growth_cell_m"})
+    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
+                                            v1::Mesh::descriptor()->FindFieldByName(key));
+  open.mutable_time()->clear_step_s();
+  apply_quality(open);
+  if (complete.mesh().element() != v1::Q1_BENDING || complete.mesh().refinement() != 1 ||
+      !google::protobuf::util::MessageDifferencer::Equals(open, complete))
+    return std::nullopt;
+  return discretisation_of(complete).error;
+}
+
+}  // namespace dccast::case_file

@@ -1,0 +1,144 @@
+#include "proto/case_file/quality.hpp"
+
+#include <gtest/gtest.h>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+v1::Case casting(v1::Quality quality) {
+  v1::Case c;
+  c.set_quality(quality);
+  c.mutable_section()->set_half_width_m(0.28);
+  c.mutable_section()->set_initial_depth_m(0.10);
+  c.mutable_schedule()->set_hold_s(60.0);
+  c.mutable_time()->set_end_s(145.0);
+  return c;
+}
+
+v1::Case complete(v1::Case c) {
+  apply_defaults(c);
+  return c;
+}
+
+/// The step that holds at a time, interpolated as the schedule does.
+double step_at(const v1::Curve& steps, double time) {
+  int i = 0;
+  while (i + 1 < steps.at_size() && steps.at(i + 1) <= time) ++i;
+  if (i + 1 == steps.at_size() || time <= steps.at(0)) return steps.value(i);
+  const double share = (time - steps.at(i)) / (steps.at(i + 1) - steps.at(i));
+  return steps.value(i) + share * (steps.value(i + 1) - steps.value(i));
+}
+
+TEST(Quality, BetterQualitiesHaveSmallerCellsAndSteps) {
+  const auto draft = complete(casting(v1::DRAFT)), engineering = complete(casting(v1::ENGINEERING)),
+             fine = complete(casting(v1::FINE));
+  for (const auto& [better, worse] :
+       {std::pair(engineering, draft), std::pair(fine, engineering)}) {
+    EXPECT_GT(better.mesh().columns(), worse.mesh().columns());
+    EXPECT_GT(better.mesh().rows(), worse.mesh().rows());
+    EXPECT_LT(better.mesh().side_cell_m(), worse.mesh().side_cell_m());
+    EXPECT_LT(better.mesh().bottom_cell_m(), worse.mesh().bottom_cell_m());
+    EXPECT_LT(better.mesh().growth_cell_m(), worse.mesh().growth_cell_m());
+    EXPECT_LT(step_at(better.time().step_s(), 0.0), step_at(worse.time().step_s(), 0.0));
+  }
+}
+
+TEST(Quality, IsEngineeringWhereTheCaseDoesNotSay) {
+  const v1::Case silent = complete(casting(v1::QUALITY_UNSPECIFIED));
+  EXPECT_EQ(silent.SerializeAsString(), complete(casting(v1::ENGINEERING)).SerializeAsString());
+  EXPECT_EQ(silent.quality(), v1::ENGINEERING);
+}
+
+TEST(Quality, ColumnsAreUniformAndMoreOfThemInAWideSection) {
+  v1::Case wide = casting(v1::ENGINEERING);
+  wide.mutable_section()->set_half_width_m(0.66);
+  const v1::Case narrow = complete(casting(v1::ENGINEERING));
+  wide = complete(wide);
+  EXPECT_NEAR(wide.mesh().side_cell_m() * wide.mesh().columns(), 0.66, 1e-12);
+  EXPECT_NEAR(wide.mesh().side_cell_m(), narrow.mesh().side_cell_m(), 0.5e-3);
+}
+
+TEST(Quality, ExplicitKeysWin) {
+  v1::Case c = casting(v1::FINE);
+  c.mutable_mesh()->set_columns(7);
+  c.mutable_mesh()->set_bottom_cell_m(4e-3);
+  c.mutable_time()->mutable_step_s()->add_at(0.0);
+  c.mutable_time()->mutable_step_s()->add_value(2.0);
+  c = complete(c);
+  EXPECT_EQ(c.mesh().columns(), 7);
+  EXPECT_DOUBLE_EQ(c.mesh().side_cell_m(), 0.04) << "uniform with the columns that are given";
+  EXPECT_DOUBLE_EQ(c.mesh().bottom_cell_m(), 4e-3);
+  EXPECT_EQ(c.time().step_s().value_size(), 1);
+}
+
+TEST(Quality, RowsOfTheCaseGrowInTheirOwnHeight) {
+  v1::Case c = casting(v1::DRAFT);
+  c.mutable_mesh()->set_rows(2);
+  c = complete(c);
+  EXPECT_FALSE(c.mesh().has_growth_cell_m());
+  EXPECT_LE(c.mesh().bottom_cell_m(), 0.05);
+}
+
+TEST(Quality, StepsAreShortAfterEverySuddenEvent) {
+  v1::Case c = casting(v1::ENGINEERING);
+  c.mutable_mechanics()->set_start_s(20.0);
+  c.mutable_cooling()->mutable_water()->set_start_s(40.0);
+  const v1::Curve steps = complete(c).time().step_s();
+  const double shortest = step_at(steps, 0.0);
+  for (const double event : {0.0, 20.0, 40.0}) {
+    EXPECT_DOUBLE_EQ(step_at(steps, event), shortest) << event;
+    EXPECT_GT(step_at(steps, event + 15.0), shortest) << event;
+  }
+  EXPECT_LT(step_at(steps, -60.0), step_at(steps, -20.0));
+  for (int i = 1; i < steps.at_size(); ++i) EXPECT_LT(steps.at(i - 1), steps.at(i));
+}
+
+TEST(Quality, EventsOutsideTheRunLeaveNoTrace) {
+  v1::Case c = casting(v1::ENGINEERING);
+  c.mutable_schedule()->set_hold_s(0.0);
+  c.mutable_time()->set_end_s(5.0);
+  c.mutable_cooling()->mutable_water()->set_start_s(1000.0);
+  const v1::Curve steps = complete(c).time().step_s();
+  EXPECT_LT(steps.at(steps.at_size() - 1), 5.0);
+  EXPECT_TRUE(check_ranges(complete(c)).empty());
+}
+
+/// Whatever the sizes of a case, right or not: no endless mesh, and every case gets steps.
+TEST(Quality, StaysInRangeForAnySection) {
+  for (const auto kind :
+       {v1::Section::PLANE_STRAIN, v1::Section::AXISYMMETRIC, v1::Section::QUARTER_SLAB})
+    for (const auto quality : {v1::DRAFT, v1::ENGINEERING, v1::FINE})
+      for (const double width : {0.005, 0.1, 3.0})
+        for (const double depth : {0.005, 0.1, 5.0}) {
+          v1::Case c = casting(quality);
+          c.mutable_section()->set_kind(kind);
+          c.mutable_section()->set_half_width_m(width);
+          c.mutable_section()->set_initial_depth_m(depth);
+          c.mutable_section()->mutable_half_thickness_m()->add_at(0.0);
+          c.mutable_section()->mutable_half_thickness_m()->add_value(width);
+          const auto faults = check_ranges(complete(c));
+          EXPECT_TRUE(faults.empty()) << width << " " << depth << " " << faults.front().field();
+        }
+  v1::Case at_fault;
+  at_fault.mutable_time()->set_end_s(-5.0);
+  EXPECT_EQ(complete(at_fault).time().step_s().value_size(), 1);
+}
+
+TEST(DiscretisationError, IsUnknownWhereItWasNotMeasured) {
+  v1::Case other_mesh = casting(v1::ENGINEERING), other_steps = other_mesh, billet = other_mesh,
+           triangles = other_mesh, file = other_mesh;
+  other_mesh.mutable_mesh()->set_rows(7);
+  other_steps.mutable_time()->mutable_step_s()->add_at(0.0);
+  other_steps.mutable_time()->mutable_step_s()->add_value(2.0);
+  billet.mutable_section()->set_kind(v1::Section::AXISYMMETRIC);
+  triangles.mutable_mesh()->set_element(v1::P1);
+  file.mutable_mesh()->set_file("slab.msh");
+  for (const auto& c : {other_mesh, other_steps, billet, triangles, file})
+    EXPECT_FALSE(relative_discretisation_error(complete(c)));
+}
+
+}  // namespace
+}  // namespace dccast::case_file
