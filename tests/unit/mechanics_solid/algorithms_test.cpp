@@ -17,7 +17,7 @@ const char* name_of(Algorithm a) {
 
 /// Parameters of the size of the block's own figures, as the paper's test T4 chooses them.
 Options options_of(Algorithm algorithm) {
-  Options options = tight(1e-9);
+  Options options = in_balance(1e-9);
   options.algorithm = algorithm;
   options.parameters.gamma_p = 1e-7;
   options.parameters.gamma_c = 4e10;

@@ -10,31 +10,31 @@ using namespace testing;
 template <class Element>
 class SolidEquilibriumOf : public ::testing::Test {
 protected:
-  SolidEquilibriumOf() : body(distorted_box({0.3, 0.2, 0.25}, {2, 3, 2}, of_tetrahedra<Element>)) {
-    body.set_material(4e10, 0.45);
+  SolidEquilibriumOf() : body_(distorted_box({0.3, 0.2, 0.25}, {2, 3, 2}, of_tetrahedra<Element>)) {
+    body_.set_material(4e10, 0.45);
   }
 
   /// Creep in every element, from weak to strong; strains that carry no stress; thermal strain.
   void fill_history() {
-    for (std::size_t e = 0; e < body.problem.kappa.size(); ++e) {
-      body.problem.kappa[e] = std::pow(10.0, -42.0 + static_cast<double>(e % 7));
-      body.problem.thermal[e] = 1e-3 * std::sin(static_cast<double>(e));
-      body.problem.prestress[e] = -1e4 * static_cast<double>(e);
+    for (std::size_t e = 0; e < body_.problem.kappa.size(); ++e) {
+      body_.problem.kappa[e] = std::pow(10.0, -42.0 + static_cast<double>(e % 7));
+      body_.problem.thermal[e] = 1e-3 * std::sin(static_cast<double>(e));
+      body_.problem.prestress[e] = -1e4 * static_cast<double>(e);
     }
-    for (std::size_t i = 0; i < body.problem.inelastic.size(); ++i) {
+    for (std::size_t i = 0; i < body_.problem.inelastic.size(); ++i) {
       for (std::size_t c = 0; c < 6; ++c) {
-        body.problem.inelastic[i][c] = 1e-4 * std::sin(double(i) + 1.3 * double(c));
+        body_.problem.inelastic[i][c] = 1e-4 * std::sin(double(i) + 1.3 * double(c));
       }
     }
   }
 
   std::vector<double> wavy(double amplitude, double phase) const {
-    std::vector<double> u(body.problem.unknowns());
+    std::vector<double> u(body_.problem.unknowns());
     for (std::size_t i = 0; i < u.size(); ++i) u[i] = amplitude * std::sin(1.7 * double(i) + phase);
     return u;
   }
 
-  SolidBody<Element> body;
+  SolidBody<Element> body_;
 };
 
 using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
@@ -42,7 +42,7 @@ TYPED_TEST_SUITE(SolidEquilibriumOf, Families);
 
 TYPED_TEST(SolidEquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {
   this->fill_history();
-  auto& body = this->body;
+  auto& body = this->body_;
   const auto u = this->wavy(1e-4, 0.2), direction = this->wavy(1e-4, 1.1);
   Equilibrium equilibrium(body.problem);
   std::vector<double> unused(u.size()), product(u.size()), stiffness(body.pattern.entries());
@@ -68,11 +68,11 @@ TYPED_TEST(SolidEquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {
 
 TYPED_TEST(SolidEquilibriumOf, InternalForcesAreInBalanceAmongThemselves) {
   this->fill_history();
-  const auto r = this->body.residual(this->wavy(1e-4, 0.2));
+  const auto r = this->body_.residual(this->wavy(1e-4, 0.2));
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = force;
   double scale = 0.0;
-  for (int n = 0; n < this->body.box.mesh.nodes(); ++n) {
-    const Eigen::Map<const Eigen::Vector3d> x(this->body.box.mesh.point(n)), f(&r[3 * std::size_t(n)]);
+  for (int n = 0; n < this->body_.box.mesh.nodes(); ++n) {
+    const Eigen::Map<const Eigen::Vector3d> x(this->body_.box.mesh.point(n)), f(&r[3 * std::size_t(n)]);
     force += f, moment += x.cross(f), scale += f.norm();
   }
   EXPECT_LE(force.norm(), 1e-14 * scale);
@@ -80,7 +80,7 @@ TYPED_TEST(SolidEquilibriumOf, InternalForcesAreInBalanceAmongThemselves) {
 }
 
 TYPED_TEST(SolidEquilibriumOf, ARigidRotationLeavesNoStress) {
-  auto& body = this->body;
+  auto& body = this->body_;
   constexpr double angle = 1e-3;
   std::vector<double> u;
   for (int n = 0; n < body.box.mesh.nodes(); ++n) {
@@ -103,7 +103,7 @@ TYPED_TEST(SolidEquilibriumOf, ARigidRotationLeavesNoStress) {
 /// of forces on displacements.
 TYPED_TEST(SolidEquilibriumOf, ForcesDoTheWorkOfTheStresses) {
   this->fill_history();
-  auto& body = this->body;
+  auto& body = this->body_;
   const auto u = this->wavy(1e-4, 0.2), virtual_u = this->wavy(1e-4, 1.1);
   Equilibrium equilibrium(body.problem);
   std::vector<double> r(u.size());

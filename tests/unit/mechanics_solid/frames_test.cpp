@@ -43,7 +43,7 @@ TYPED_TEST(FramesOn, ChangeNothingButTheUnknowns) {
   framed.forms.set_frames(frames);
   this->load(plain);
   this->load(framed);
-  const auto a = plain.step(tight(1e-12)), b = framed.step(tight(1e-12));
+  const auto a = plain.step(in_balance(1e-12)), b = framed.step(in_balance(1e-12));
   ASSERT_TRUE(a.converged);
   ASSERT_TRUE(b.converged);
   EXPECT_EQ(a.iterations, b.iterations);
@@ -89,7 +89,7 @@ TYPED_TEST(FramesOn, HoldAnObliqueFaceExactly) {
     for (int n : body->box.nodes_on(Face::x_high)) body->fix(n, 0, -1e-3);
     for (int n : body->box.nodes_on(Face::y_low)) body->fix(n, 1, 0.0);
     for (int n : body->box.nodes_on(Face::z_low)) body->fix(n, 2, 0.0);
-    ASSERT_TRUE(body->step(tight(1e-12)).converged);
+    ASSERT_TRUE(body->step(in_balance(1e-12)).converged);
   }
   for (int n : straight.box.nodes_on(Face::x_high)) {
     for (int d = 0; d < 3; ++d) {

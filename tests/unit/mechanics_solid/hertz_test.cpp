@@ -60,7 +60,7 @@ public:
       body.problem.initial_gap.push_back(0.5 * (x[0] * x[0] + x[1] * x[1]) / radius);
     }
     body.problem.weight = 0.25 * force;
-    EXPECT_TRUE(body.step(tight(1e-9)).converged);
+    EXPECT_TRUE(body.step(in_balance(1e-9)).converged);
     reaction = body.residual(body.displacement());
   }
   double pressure(std::size_t pair) const {

@@ -47,7 +47,7 @@ protected:
   SolidPatchOf() : body(shape()) { body.hold_boundary(linear); }
 
   void expect_constant(const SymmetricTensor<3>& exact) {
-    const auto outcome = body.step(tight());
+    const auto outcome = body.step(in_balance());
     ASSERT_TRUE(outcome.converged) << outcome.equilibrium_residual;
     for (int n = 0; n < body.box.mesh.nodes(); ++n) {
       const Vector3 u = linear(body.place(n));

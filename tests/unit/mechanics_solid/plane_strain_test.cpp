@@ -76,15 +76,15 @@ TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
   }
   solid.add_traction(Face::x_high,
                      [](const Vector3& x) { return Vector3{2e6 * x[2], 0.0, 1e6}; });
-  section.add_traction(mesh::Patch::side, [](double, double y) {
+  section.add_traction(mesh::PatchKind::side, [](double, double y) {
     return verification::Vector2{2e6 * y, 1e6};
   });
   for (int e = 0; e < section.mesh.elements(); ++e) {
     section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] = 1e-4 * e;
   }
   for (int step = 0; step < 3; ++step) {
-    ASSERT_TRUE(section.step(testing::tight(1e-11), 1.0).converged);
-    ASSERT_TRUE(solid.step(testing::tight(1e-11), 1.0).converged);
+    ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
+    ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
     this->expect_the_same_displacement(1e-10);
   }
 }
@@ -117,8 +117,8 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
   for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
   for (int n : this->solid.box.nodes_on(Face::x_low)) solid.fix(n, 0, 0.0);
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) section.fix(n, 0, 0.0);
-  ASSERT_TRUE(section.step(testing::tight(1e-11), 1.0).converged);
-  ASSERT_TRUE(solid.step(testing::tight(1e-11), 1.0).converged);
+  ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
+  ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
   this->expect_the_same_displacement(1e-9);
   EXPECT_NE(std::count(solid.unknowns().contact.begin(), solid.unknowns().contact.end(), 0), 0);
 }

@@ -15,7 +15,7 @@ namespace dccast::mechanics::testing {
 template <class Element>
 inline constexpr bool of_tetrahedra = Element::nodes == 4;
 
-inline Options tight(double tolerance = 1e-13) {
+inline Options in_balance(double tolerance = 1e-13) {
   Options options;
   options.tolerance = tolerance;
   return options;
@@ -147,8 +147,6 @@ private:
   void add_traction(const mesh::Facet<3>& facet,
                     const std::function<Vector3(const Vector3&)>& traction) {
     const bool quadrilateral = facet.nodes == 4;
-    const auto normal = fem::facet_normal(box.mesh, facet);
-    (void)normal;
     const auto add = [&](const auto& shape, double area) {
       Vector3 at{};
       for (std::size_t i = 0; i < shape.size(); ++i) {

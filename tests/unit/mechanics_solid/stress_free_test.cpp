@@ -24,7 +24,7 @@ TYPED_TEST(SolidStressFreeOn, ABlockWithoutWeightShrinksByItsThermalStretch) {
     for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
     for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
     body.set_contact();
-    Options options = tight(1e-9);
+    Options options = in_balance(1e-9);
     options.algorithm = algorithm;
     options.parameters.gamma_c = 1e11;
     const auto outcome = body.step(options);
@@ -54,11 +54,13 @@ TEST(BendingHexahedron, APlateWithAThermalGradientBowsWithoutStress) {
   for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
   for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
   body.fix(body.box.node(0, 0, layers / 2), 2, 0.0);
-  ASSERT_TRUE(body.step(tight(1e-10)).converged);
+  ASSERT_TRUE(body.step(in_balance(1e-10)).converged);
   const int corner = body.box.node(4, 3, layers / 2);
   const double exact = -0.5 * gradient * (2.0 * 2.0 + 1.5 * 1.5);
-  // Stress from layer to layer bends it less by the share of one layer in the bending stiffness.
-  EXPECT_NEAR(body.displacement(corner, 2) / exact, 1.0, 1.2 / (layers * layers));
+  // One temperature by layer has the moment of a linear one less by one over the square of the
+  // layers, and four layers bend to 0.963 of what thin plates do (BendingHexahedron.LayersBring...).
+  const double expected = (1.0 - 1.0 / (layers * layers)) * 0.963;
+  EXPECT_NEAR(body.displacement(corner, 2) / exact, expected, 2e-3);
 }
 
 }  // namespace
