@@ -72,15 +72,16 @@ TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
     wide_faces += patch.normal[0] > 0.5 ? 0 : 1;
     for (int n : mesh::patch_nodes(patch)) {
       const Vector3 x = bench.place(n);
-      const bool kink = std::abs(x[0] - 0.2) < 1e-9, corner = x[0] == 0.5, plane = x[0] == 0.0;
+      const bool kink = std::abs(x[0] - 0.2) < 1e-9, plane = x[0] == 0.0;
+      const bool corner = x[0] == 0.5 && x[1] > 0.199;
       if (x[2] < 0.05) {
         EXPECT_EQ(bench.state.released[std::size_t(n)], 1);
         drawn_in = std::min(drawn_in, bench.outwards(n, patch));
         continue;
       }
       EXPECT_EQ(bench.state.released[std::size_t(n)], 0);
-      // At a kink the mean normal holds; where x = 0 the plane of symmetry leaves y to be held.
-      EXPECT_NEAR(bench.outwards(n, patch), 0.0, kink || plane ? 1e-4 : 1e-15);
+      // At a kink the mean of two normals is held.
+      EXPECT_NEAR(bench.outwards(n, patch), 0.0, kink ? 5e-4 : 1e-15);
       if (!corner && !plane) slid = std::max(slid, std::abs(bench.moved(n)[0]));
       if (corner || plane) {
         EXPECT_NEAR(bench.moved(n)[1], 0.0, 1e-15);
@@ -207,7 +208,8 @@ TYPED_TEST(QuarterSlabOf, GrowthKeepsElasticStrain) {
   bench.step([](const Vector3& x) { return x[2] < 0.1 ? cooled_from_below(x) : 680.0; });
 }
 
-/// The four algorithms on a coarse slab that curls while its top is liquid.
+/// The four algorithms on a coarse slab that curls while its top is liquid. The steps are short, as
+/// nbm needs them.
 TEST(QuarterSlab, AllAlgorithmsAgree) {
   const auto run = [](Algorithm algorithm) {
     Options options = slab_options(1e-8);
@@ -220,7 +222,7 @@ TEST(QuarterSlab, AllAlgorithmsAgree) {
       return [=](const Vector3& x) { return 560.0 + 1000.0 * x[2] - cooled * (1.0 + 2.0 * x[0]); };
     };
     bench.start(field(0.0));
-    for (int step = 1; step <= 2; ++step) bench.step(field(5.0 * step));
+    for (int step = 1; step <= 2; ++step) bench.step(field(1.0 * step), 0.1);
     return bench.state.displacement;
   };
   const auto reference = run(Algorithm::newton);
