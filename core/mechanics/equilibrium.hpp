@@ -26,8 +26,9 @@ public:
         trial_(elements_in_block * points_),
         pressure_(elements_in_block * points_) {}
 
-  /// residual = internal force - external force at displacement `u`; remembers the response of every
-  /// point for `tangent`. A law is called as law(element, point, trial strain deviator) -> Response.
+  /// residual = internal force - external force at displacement `u`; remembers the response of
+  /// every point for `tangent`. A law is called as law(element, point, trial strain deviator) ->
+  /// Response.
   /// @return root of the sum of squares of all element forces: the forces that act, before they
   ///         cancel, against which a residual is small or not
   template <class Law>

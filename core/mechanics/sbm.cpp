@@ -112,14 +112,14 @@ private:
     return system_.factorize(problem.fixed, step_);
   }
 
-  /// The terms gamma_c u_n v_n and p v_n of (51). u_n counts from the block or wall into it: minus the
-  /// gap.
+  /// The terms gamma_c u_n v_n and p v_n of (51). u_n counts from the block or wall into it: minus
+  /// the gap.
   void add_contact_forces() {
     const auto& problem = this->problem_;
     for (std::size_t i = 0; i < problem.contact.size(); ++i) {
       const double u_n = -problem.normal_gap(i, this->unknowns_.displacement);
-      const double pressure = this->unknowns_.contact_multiplier[i] +
-                              this->options_.parameters.gamma_c * u_n;
+      const double pressure =
+          this->unknowns_.contact_multiplier[i] + this->options_.parameters.gamma_c * u_n;
       this->work_.residual[std::size_t(problem.contact[i])] -=
           problem.sense(i) * (problem.contact_area[i] * pressure);
     }
@@ -164,11 +164,12 @@ private:
       const std::size_t unknown = std::size_t(this->problem_.contact[i]);
       double& r = this->work_.residual[unknown];
       const double sense = this->problem_.sense(i);
-      const double pushed = sense * r - scale * this->problem_.contact_area[i] *
-                                            this->problem_.normal_gap(i, this->unknowns_.displacement);
+      const double pushed =
+          sense * r - scale * this->problem_.contact_area[i] *
+                          this->problem_.normal_gap(i, this->unknowns_.displacement);
       r -= sense * std::max(0.0, pushed);
-      contact_violation_ = std::max(
-          contact_violation_, std::abs(r) / (scale * this->problem_.contact_area[i]));
+      contact_violation_ =
+          std::max(contact_violation_, std::abs(r) / (scale * this->problem_.contact_area[i]));
     }
     return this->relative_residual(this->problem_.fixed);
   }

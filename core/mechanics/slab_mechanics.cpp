@@ -48,8 +48,8 @@ void SlabMechanics<Dim>::new_pattern() {
   }
   const int unknowns = mesh_->nodes() * Dim;
   pattern_ = linalg::SparsityPattern(unknowns, unknown, mesh_->nodes_per_element * Dim);
-  for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
-                      &problem_.prestress}) {
+  for (auto* field :
+       {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
   }
   problem_.external_force.assign(std::size_t(unknowns), 0.0);
@@ -59,8 +59,7 @@ void SlabMechanics<Dim>::new_pattern() {
   forms_->set_frames(supports_.frames());
   supports_.place_on_block(problem_, options_.contact);
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
-  work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid,
-               fronts);
+  work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid, fronts);
 }
 
 template <int Dim>
@@ -204,9 +203,9 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
   // The paper's weak material, eq. (38), or the weak elasticity under metallostatic prestress.
   const bool weak = options_.liquid == Liquid::weak;
   const double at = properties_.liquidus();
-  const double mu_liquid =
-      weak ? std::pow(options_.liquid_epsilon, options_.liquid_delta) * properties_.shear_modulus(at)
-           : options_.liquid_modulus;
+  const double mu_liquid = weak ? std::pow(options_.liquid_epsilon, options_.liquid_delta) *
+                                      properties_.shear_modulus(at)
+                                : options_.liquid_modulus;
   const double lambda_solid =
       properties_.bulk_modulus(at) - 2.0 / 3.0 * properties_.shear_modulus(at);
   const double lambda_liquid =
@@ -346,8 +345,8 @@ void SlabMechanics<Dim>::check_liquid_pressure(const State& state, double metal_
     const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
                                       [&](int n) { return of_solid[std::size_t(n)] != 0; });
     if (!at_front) continue;
-    const double exact = -properties_.liquid_density() * options_.gravity *
-                         (metal_level - centroid_height(e));
+    const double exact =
+        -properties_.liquid_density() * options_.gravity * (metal_level - centroid_height(e));
     const double error = state.pressure[std::size_t(e) * points_] - exact;
     const double share = forms_->volume(std::size_t(e)) * error * error;
     if (share > worst) {

@@ -25,7 +25,7 @@ template <int Dim>
 struct SlabSupports<Dim>::Normals {
   using Vector = Eigen::Matrix<double, Dim, 1>;
   struct Side {
-    Vector sum;   ///< of the normals that count as one
+    Vector sum;  ///< of the normals that count as one
     double area;
   };
   std::vector<Vector> symmetry;
@@ -156,8 +156,10 @@ void SlabSupports<Dim>::add_node(int node, double height, const Normals& normals
       outward = held.direction[k](axis) > 0.0 ? 1.0 : -1.0;
     }
     const int unknown = node * Dim + static_cast<int>(axis);
-    if (k < held.of_symmetry) symmetry_unknowns_.push_back(unknown);
-    else side.direction.push_back({unknown, outward, held.area[k - held.of_symmetry]});
+    if (k < held.of_symmetry)
+      symmetry_unknowns_.push_back(unknown);
+    else
+      side.direction.push_back({unknown, outward, held.area[k - held.of_symmetry]});
   }
   if (!normals.sides.empty()) side_nodes_.push_back(std::move(side));
 }

@@ -109,7 +109,7 @@ public:
   }
 
 private:
-  static constexpr double gap_tolerance = 1e-10;           // [m]
+  static constexpr double gap_tolerance = 1e-10;  // [m]
   static constexpr double force_share_of_weight = 1e-6;
 
   void collect(std::span<const double> u, std::span<const double> residual) {

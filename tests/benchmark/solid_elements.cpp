@@ -17,7 +17,8 @@ struct Scene {
     body.set_material(5e10, 0.4, 1e-40);
     for (int n = 0; n < body.box.mesh.nodes(); ++n) {
       const Vector3 x = body.place(n);
-      u.insert(u.end(), {1e-3 * x[0] * (1.0 + x[1]), -5e-4 * x[1] * (1.0 + x[2]), 1e-4 * x[2] * x[0]});
+      u.insert(u.end(),
+               {1e-3 * x[0] * (1.0 + x[1]), -5e-4 * x[1] * (1.0 + x[2]), 1e-4 * x[2] * x[0]});
     }
   }
   SolidBody<Element> body;

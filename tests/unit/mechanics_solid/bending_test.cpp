@@ -133,8 +133,10 @@ TEST(P1Tetrahedron, LocksInBending) {
 TEST(BendingHexahedron, SkewedCellsBendToo) {
   for (const Moment moment : {Moment::along, Moment::both, Moment::twisting}) {
     const double straight = deflection<fem::BendingHexahedron>({moment, 0.3, 2.0, 2});
-    EXPECT_NEAR(deflection<fem::BendingHexahedron>({moment, 0.3, 2.0, 2, 1.0, 0.0}), straight, 0.02);
-    EXPECT_NEAR(deflection<fem::BendingHexahedron>({moment, 0.3, 2.0, 2, 0.0, 2.0}), straight, 0.07);
+    EXPECT_NEAR(deflection<fem::BendingHexahedron>({moment, 0.3, 2.0, 2, 1.0, 0.0}), straight,
+                0.02);
+    EXPECT_NEAR(deflection<fem::BendingHexahedron>({moment, 0.3, 2.0, 2, 0.0, 2.0}), straight,
+                0.07);
   }
   EXPECT_LE(deflection<fem::Q1Hexahedron>({Moment::along, 0.3, 2.0, 2, 0.0, 2.0}), 0.15);
 }

@@ -28,10 +28,14 @@ void add_facets(std::vector<mesh::Facet<3>>& facets, const std::array<int, 8>& c
 }
 
 void add_cell(BoxMesh& box, int i, int j, int k, bool tetrahedra) {
-  const std::array<int, 8> corner{box.node(i, j, k),         box.node(i + 1, j, k),
-                                  box.node(i + 1, j + 1, k), box.node(i, j + 1, k),
-                                  box.node(i, j, k + 1),     box.node(i + 1, j, k + 1),
-                                  box.node(i + 1, j + 1, k + 1), box.node(i, j + 1, k + 1)};
+  const std::array<int, 8> corner{box.node(i, j, k),
+                                  box.node(i + 1, j, k),
+                                  box.node(i + 1, j + 1, k),
+                                  box.node(i, j + 1, k),
+                                  box.node(i, j, k + 1),
+                                  box.node(i + 1, j, k + 1),
+                                  box.node(i + 1, j + 1, k + 1),
+                                  box.node(i, j + 1, k + 1)};
   auto& nodes = box.mesh.element_node;
   if (tetrahedra) {
     for (const auto& t : tetrahedron) {
@@ -74,8 +78,7 @@ BoxMesh box_mesh(std::array<int, 3> cells, bool tetrahedra,
   for (int k = 0; k <= cells[2]; ++k) {
     for (int j = 0; j <= cells[1]; ++j) {
       for (int i = 0; i <= cells[0]; ++i) {
-        const Vector3 x =
-            place({double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]});
+        const Vector3 x = place({double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]});
         box.mesh.node.insert(box.mesh.node.end(), x.begin(), x.end());
       }
     }

@@ -19,9 +19,7 @@ struct BoxMesh {
   std::array<int, 3> cells;
 
   const std::vector<mesh::Facet<3>>& facets(Face f) const { return face[std::size_t(f)]; }
-  int node(int i, int j, int k) const {
-    return (k * (cells[1] + 1) + j) * (cells[0] + 1) + i;
-  }
+  int node(int i, int j, int k) const { return (k * (cells[1] + 1) + j) * (cells[0] + 1) + i; }
   std::vector<int> nodes_on(Face f) const;
   bool on_boundary(int node) const;
 };

@@ -72,7 +72,8 @@ TYPED_TEST(SolidEquilibriumOf, InternalForcesAreInBalanceAmongThemselves) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = force;
   double scale = 0.0;
   for (int n = 0; n < this->body_.box.mesh.nodes(); ++n) {
-    const Eigen::Map<const Eigen::Vector3d> x(this->body_.box.mesh.point(n)), f(&r[3 * std::size_t(n)]);
+    const Eigen::Map<const Eigen::Vector3d> x(this->body_.box.mesh.point(n)),
+        f(&r[3 * std::size_t(n)]);
     force += f, moment += x.cross(f), scale += f.norm();
   }
   EXPECT_LE(force.norm(), 1e-14 * scale);
@@ -85,8 +86,8 @@ TYPED_TEST(SolidEquilibriumOf, ARigidRotationLeavesNoStress) {
   std::vector<double> u;
   for (int n = 0; n < body.box.mesh.nodes(); ++n) {
     const Vector3 x = body.place(n);
-    u.insert(u.end(), {-angle * x[1] + 2 * angle * x[2] + 0.01, angle * x[0] - 0.02,
-                       -2 * angle * x[0]});
+    u.insert(u.end(),
+             {-angle * x[1] + 2 * angle * x[2] + 0.01, angle * x[0] - 0.02, -2 * angle * x[0]});
   }
   std::vector<double> r(u.size());
   Equilibrium equilibrium(body.problem);
@@ -119,8 +120,8 @@ TYPED_TEST(SolidEquilibriumOf, ForcesDoTheWorkOfTheStresses) {
       for (std::size_t c = 0; c < 6; ++c) work += (c < 3 ? 1.0 : 2.0) * s[c] * strain[c];
       // The pressure at a point holds its own inelastic trace.
       const auto& inelastic = body.problem.inelastic[e * body.forms.points() + q];
-      const double dilatation = body.forms.mean_dilatation(e, u) - inelastic.trace() -
-                                3.0 * body.problem.thermal[e];
+      const double dilatation =
+          body.forms.mean_dilatation(e, u) - inelastic.trace() - 3.0 * body.problem.thermal[e];
       work += (body.problem.bulk[e] * dilatation + body.problem.prestress[e]) * strain.trace();
       inner += cell.point[q].weight * work;
     }

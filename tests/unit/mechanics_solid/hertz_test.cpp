@@ -16,8 +16,7 @@ constexpr double reduced = young / (1.0 - poisson * poisson);
 constexpr double force =
     4.0 / 3.0 * reduced * contact_radius * contact_radius * contact_radius / radius;
 constexpr double approach = contact_radius * contact_radius / radius;
-const double peak_pressure =
-    1.5 * force / (std::numbers::pi * contact_radius * contact_radius);
+const double peak_pressure = 1.5 * force / (std::numbers::pi * contact_radius * contact_radius);
 
 /// Displacement of a half space z > 0 by a point force into it at the origin (Boussinesq).
 Vector3 boussinesq(const Vector3& x) {

@@ -125,7 +125,8 @@ TEST(BendingHexahedron, DoesNotKnowTheAxes) {
 TEST(BendingHexahedron, DoesNotKnowItsFirstCorner) {
   const auto corners = distorted();
   const auto k = stiffness_of_cell<fem::BendingHexahedron>(corners, 0.3);
-  for (const auto& order : {std::array{0, 3, 7, 4, 1, 2, 6, 5}, std::array{1, 2, 3, 0, 5, 6, 7, 4}}) {
+  for (const auto& order :
+       {std::array{0, 3, 7, 4, 1, 2, 6, 5}, std::array{1, 2, 3, 0, 5, 6, 7, 4}}) {
     std::vector<Vector3> renumbered;
     Eigen::MatrixXd permutation = Eigen::MatrixXd::Zero(24, 24);
     for (long i = 0; i < 8; ++i) {

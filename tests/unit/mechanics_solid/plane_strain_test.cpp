@@ -74,8 +74,7 @@ TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) {
     section.fix(n, 0, 0.0), section.fix(n, 1, 0.0);
   }
-  solid.add_traction(Face::x_high,
-                     [](const Vector3& x) { return Vector3{2e6 * x[2], 0.0, 1e6}; });
+  solid.add_traction(Face::x_high, [](const Vector3& x) { return Vector3{2e6 * x[2], 0.0, 1e6}; });
   section.add_traction(mesh::PatchKind::side, [](double, double y) {
     return verification::Vector2{2e6 * y, 1e6};
   });
@@ -105,8 +104,7 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
     solid.problem.initial_gap.push_back(floor(solid.box.mesh.point(unknown / 3)[0]));
   }
   const std::vector<double> weight(section.forms.elements(), 2.5e6);
-  section.problem.weight =
-      section.forms.subtract_weight(weight, section.problem.external_force);
+  section.problem.weight = section.forms.subtract_weight(weight, section.problem.external_force);
   solid.problem.weight = solid.forms.subtract_weight(weight, solid.problem.external_force);
   EXPECT_NEAR(solid.problem.weight, this->thickness * section.problem.weight,
               1e-12 * solid.problem.weight);

@@ -21,8 +21,8 @@ class QuarterSlabOf : public ::testing::Test {};
 using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
 TYPED_TEST_SUITE(QuarterSlabOf, Families);
 
-/// A block that nothing confines cools evenly: its contraction in closed form, up to what its weight
-/// does, some kilopascals over 60 GPa.
+/// A block that nothing confines cools evenly: its contraction in closed form, up to what its
+/// weight does, some kilopascals over 60 GPa.
 TYPED_TEST(QuarterSlabOf, AnUnconfinedBlockContractsByItsThermalStretch) {
   Options options = slab_options();
   options.confinement = false;
@@ -153,7 +153,8 @@ TYPED_TEST(QuarterSlabOf, AReleasedSideCannotPassTheWall) {
     for (const auto& patch : bench.slab.mesh().patches) {
       if (patch.kind != mesh::PatchKind::side) continue;
       for (int n : mesh::patch_nodes(patch)) {
-        if ((bench.place(n)[2] > 0.05) != within || std::abs(bench.place(n)[0] - 0.2) < 1e-9) continue;
+        if ((bench.place(n)[2] > 0.05) != within || std::abs(bench.place(n)[0] - 0.2) < 1e-9)
+          continue;
         most = std::max(most, bench.outwards(n, patch));
       }
     }
@@ -182,7 +183,8 @@ TYPED_TEST(QuarterSlabOf, GrowthKeepsElasticStrain) {
       forms.update(bench.slab.mesh());
       std::vector<SymmetricTensor<3>> all;
       for (std::size_t i = 0; i < bench.state.inelastic.size(); ++i) {
-        all.push_back(forms.strain(i / forms.points(), i % forms.points(), bench.state.displacement));
+        all.push_back(
+            forms.strain(i / forms.points(), i % forms.points(), bench.state.displacement));
         all.back().add(-1.0, bench.state.inelastic[i]);
       }
       return all;

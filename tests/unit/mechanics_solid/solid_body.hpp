@@ -38,8 +38,8 @@ public:
     const std::size_t elements = std::size_t(box.mesh.elements());
     problem.forms = &forms;
     problem.pattern = &pattern;
-    for (auto* field : {&problem.bulk, &problem.shear, &problem.kappa, &problem.thermal,
-                        &problem.prestress}) {
+    for (auto* field :
+         {&problem.bulk, &problem.shear, &problem.kappa, &problem.thermal, &problem.prestress}) {
       field->assign(elements, 0.0);
     }
     problem.inelastic.resize(elements * Element::points);

@@ -12,8 +12,8 @@ class SolidStressFreeOn : public ::testing::Test {};
 using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
 TYPED_TEST_SUITE(SolidStressFreeOn, Families);
 
-/// A free block that cools evenly, without weight, on a floor it may leave: it shrinks by its thermal
-/// stretch, and a residual of the size of round-off must count as none.
+/// A free block that cools evenly, without weight, on a floor it may leave: it shrinks by its
+/// thermal stretch, and a residual of the size of round-off must count as none.
 TYPED_TEST(SolidStressFreeOn, ABlockWithoutWeightShrinksByItsThermalStretch) {
   constexpr double stretch = -0.0169;
   for (const Algorithm algorithm :
@@ -28,8 +28,8 @@ TYPED_TEST(SolidStressFreeOn, ABlockWithoutWeightShrinksByItsThermalStretch) {
     options.algorithm = algorithm;
     options.parameters.gamma_c = 1e11;
     const auto outcome = body.step(options);
-    EXPECT_TRUE(outcome.converged) << "algorithm " << int(algorithm) << ", residual "
-                                   << outcome.equilibrium_residual;
+    EXPECT_TRUE(outcome.converged)
+        << "algorithm " << int(algorithm) << ", residual " << outcome.equilibrium_residual;
     for (int n = 0; n < body.box.mesh.nodes(); ++n) {
       for (int d = 0; d < 3; ++d) {
         EXPECT_NEAR(body.displacement(n, d), stretch * body.place(n)[std::size_t(d)], 1e-12);
@@ -58,7 +58,8 @@ TEST(BendingHexahedron, APlateWithAThermalGradientBowsWithoutStress) {
   const int corner = body.box.node(4, 3, layers / 2);
   const double exact = -0.5 * gradient * (2.0 * 2.0 + 1.5 * 1.5);
   // One temperature by layer has the moment of a linear one less by one over the square of the
-  // layers, and four layers bend to 0.963 of what thin plates do (BendingHexahedron.LayersBring...).
+  // layers, and four layers bend to 0.963 of what thin plates do
+  // (BendingHexahedron.LayersBring...).
   const double expected = (1.0 - 1.0 / (layers * layers)) * 0.963;
   EXPECT_NEAR(body.displacement(corner, 2) / exact, expected, 2e-3);
 }
