@@ -52,6 +52,19 @@ TEST(ActiveSet, IsNeverEmptied) {
   EXPECT_THAT(set.active(), ElementsAre(0, 1, 0, 0));
 }
 
+/// Two pairs that carry and one of a wall, which cannot carry: one that carries stays.
+TEST(ActiveSet, AWallDoesNotCarry) {
+  ActiveSet set({1, 1, 1}, 2);
+  EXPECT_EQ(
+      set.update(std::vector<double>{0, 0, 0}, std::vector<double>{-2, -1, 5}, tolerance, false),
+      1);
+  EXPECT_EQ(set.active(), (std::vector<char>{0, 1, 1}));
+  ActiveSet walls({1, 1}, 0);
+  EXPECT_EQ(walls.update(std::vector<double>{0, 0}, std::vector<double>{-2, -1}, tolerance, false),
+            2);
+  EXPECT_EQ(walls.active(), (std::vector<char>{0, 0}));
+}
+
 TEST(ActiveSet, AllMayLeaveWhenOthersComeIn) {
   ActiveSet set({1, 0});
   EXPECT_EQ(set.update(std::vector{0.0, -1e-6}, std::vector{-1.0, 0.0}, tolerance, false), 2);

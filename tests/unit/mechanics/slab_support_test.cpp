@@ -106,6 +106,54 @@ TYPED_TEST(SupportOf, WithoutConfinementTheSideIsFree) {
   }
 }
 
+/// A slab that has been let go of and grows warm again stops at the wall of the mould, within its
+/// length, and leaves it when it contracts.
+TYPED_TEST(SupportOf, AReleasedSideCannotPassTheWall) {
+  Options options = balanced_to(1e-10);
+  options.mould_wall = true;
+  options.mould_length = 0.05;  // of 0.1 m of metal
+  SlabBench<TypeParam> bench(options);
+  const auto side = mesh::patch_nodes(bench.slab.mesh(), mesh::PatchKind::side);
+  const auto most_outwards = [&](bool within) {
+    double most = -1.0;
+    for (int n : side) {
+      if ((bench.slab.mesh().point(n)[1] >= 0.05) == within) most = std::max(most, bench.across(n));
+    }
+    return most;
+  };
+  bench.start(warm);
+  bench.step([](double, double) { return 599.0; });
+  EXPECT_LT(most_outwards(true), -1e-6);
+  EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);
+  bench.step([](double, double) { return 618.0; });
+  EXPECT_NEAR(most_outwards(true), 0.0, 1e-10);
+  EXPECT_GT(most_outwards(false), 1e-6) << "below the mould nothing stands in its way";
+  EXPECT_GT(bench.mechanics.checks().wall_reaction, 1.0);
+  EXPECT_EQ(bench.state.contact.size(), bench.mechanics.bottom_nodes().size());
+  bench.step([](double, double) { return 590.0; });
+  EXPECT_LT(most_outwards(true), -1e-6);
+  EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);
+}
+
+/// Springs in place of the held normal displacement: the stiffer, the nearer.
+TYPED_TEST(SupportOf, ConfinementByPenaltyTendsToTheExactOne) {
+  const auto at_the_side = [](double stiffness) {
+    Options options = balanced_to(1e-10);
+    options.confinement_by = Confinement::penalty;
+    options.confinement_stiffness = stiffness;
+    SlabBench<TypeParam> bench(options);
+    bench.start([](double, double) { return 645.0; });
+    bench.step([](double, double) { return 640.0; });
+    double most = 0.0;
+    for (int n : mesh::patch_nodes(bench.slab.mesh(), mesh::PatchKind::side)) {
+      most = std::max(most, std::abs(bench.across(n)));
+    }
+    return most;
+  };
+  EXPECT_LT(at_the_side(1e14), 1e-6);
+  EXPECT_NEAR(at_the_side(1e14) / at_the_side(1e15), 10.0, 0.5);
+}
+
 /// Small and large rises of the metal: what has moved keeps its elastic strain, what is new has
 /// none.
 TYPED_TEST(SupportOf, GrowthKeepsElasticStrain) {
