@@ -21,10 +21,15 @@
 namespace dccast::casting {
 
 struct Schedule {
-  double hold = 0.0;          ///< [s]
-  Curve casting_speed;        ///< [m/s] against time or cast length
-  Curve casting_temperature;  ///< [°C] against time or cast length
-  Curve water_flow;           ///< [m2/s] against time or cast length
+  double hold = 0.0;                        ///< [s]
+  Curve casting_speed;                      ///< [m/s] against time or cast length
+  Curve casting_temperature;                ///< [°C] against time or cast length
+  Curve water_flow;                         ///< [m2/s] against time or cast length
+  Curve narrow_water_flow;                  ///< [m2/s] of the narrow face; empty: as water_flow
+  Curve casting_speed_factor = Curve(1.0);  ///< [1] against time or cast length
+  Curve water_flow_factor = Curve(1.0);     ///< [1] of all water flows
+  double casting_speed_shift = 0.0;         ///< [s] by which its table against time comes later
+  double water_flow_shift = 0.0;            ///< [s] the same of the tables of the water flows
 };
 
 struct ThermalOptions {
@@ -43,6 +48,7 @@ struct MechanicsCase {
 struct Coupling {
   bool gap_feedback = true;
   int iterations = 1;
+  bool deformed_zones = false;  ///< cooling zones are met at the height to which the side has risen
 };
 
 struct TimeControl {

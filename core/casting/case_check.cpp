@@ -9,6 +9,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_alloy(found);
   check_zones(found);
   check_tables(found);
+  check_levers(found);
   check_section(found);
   check_time(found);
   check_mechanics(found);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/thermal/boiling.hpp"
+
 namespace dccast::casting {
 
 namespace {
@@ -11,23 +13,58 @@ double value(const Curve& curve, double time, double length) {
   return curve(curve.abscissa() == Abscissa::cast_length ? length : time);
 }
 
+bool against_length(const Curve& curve) {
+  return curve.abscissa() == Abscissa::cast_length;
+}
+
+/// Integral of a table that comes later by `shift`, times a factor, both against time. Exact:
+/// between two points of the tables the product is a parabola, which Simpson's rule integrates.
+double integral_of_product(const Curve& table, double shift, const Curve& factor, double from,
+                           double to) {
+  if (factor.constant()) return factor.value().front() * table.integral(from - shift, to - shift);
+  std::vector<double> cuts{from, to};
+  for (const double at : table.at()) cuts.push_back(at + shift);
+  cuts.insert(cuts.end(), factor.at().begin(), factor.at().end());
+  std::erase_if(cuts, [=](double t) { return t < from || t > to; });
+  std::sort(cuts.begin(), cuts.end());
+  const auto product = [&](double t) { return table(t - shift) * factor(t); };
+  double sum = 0.0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double a = cuts[i - 1], b = cuts[i];
+    sum += (b - a) / 6.0 * (product(a) + 4.0 * product(0.5 * (a + b)) + product(b));
+  }
+  return sum;
+}
+
 // Two times closer than this are one: steps are sums of decimal fractions.
 constexpr double same_time = 1e-9;  // [s]
 
 }  // namespace
 
 CastingSchedule::CastingSchedule(const Case& c)
-    : schedule_(c.schedule), step_(c.time.step), water_(c.cooling.water.enabled),
-      water_start_(c.cooling.water.start), begin_(-c.schedule.hold), end_(c.time.end) {
+    : schedule_(c.schedule),
+      step_(c.time.step),
+      cooling_(c.cooling),
+      begin_(-c.schedule.hold),
+      end_(c.time.end) {
   events_ = {0.0, end_};
-  if (water_) events_.push_back(water_start_);
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
+    const auto changes = thermal::valve_changes(cooling_.water_of(face), end_);
+    events_.insert(events_.end(), changes.begin(), changes.end());
+  }
   if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
   std::sort(events_.begin(), events_.end());
 }
 
 double CastingSchedule::speed(double time, double length) const {
-  return value(schedule_.casting_speed, time, length);
+  return value(schedule_.casting_speed_factor, time, length) *
+         value(schedule_.casting_speed, time - schedule_.casting_speed_shift, length);
+}
+
+bool CastingSchedule::speed_follows_time() const {
+  return !against_length(schedule_.casting_speed) &&
+         !against_length(schedule_.casting_speed_factor);
 }
 
 double CastingSchedule::cast_length(double length, double time, double step) const {
@@ -35,7 +72,8 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   if (to <= 0.0) return length;
   const double from = std::max(time, 0.0), h = to - from;
   if (speed_follows_time()) {
-    return length + schedule_.casting_speed.integral(from, to);
+    return length + integral_of_product(schedule_.casting_speed, schedule_.casting_speed_shift,
+                                        schedule_.casting_speed_factor, from, to);
   }
   const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
   const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
@@ -47,9 +85,22 @@ double CastingSchedule::casting_temperature(double time, double length) const {
 }
 
 double CastingSchedule::water_flow(double time, double length) const {
+  return flow(schedule_.water_flow, cooling_.water, time, length);
+}
+
+double CastingSchedule::narrow_water_flow(double time, double length) const {
+  const Curve& own = schedule_.narrow_water_flow;
+  return flow(own.empty() ? schedule_.water_flow : own, cooling_.water_of(thermal::Face::narrow),
+              time, length);
+}
+
+double CastingSchedule::flow(const Curve& table, const thermal::Water& water, double time,
+                             double length) const {
   // The step that ends at the start of the water is still dry.
-  const bool runs = water_ && time > water_start_ + same_time;
-  return runs ? value(schedule_.water_flow, time, length) : 0.0;
+  const bool runs = water.enabled && time > water.start + same_time;
+  return runs ? value(schedule_.water_flow_factor, time, length) *
+                    value(table, time - schedule_.water_flow_shift, length)
+              : 0.0;
 }
 
 double CastingSchedule::step_at(double time) const {
@@ -72,11 +123,10 @@ Leap CastingSchedule::leap(double time) const {
   const double distance = *next - time - last_steps * largest;
   if (distance <= static_cast<double>(worth_it) * largest) return one;
   const double growth = std::log1p(slope);  // of a step from one to the next
-  const double count = std::floor(
-      growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
+  const double count =
+      std::floor(growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
   if (!(count < 1e15)) return {std::int64_t(1e15), *next};
-  const double covered =
-      growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
+  const double covered = growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
   return {static_cast<std::int64_t>(count), time + covered};
 }
 

@@ -26,28 +26,29 @@ public:
   /// is a table against time, by the classical Runge-Kutta formula where it is one against length.
   double cast_length(double length, double time, double step) const;
   double casting_temperature(double time, double length) const;  ///< [°C]
-  double water_flow(double time, double length) const;           ///< [m2/s]; zero while it is off
+  /// [m2/s], that of an open valve where it is pulsed; zero before its start.
+  double water_flow(double time, double length) const;
+  double narrow_water_flow(double time, double length) const;  ///< the same of the narrow face
 
-  /// Step the case asks for at a time [s], ending at the latest where something changes at once: the
-  /// block starts, water or mechanics starts, the table of steps has a point, the simulation ends.
-  /// A remainder below two steps is halved, so that no sliver is left over.
+  /// Step the case asks for at a time [s], ending at the latest where something changes at once:
+  /// the block starts, water starts or its valve moves, mechanics starts, the table of steps has a
+  /// point, the simulation ends. A remainder below two steps is halved, so that no sliver is left
+  /// over.
   double step_at(double time) const;
 
-  /// Many steps at once, without making them: between two events the step is linear in time, so that
-  /// times form a geometric series. One step where few are left to the next event.
+  /// Many steps at once, without making them: between two events the step is linear in time, so
+  /// that times form a geometric series. One step where few are left to the next event.
   Leap leap(double time) const;
   /// Whether cast_length() is exact over any time.
-  bool speed_follows_time() const {
-    return schedule_.casting_speed.abscissa() != Abscissa::cast_length;
-  }
+  bool speed_follows_time() const;
 
 private:
   double speed(double time, double length) const;
+  double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
 
   Schedule schedule_;
   Curve step_;
-  bool water_;
-  double water_start_;          ///< [s]
+  thermal::CoolingSpec cooling_;
   double begin_;                ///< [s]
   double end_;                  ///< [s]
   std::vector<double> events_;  ///< [s] increasing

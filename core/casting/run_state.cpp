@@ -120,6 +120,7 @@ Sections to_sections(const RunState<Dim>& state) {
   s.set("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   s.set("heat/temperature_c", state.heat.temperature);
   s.set("heat/liquid_fraction", state.heat.liquid_fraction);
+  s.set("heat/wetted", flags(state.heat.wetted));
   write_slab(state.slab, s);
   write_validity(state.validity, s);
   write_failures(state.failures, s);
@@ -140,6 +141,7 @@ RunState<Dim> state_of(const Sections& s) {
   state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
   state.heat.temperature = s.reals("heat/temperature_c");
   state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
+  state.heat.wetted = flags(s, "heat/wetted");
   read_slab(s, state.slab);
   state.validity = read_validity(s);
   state.failures = read_failures(s);

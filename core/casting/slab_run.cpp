@@ -192,6 +192,16 @@ std::vector<double> SlabRun<Dim>::bottom_gap() const {
   return gap;
 }
 
+/// Vertical displacement by node, where cooling zones are to be met at the deformed height.
+template <int Dim>
+std::vector<double> SlabRun<Dim>::side_rise() const {
+  std::vector<double> rise;
+  if (!case_.coupling.deformed_zones || !state_.slab.started) return rise;
+  const std::vector<double>& u = state_.slab.displacement;
+  for (std::size_t i = Dim - 1; i < u.size(); i += Dim) rise.push_back(u[i]);
+  return rise;
+}
+
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
                              const std::optional<thermal::MetalEntry>& entry) {
@@ -203,7 +213,10 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
   input.metal_level = metal_level();
   input.casting_temperature = schedule_.casting_temperature(state_.time, state_.cast_length);
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
+  input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
   input.bottom_gap = gap;
+  const std::vector<double> rise = side_rise();
+  input.rise = rise;
   input.entry = entry;
   state_.heat = from;
   tried.heat = heat_.step(state_.heat, input);

@@ -60,6 +60,7 @@ private:
                  const std::optional<thermal::MetalEntry>& entry);
   bool step_mechanics(Attempt& tried, const mechanics::SlabState<Dim>& from);
   std::vector<double> bottom_gap() const;
+  std::vector<double> side_rise() const;
   double metal_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
   void report_heat(const Attempt& accepted, results::StepReport& report) const;

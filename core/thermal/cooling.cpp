@@ -49,24 +49,17 @@ SurfaceFlux weckman_niessen(double temperature, double water_temperature, double
           film * (convective + 352.0 * excess) + 3.0 * 20.8 * boiling * boiling, 0.0};
 }
 
-double film_share(const Water& water, double surface_temperature_at_start_of_step) {
-  if (!water.film_boiling) return 0.0;
-  const double above = surface_temperature_at_start_of_step - water.film_boiling_above;
-  return std::clamp(above / film_boiling_blend + 0.5, 0.0, 1.0);
-}
-
-SurfaceFlux water_flux(const Water& water, const SurfaceState& surface, const SidePlace& place,
-                       double water_flow, double film_share) {
+SurfaceFlux water_flux(const Water& water, const Boiling& boiling, const SurfaceState& surface,
+                       const SidePlace& place, double water_flow, double film_share) {
   const double temperature = surface.temperature;
   const double surroundings = water.temperature(place.time);
   SurfaceFlux wet = water.coefficient.empty()
                         ? weckman_niessen(temperature, surroundings, water_flow)
                         : convection(coefficient(water.coefficient, temperature, place),
                                      temperature, surroundings);
-  if (wet.flux > water.critical_heat_flux) wet = {water.critical_heat_flux, 0.0, 0.0};
+  if (wet.flux > boiling.critical_heat_flux) wet = {boiling.critical_heat_flux, 0.0, 0.0};
   if (film_share <= 0.0) return wet;
-  const SurfaceFlux film =
-      convection({water.film_boiling_coefficient, 0.0}, temperature, surroundings);
+  const SurfaceFlux film = convection({boiling.film_coefficient, 0.0}, temperature, surroundings);
   return {(1.0 - film_share) * wet.flux + film_share * film.flux,
           (1.0 - film_share) * wet.d_temperature + film_share * film.d_temperature, 0.0};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/thermal/boiling.hpp"
 #include "core/thermal/cooling_spec.hpp"
 
 namespace dccast::thermal {
@@ -30,19 +31,11 @@ struct SidePlace {
 /// @param water_flow         Gamma [m2/s], per metre of perimeter
 SurfaceFlux weckman_niessen(double temperature, double water_temperature, double water_flow);
 
-/// Share of the surface under a vapour film, 0 to 1, for film boiling.
-///
-/// The film's collapse is a jump of the flux downwards with rising temperature: taken implicitly it
-/// has several solutions. So the state of the surface at the *start* of a step decides it for the
-/// step, blended over `film_boiling_blend` [K] around Water::film_boiling_above.
-double film_share(const Water& water, double surface_temperature_at_start_of_step);
-inline constexpr double film_boiling_blend = 5.0;  ///< [K] width of the blend
-
 /// Water on the side: Weckman and Niessen's law, or the case's table in its place, bounded by the
 /// critical heat flux; where a vapour film stands, its coefficient. The bound is a kink, which a
 /// semismooth Newton method takes as it is.
-SurfaceFlux water_flux(const Water& water, const SurfaceState& surface, const SidePlace& place,
-                       double water_flow, double film_share);
+SurfaceFlux water_flux(const Water& water, const Boiling& boiling, const SurfaceState& surface,
+                       const SidePlace& place, double water_flow, double film_share);
 
 /// A zone of the side: coefficients of liquid and solid surface mixed by the liquid fraction.
 SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,

@@ -1,7 +1,5 @@
 #include "core/thermal/heat_forms.hpp"
 
-#include <stdexcept>
-
 #include "core/fem/with_element.hpp"
 #include "core/thermal/heat_forms_of.hpp"
 
@@ -21,6 +19,10 @@ template <>
 struct Conducting<fem::AxisymmetricBending> {
   using Type = fem::AxisymmetricQ1;
 };
+template <>
+struct Conducting<fem::BendingHexahedron> {
+  using Type = fem::Q1Hexahedron;
+};
 
 }  // namespace
 
@@ -32,9 +34,10 @@ std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::Sect
 }
 
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<3>& mesh, mesh::SectionKind) {
-  if (mesh.nodes_per_element == 4) return std::make_unique<HeatFormsOf<fem::P1Tetrahedron>>(mesh);
-  if (mesh.nodes_per_element == 8) return std::make_unique<HeatFormsOf<fem::Q1Hexahedron>>(mesh);
-  throw std::logic_error("make_heat_forms: elements of four or eight nodes");
+  const auto element = mesh.nodes_per_element == 4 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
+  return fem::with_solid_element(element, [&]<class Element>() -> std::unique_ptr<HeatForms> {
+    return std::make_unique<HeatFormsOf<typename Conducting<Element>::Type>>(mesh);
+  });
 }
 
 }  // namespace dccast::thermal

@@ -59,6 +59,7 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
                                                  field.enthalpy, new_pattern);
   if (new_pattern) take_elements();
   refresh(field);
+  if (!field.wetted.empty()) field.wetted.resize(field.enthalpy.size(), 0);
   return entry;
 }
 
@@ -110,19 +111,36 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
                        {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
                        input.rise},
                       side_);
-  film_share_.clear();
-  for (const SideShare& share : side_) {
-    const double before = properties_.temperature(enthalpy_n_[std::size_t(share.node)]);
-    film_share_.push_back(share.law == law_water ? film_share(cooling_.water_of(share.face), before)
-                                                 : 0.0);
+  for (const Face face : {Face::wide, Face::narrow}) {
+    boiling_[std::size_t(face)] =
+        boiling_of(cooling_.water_of(face), water_flow_of(face, input), input.time);
   }
+  film_share_.clear();
+  for (const SideShare& share : side_)
+    film_share_.push_back(share.law == law_water ? film_share_of(share, field) : 0.0);
+}
+
+double HeatSolver::film_share_of(const SideShare& share, const HeatField& field) const {
+  const std::size_t node = std::size_t(share.node);
+  return film_share(cooling_.water_of(share.face), boiling_[std::size_t(share.face)],
+                    properties_.temperature(enthalpy_n_[node]),
+                    !field.wetted.empty() && field.wetted[node] != 0);
 }
 
 bool HeatSolver::water_runs(Face face, const HeatStepInput& input) const {
   // By the middle of the step: free of the rounding of a sum of steps that ends at the start.
   const double middle = input.time - 0.5 * input.time_step;
-  const Water& water = cooling_.water_of(face);
-  return water.enabled && middle > water.start && water_flow_of(face, input) > 0.0;
+  return is_open(cooling_.water_of(face), middle) && water_flow_of(face, input) > 0.0;
+}
+
+void HeatSolver::mark_wetted(HeatField& field) const {
+  if (!cooling_.water.boiling_follows_flow && !cooling_.water_of(Face::narrow).boiling_follows_flow)
+    return;
+  field.wetted.assign(state_.size(), 0);
+  for (std::size_t i = 0; i < side_.size(); ++i) {
+    if (side_[i].law == law_water && film_share_[i] < 0.5)
+      field.wetted[std::size_t(side_[i].node)] = 1;
+  }
 }
 
 SurfaceState HeatSolver::surface_state(int node) const {
@@ -137,8 +155,8 @@ SurfaceFlux HeatSolver::side_flux(std::size_t share, const SurfaceState& surface
   if (law == law_dry) return dry_flux(cooling_, surface);
   if (law == law_water) {
     const Face face = side_[share].face;
-    return water_flux(cooling_.water_of(face), surface, place, water_flow_of(face, input),
-                      film_share_[share]);
+    return water_flux(cooling_.water_of(face), boiling_[std::size_t(face)], surface, place,
+                      water_flow_of(face, input), film_share_[share]);
   }
   return zone_flux(cooling_.zones[std::size_t(law)], surface, place, cooling_.ambient_temperature);
 }
@@ -327,6 +345,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
     field.temperature[i] = state_[i].temperature;
     field.liquid_fraction[i] = state_[i].liquid_fraction;
   }
+  mark_wetted(field);
   return outcome;
 }
 

@@ -17,6 +17,9 @@ struct HeatField {
   std::vector<double> enthalpy;         ///< (node) [J/m3]
   std::vector<double> temperature;      ///< (node) [°C]
   std::vector<double> liquid_fraction;  ///< (node) [1]
+  /// (node) Water touched the metal in the last step, not a vapour film. State like the enthalpy;
+  /// empty where no water follows its flow.
+  std::vector<char> wetted;
 };
 
 /// What a heat step needs besides field and mesh.
@@ -25,8 +28,8 @@ struct HeatStepInput {
   double time_step = 0.0;            ///< [s]
   double metal_level = 0.0;          ///< [m] at the end of the step
   double casting_temperature = 0.0;  ///< [°C] held at the metal level when the top is poured
-  /// [m2/s]. Water runs in a step in whose middle Water::start has passed; else, and without flow,
-  /// the side below the water line is dry.
+  /// [m2/s]. Water runs in a step in whose middle the valve is open; else, and without flow, the
+  /// side below the water line is dry.
   double water_flow = 0.0;
   /// [m], in the order of HeatForms::bottom_nodes(); empty: contact everywhere.
   std::span<const double> bottom_gap;
@@ -129,6 +132,8 @@ private:
   bool bounded_step(const HeatStepInput& input);
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
   HeatBalance balance(const HeatStepInput& input) const;
+  double film_share_of(const SideShare& share, const HeatField& field) const;
+  void mark_wetted(HeatField& field) const;
 
   material::ThermalProperties properties_;
   CoolingSpec cooling_;
@@ -142,6 +147,7 @@ private:
 
   // Of the step under way; storage kept from step to step.
   std::vector<SideShare> side_;
+  std::array<Boiling, faces> boiling_;
   std::vector<double> film_share_;  ///< (side share)
   std::vector<double> enthalpy_n_;
   std::vector<double> enthalpy_;

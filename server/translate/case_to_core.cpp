@@ -110,11 +110,20 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   return to;
 }
 
+Curve factor(const v1::Curve& from) {
+  return from.value_size() == 0 ? Curve(1.0) : to_core(from);
+}
+
 casting::Schedule schedule(const v1::Schedule& from) {
   return {.hold = from.hold_s(),
           .casting_speed = to_core(from.casting_speed_m_per_s()),
           .casting_temperature = to_core(from.casting_temperature_c()),
-          .water_flow = to_core(from.water_flow_m2_per_s())};
+          .water_flow = to_core(from.water_flow_m2_per_s()),
+          .narrow_water_flow = to_core(from.narrow_water_flow_m2_per_s()),
+          .casting_speed_factor = factor(from.casting_speed_factor()),
+          .water_flow_factor = factor(from.water_flow_factor()),
+          .casting_speed_shift = from.casting_speed_shift_s(),
+          .water_flow_shift = from.water_flow_shift_s()};
 }
 
 std::optional<thermal::Face> face_of(v1::SideZone::Face face) {
@@ -150,6 +159,10 @@ thermal::Water water(const v1::Water& from) {
   if (from.has_film_boiling_coefficient_w_per_m2_k())
     to.film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k();
   if (from.has_film_boiling_above_c()) to.film_boiling_above = from.film_boiling_above_c();
+  if (from.has_boiling_follows_flow()) to.boiling_follows_flow = from.boiling_follows_flow();
+  if (from.has_pulse_period_s()) to.pulse_period = from.pulse_period_s();
+  if (from.has_pulse_share()) to.pulse_share = from.pulse_share();
+  if (from.has_pulse_end_s()) to.pulse_end = from.pulse_end_s();
   to.coefficient = to_core(from.coefficient_w_per_m2_k());
   return to;
 }
@@ -263,6 +276,7 @@ casting::Monitor monitor(const v1::Monitor& from) {
 void small_tables(const v1::Case& from, casting::Case& to) {
   if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
   if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
+  to.coupling.deformed_zones = from.coupling().deformed_zones();
   for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
   if (from.output().has_frame_interval_s())
     to.output.frame_interval = from.output().frame_interval_s();

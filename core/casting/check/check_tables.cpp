@@ -20,6 +20,10 @@ void check_tables(CaseFindings& found) {
   increasing(found, "schedule.casting_speed", found.casting.schedule.casting_speed, "");
   increasing(found, "schedule.casting_temperature", found.casting.schedule.casting_temperature, "");
   increasing(found, "schedule.water_flow", found.casting.schedule.water_flow, "");
+  increasing(found, "schedule.narrow_water_flow", found.casting.schedule.narrow_water_flow, "");
+  increasing(found, "schedule.casting_speed_factor", found.casting.schedule.casting_speed_factor,
+             "");
+  increasing(found, "schedule.water_flow_factor", found.casting.schedule.water_flow_factor, "");
   increasing(found, "time.step", found.casting.time.step, "s");
   increasing(found, "alloy.density", found.casting.alloy.density, "degC");
   increasing(found, "alloy.specific_heat", found.casting.alloy.specific_heat, "degC");

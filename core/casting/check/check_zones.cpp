@@ -17,6 +17,7 @@ void check_zones(CaseFindings& found) {
     for (std::size_t j = 0; j < i; ++j) {
       const thermal::SideZone& other = found.casting.cooling.zones[j];
       if (!found.sound({"cooling.zone[" + std::to_string(j) + "]"})) continue;
+      if (zone.face && other.face && *zone.face != *other.face) continue;
       if (zone.from < other.to - 1e-12 && other.from < zone.to - 1e-12) {
         found.fault(field + ".from", with_unit(zone.from, "m"),
                     "overlaps the zone '" + other.name + "'",

@@ -9,7 +9,12 @@ inline const Keys course_keys = {"time.end",
                                  "time.step",
                                  "schedule.hold",
                                  "schedule.casting_speed",
+                                 "schedule.casting_speed_factor",
+                                 "schedule.casting_speed_shift",
                                  "cooling.water.start",
+                                 "cooling.water.pulse_period",
+                                 "cooling.narrow_water.start",
+                                 "cooling.narrow_water.pulse_period",
                                  "mechanics.start",
                                  "section.initial_depth",
                                  "mesh.growth",
@@ -25,6 +30,8 @@ inline const Keys place_keys = {"section.half_width", "section.initial_depth", "
 
 void check_alloy(CaseFindings& found);
 void check_zones(CaseFindings& found);
+/// Factors and shifts of the schedule, pulses of the water, faces with water of their own.
+void check_levers(CaseFindings& found);
 /// Abscissae that increase.
 void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);

@@ -104,6 +104,36 @@ const Mistake mistakes[] = {
      }},
     {"OverlappingZones", "cooling.zone[1].from", [](Case& c) { c.cooling.zones[1].from = 0.02; }},
     {"ZoneUpsideDown", "cooling.zone[0].to", [](Case& c) { c.cooling.zones[0].to = -0.01; }},
+    {"FaceOfASection", "cooling.zone[0].face",
+     [](Case& c) { c.cooling.zones[0].face = thermal::Face::narrow; }},
+    {"NarrowWaterOfASection", "cooling.narrow_water",
+     [](Case& c) { c.cooling.narrow_water = c.cooling.water; }},
+    {"NarrowFlowOfASection", "schedule.narrow_water_flow",
+     [](Case& c) { c.schedule.narrow_water_flow = Curve(1e-3); }},
+    {"PulsesShorterThanAStep", "cooling.water.pulse_period",
+     [](Case& c) {
+       c.cooling.water.pulse_period = 1.5e-3;
+       c.cooling.water.pulse_end = 0.01;
+     }},
+    {"MorePulsesThanSteps", "cooling.water.pulse_period",
+     [](Case& c) {
+       c.limits.maximum_steps = 100;
+       c.cooling.water.pulse_period = 0.2;
+       c.cooling.water.pulse_end = 15.0;
+     }},
+    {"FactorBeyondTheRange", "schedule.casting_speed_factor",
+     [](Case& c) { c.schedule.casting_speed_factor = Curve(100.5); }},
+    {"FlowFactorBeyondTheRange", "schedule.water_flow_factor",
+     [](Case& c) { c.schedule.water_flow_factor = Curve(60.0); }},
+    {"ShiftOfATableAgainstLength", "schedule.water_flow_shift",
+     [](Case& c) {
+       c.schedule.water_flow = {Abscissa::cast_length, {0.0, 0.1}, {1e-3, 3e-3}};
+       c.schedule.water_flow_shift = 5.0;
+     }},
+    {"FactorNotIncreasing", "schedule.water_flow_factor",
+     [](Case& c) {
+       c.schedule.water_flow_factor = {Abscissa::time, {5, 5}, {1, 2}};
+     }},
     {"ImportedMeshThatGrows", "mesh.growth", [](Case& c) { c.section.file = "slab.msh"; }},
     {"TemperatureOfASlabThatGrows", "thermal.file", [](Case& c) { c.thermal.file = "t.h5"; }},
     {"InsulatedTopOfASlabThatGrows", "cooling.top",
@@ -166,8 +196,7 @@ TEST(CaseCheck, WhatFollowsFromAValueAtFaultWaitsForItAndSaysSo) {
   const CheckedCase checked = check(c, {"section.half_width"});
   EXPECT_THAT(fields(checked.faults), ElementsAre("monitor[2].y"));
   EXPECT_THAT(fields(checked.warnings), ElementsAre("section.half_width"));
-  EXPECT_THAT(checked.warnings.list()[0].message,
-              ::testing::HasSubstr("wait until this is fixed"));
+  EXPECT_THAT(checked.warnings.list()[0].message, ::testing::HasSubstr("wait until this is fixed"));
 }
 
 TEST(CaseCheck, ASoundCaseWaitsForNothing) {

@@ -127,6 +127,59 @@ TEST(CastingSchedule, WaterRunsAfterItsStart) {
   EXPECT_EQ(CastingSchedule(c).water_flow(3.1, 0.0), 0.0);
 }
 
+TEST(CastingSchedule, StepsEndWhereTheValveMoves) {
+  Case c = small_casting();
+  c.time.step = Curve(1.0);
+  c.cooling.water.pulse_period = 3.0;
+  c.cooling.water.pulse_share = 0.4;
+  c.cooling.water.pulse_end = 8.0;
+  c.cooling.narrow_water = c.cooling.water;
+  c.cooling.narrow_water->start = 0.7;
+  const CastingSchedule schedule(c);
+  std::vector<double> ends;
+  for (double t = schedule.begin(); t < schedule.end() - 1e-9;)
+    ends.push_back(t += schedule.step_at(t));
+  for (const double event : {1.2, 3.0, 4.2, 6.0, 7.2, 8.0, 0.7, 1.9, 3.7, 4.9, 6.7, 7.9}) {
+    EXPECT_TRUE(std::ranges::any_of(ends, [&](double e) { return std::abs(e - event) < 1e-8; }))
+        << event;
+  }
+}
+
+TEST(CastingSchedule, FactorsMultiplyAndShiftsMoveTables) {
+  Case c = small_casting();
+  c.schedule.water_flow = {Abscissa::time, {0.0, 10.0}, {1e-3, 3e-3}};
+  c.schedule.water_flow_factor = {Abscissa::cast_length, {0.0, 0.1}, {0.5, 1.5}};
+  c.schedule.water_flow_shift = 4.0;
+  const CastingSchedule schedule(c);
+  EXPECT_DOUBLE_EQ(schedule.water_flow(9.0, 0.05), 2e-3);
+  EXPECT_DOUBLE_EQ(schedule.water_flow(9.0, 0.0), 1e-3);
+  EXPECT_DOUBLE_EQ(schedule.narrow_water_flow(9.0, 0.05), 2e-3) << "as on the wide face";
+  c.schedule.narrow_water_flow = Curve(4e-3);
+  EXPECT_DOUBLE_EQ(CastingSchedule(c).narrow_water_flow(9.0, 0.1), 6e-3) << "all flows";
+}
+
+/// Ramp times ramp: a parabola in time, however the time is cut.
+TEST(CastingSchedule, LengthIsExactWithAFactorAndAShift) {
+  Case c = small_casting();
+  c.schedule.casting_speed = {Abscissa::time, {0.0, 10.0}, {1e-3, 2e-3}};
+  c.schedule.casting_speed_shift = 2.0;
+  c.schedule.casting_speed_factor = {Abscissa::time, {5.0, 9.0}, {1.0, 0.5}};
+  const CastingSchedule schedule(c);
+  ASSERT_TRUE(schedule.speed_follows_time());
+  // 1 mm/s to 2 s, rising by 0.1 mm/s2 to 12 s; the factor falls by 0.125 /s between 5 and 9 s.
+  const double to_two = 2e-3, to_five = 3 * 1e-3 + 0.5 * 9 * 1e-4;
+  const double to_nine = 4 * 1.3e-3 + 8 * (1e-4 - 0.125 * 1.3e-3) - 64.0 / 3.0 * 0.125e-4;
+  const double to_twelve = 0.5 * (3 * 1.7e-3 + 4.5 * 1e-4), to_twenty = 0.5 * 8 * 2e-3;
+  for (const double dt : {20.0, 3.0, 0.7}) {
+    double length = 0.0;
+    for (double t = 0.0; t < 20.0 - 1e-12; t += dt)
+      length = schedule.cast_length(length, t, std::min(dt, 20.0 - t));
+    EXPECT_NEAR(length, to_two + to_five + to_nine + to_twelve + to_twenty, 1e-15) << dt;
+  }
+  c.schedule.casting_speed_factor = {Abscissa::cast_length, {0.0, 0.1}, {1.0, 0.5}};
+  EXPECT_FALSE(CastingSchedule(c).speed_follows_time());
+}
+
 TEST(CastingSchedule, TemperatureFollowsTimeOrLength) {
   Case c = small_casting();
   c.schedule.casting_temperature = {Abscissa::time, {0.0, 10.0}, {700.0, 680.0}};

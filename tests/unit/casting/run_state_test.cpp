@@ -82,6 +82,15 @@ protected:
   }
 };
 
+TEST_P(NoStateOutsideTheCheckpoint, OfARunWhoseWaterFollowsItsFlow) {
+  Case c = short_casting();
+  c.cooling.water.boiling_follows_flow = true;
+  c.cooling.water.pulse_period = 0.5;
+  c.cooling.water.pulse_end = 1.2;
+  c.coupling.deformed_zones = true;
+  EXPECT_EQ(expect_no_state_outside(c).reports.back().progress, 1.0);
+}
+
 TEST_P(NoStateOutsideTheCheckpoint, OfARunThatFailsACheck) {
   Case c = short_casting();
   c.mechanics.options.tolerance = 3e-3;

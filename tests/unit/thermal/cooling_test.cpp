@@ -49,33 +49,40 @@ TEST(WeckmanNiessen, DerivativeIsConsistent) {
 
 TEST(Water, IsBoundedByTheCriticalHeatFlux) {
   const Water water = wet_side();
-  const auto hot = water_flux(water, {400.0, 0.0}, {}, 3e-3, 0.0);
+  const auto hot = water_flux(water, boiling_of(water, 3e-3, 0.0), {400.0, 0.0}, {}, 3e-3, 0.0);
   EXPECT_EQ(hot.flux, 4e6);
   EXPECT_EQ(hot.d_temperature, 0.0);
-  EXPECT_EQ(water_flux(water, {90.0, 0.0}, {}, 3e-3, 0.0).flux,
+  EXPECT_EQ(water_flux(water, boiling_of(water, 3e-3, 0.0), {90.0, 0.0}, {}, 3e-3, 0.0).flux,
             weckman_niessen(90.0, 20.0, 3e-3).flux);
 }
 
 TEST(Water, FilmBoilingIsOffByDefaultAndBlendedWhenOn) {
   Water water = wet_side();
-  EXPECT_EQ(film_share(water, 600.0), 0.0);
+  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 600.0, false), 0.0);
   water.film_boiling = true;
-  EXPECT_EQ(film_share(water, 347.0), 0.0);
-  EXPECT_EQ(film_share(water, 350.0), 0.5);
-  EXPECT_EQ(film_share(water, 353.0), 1.0);
-  const auto film = water_flux(water, {420.0, 0.0}, {}, 3e-3, 1.0);
+  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 347.0, false), 0.0);
+  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 350.0, false), 0.5);
+  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 353.0, false), 1.0);
+  const auto film = water_flux(water, boiling_of(water, 3e-3, 0.0), {420.0, 0.0}, {}, 3e-3, 1.0);
   EXPECT_DOUBLE_EQ(film.flux, 500.0 * 400.0);
   EXPECT_DOUBLE_EQ(film.d_temperature, 500.0);
-  expect_consistent([&](const SurfaceState& s) { return water_flux(water, s, {}, 3e-3, 0.3); },
-                    {130.0, 0.0});
+  expect_consistent(
+      [&](const SurfaceState& s) {
+        return water_flux(water, boiling_of(water, 3e-3, 0.0), s, {}, 3e-3, 0.3);
+      },
+      {130.0, 0.0});
 }
 
 TEST(Water, TableReplacesTheLaw) {
   Water water = wet_side();
   water.coefficient = {Abscissa::temperature, {20, 100, 200}, {5000, 9000, 20000}};
-  EXPECT_DOUBLE_EQ(water_flux(water, {60.0, 0.0}, {}, 3e-3, 0.0).flux, 7000.0 * 40.0);
-  expect_consistent([&](const SurfaceState& s) { return water_flux(water, s, {}, 3e-3, 0.0); },
-                    {150.0, 0.0});
+  EXPECT_DOUBLE_EQ(water_flux(water, boiling_of(water, 3e-3, 0.0), {60.0, 0.0}, {}, 3e-3, 0.0).flux,
+                   7000.0 * 40.0);
+  expect_consistent(
+      [&](const SurfaceState& s) {
+        return water_flux(water, boiling_of(water, 3e-3, 0.0), s, {}, 3e-3, 0.0);
+      },
+      {150.0, 0.0});
 }
 
 TEST(Zone, MixesByTheLiquidFraction) {

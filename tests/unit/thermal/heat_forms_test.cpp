@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "tests/unit/thermal/casting_case.hpp"
@@ -57,6 +58,30 @@ TEST_P(HeatFormsOfSection, CouplingsAreNeverPositive) {
     EXPECT_GT(forms->stiffness()[std::size_t(start[c])], 0.0);
     for (std::size_t k = std::size_t(start[c]) + 1; k < std::size_t(start[c + 1]); ++k) {
       EXPECT_LE(forms->stiffness()[k], 1e-14);
+    }
+  }
+}
+
+/// Oblique cells: no source inside from a field that is linear in height.
+TEST_P(HeatFormsOfSection, LinearFieldIsInEquilibriumOnObliqueCells) {
+  mesh::Mesh2D mesh = mesh::SlabMesh2D(casting_section(element())).mesh();
+  std::vector<char> inside(std::size_t(mesh.nodes()), 1);
+  for (const auto& patch : mesh.patches)
+    for (const int n : mesh::patch_nodes(patch)) inside[std::size_t(n)] = 0;
+  for (std::size_t n = 0; n < inside.size(); ++n) {
+    if (inside[n] == 0) continue;
+    mesh.node[2 * n] += 0.8e-3 * std::sin(7.0 * static_cast<double>(n));
+    mesh.node[2 * n + 1] += 0.8e-3 * std::cos(5.0 * static_cast<double>(n));
+  }
+  const auto forms = make_heat_forms(mesh, kind());
+  forms->update();
+  std::vector<double> theta, source(inside.size());
+  for (int n = 0; n < mesh.nodes(); ++n)
+    theta.push_back(7.0 * mesh.point(n)[1] + (round() ? 0.0 : 3.0 * mesh.point(n)[0]));
+  linalg::multiply(forms->pattern(), forms->stiffness(), theta, source);
+  for (std::size_t n = 0; n < source.size(); ++n) {
+    if (inside[n] != 0) {
+      EXPECT_NEAR(source[n], 0.0, 1e-13);
     }
   }
 }

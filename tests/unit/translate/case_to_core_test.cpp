@@ -78,6 +78,42 @@ TEST(CaseToCore, AnAlloyHasOneCreepLawAndACoherencyTemperature) {
   EXPECT_EQ(std::get<material::NortonHoffConstants>(to.alloy.creep).exponent, 5);
 }
 
+TEST(CaseToCore, TakesFacesPulsesFactorsAndShifts) {
+  v1::Case from;
+  auto* zone = from.mutable_cooling()->add_zone();
+  zone->set_face(v1::SideZone::NARROW);
+  from.mutable_cooling()->add_zone()->set_face(v1::SideZone::EVERY);
+  v1::Water& water = *from.mutable_cooling()->mutable_narrow_water();
+  water.set_boiling_follows_flow(true);
+  water.set_pulse_period_s(4.0);
+  water.set_pulse_share(0.25);
+  water.set_pulse_end_s(30.0);
+  v1::Schedule& schedule = *from.mutable_schedule();
+  schedule.mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
+  schedule.mutable_narrow_water_flow_m2_per_s()->add_value(2e-3);
+  schedule.mutable_water_flow_factor()->add_at(0.0);
+  schedule.mutable_water_flow_factor()->add_value(0.5);
+  schedule.set_casting_speed_shift_s(3.0);
+  schedule.set_water_flow_shift_s(-2.0);
+  from.mutable_coupling()->set_deformed_zones(true);
+  const casting::Case to = to_core(from, "");
+  EXPECT_EQ(to.cooling.zones.at(0).face, thermal::Face::narrow);
+  EXPECT_FALSE(to.cooling.zones.at(1).face);
+  ASSERT_TRUE(to.cooling.narrow_water);
+  EXPECT_TRUE(to.cooling.narrow_water->boiling_follows_flow);
+  EXPECT_EQ(to.cooling.narrow_water->pulse_period, 4.0);
+  EXPECT_EQ(to.cooling.narrow_water->pulse_share, 0.25);
+  EXPECT_EQ(to.cooling.narrow_water->pulse_end, 30.0);
+  EXPECT_FALSE(to.cooling.water.boiling_follows_flow);
+  EXPECT_EQ(to.schedule.narrow_water_flow(0.0), 2e-3);
+  EXPECT_EQ(to.schedule.water_flow_factor(0.0), 0.5);
+  EXPECT_EQ(to.schedule.casting_speed_factor(0.0), 1.0);
+  EXPECT_EQ(to.schedule.casting_speed_shift, 3.0);
+  EXPECT_EQ(to.schedule.water_flow_shift, -2.0);
+  EXPECT_TRUE(to.coupling.deformed_zones);
+  EXPECT_FALSE(to_core(v1::Case(), "").cooling.narrow_water);
+}
+
 TEST(CaseToCore, AbsentKeysKeepTheDefaultsOfTheCore) {
   const casting::Case to = to_core(v1::Case(), "");
   const casting::Case defaults;

@@ -31,21 +31,6 @@ Curve stepped_capacity(const std::vector<double>& from, const std::vector<double
   return {Abscissa::temperature, std::move(at), std::move(value)};
 }
 
-material::AlloyCard metal_of(const StefanData& stefan) {
-  material::AlloyCard card;
-  card.solidus = card.liquidus = stefan.change;
-  card.latent_heat = stefan.latent_heat;
-  card.density = Curve(1.0);
-  card.specific_heat = {Abscissa::temperature,
-                        {stefan.change - ramp, stefan.change},
-                        {stefan.solid_capacity, stefan.liquid_capacity}};
-  card.conductivity = Curve(stefan.solid_conductivity);
-  card.melt_conductivity_factor = {Abscissa::liquid_fraction,
-                                   {0.0, 1.0},
-                                   {1.0, stefan.liquid_conductivity / stefan.solid_conductivity}};
-  return card;
-}
-
 material::AlloyCard metal_of(const MushyStefanData& mushy) {
   material::AlloyCard card;
   card.solidus = mushy.solidus;
@@ -79,16 +64,6 @@ material::AlloyCard metal_of(const StrandData& strand) {
   return card;
 }
 
-/// No heat passes but through what the caller opens.
-CoolingSpec insulated() {
-  CoolingSpec cooling;
-  cooling.water.enabled = false;
-  cooling.dry_coefficient = 0.0;
-  cooling.bottom_block.contact_coefficient = Curve(0.0);
-  cooling.bottom_block.temperature = Curve(0.0);
-  return cooling;
-}
-
 mesh::SectionSpec uniform_section(double width, int columns, double depth, int rows,
                                   mesh::ElementKind element) {
   mesh::SectionSpec section;
@@ -101,13 +76,6 @@ mesh::SectionSpec uniform_section(double width, int columns, double depth, int r
   section.element = element;
   section.growth = false;
   return section;
-}
-
-void take(RunSize& size, const HeatStepOutcome& outcome) {
-  ++size.steps;
-  size.iterations += outcome.iterations;
-  size.worst_balance = std::max(size.worst_balance, outcome.balance.error);
-  size.converged = size.converged && outcome.converged;
 }
 
 double seconds_since(std::clock_t start) {
@@ -263,6 +231,38 @@ int cells_of(const StripSpec& strip) {
 }
 
 }  // namespace
+
+material::AlloyCard metal_of(const StefanData& stefan) {
+  material::AlloyCard card;
+  card.solidus = card.liquidus = stefan.change;
+  card.latent_heat = stefan.latent_heat;
+  card.density = Curve(1.0);
+  card.specific_heat = {Abscissa::temperature,
+                        {stefan.change - ramp, stefan.change},
+                        {stefan.solid_capacity, stefan.liquid_capacity}};
+  card.conductivity = Curve(stefan.solid_conductivity);
+  card.melt_conductivity_factor = {Abscissa::liquid_fraction,
+                                   {0.0, 1.0},
+                                   {1.0, stefan.liquid_conductivity / stefan.solid_conductivity}};
+  return card;
+}
+
+/// No heat passes but through what the caller opens.
+CoolingSpec insulated() {
+  CoolingSpec cooling;
+  cooling.water.enabled = false;
+  cooling.dry_coefficient = 0.0;
+  cooling.bottom_block.contact_coefficient = Curve(0.0);
+  cooling.bottom_block.temperature = Curve(0.0);
+  return cooling;
+}
+
+void take(RunSize& size, const HeatStepOutcome& outcome) {
+  ++size.steps;
+  size.iterations += outcome.iterations;
+  size.worst_balance = std::max(size.worst_balance, outcome.balance.error);
+  size.converged = size.converged && outcome.converged;
+}
 
 StefanFigures run_stefan(const StefanData& stefan, const StripSpec& spec) {
   const std::clock_t start = std::clock();

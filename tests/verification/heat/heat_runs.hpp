@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh/section_spec.hpp"
+#include "core/thermal/heat_solver.hpp"
 #include "tests/verification/heat/exact_solutions.hpp"
 
 /// The heat solver against the exact solutions, each as a plain function from data and mesh to
@@ -48,6 +49,13 @@ struct StripSpec {
 /// Isothermal change; the front is where the solid of the strip would end if it were compact, which
 /// is its content of solid, as sharp as the discretisation knows it.
 StefanFigures run_stefan(const StefanData& stefan, const StripSpec& strip);
+
+/// Metal of density 1 with the data of the problem.
+material::AlloyCard metal_of(const StefanData& stefan);
+/// No heat passes but through what the caller opens, and through a pouring top.
+thermal::CoolingSpec insulated();
+/// Counts a step.
+void take(RunSize& size, const thermal::HeatStepOutcome& outcome);
 
 struct MushyFigures {
   FrontFigure solidus, liquidus;                      ///< at the end, by the nodal temperatures
