@@ -12,7 +12,8 @@ int ActiveSet::update(std::span<const double> gap, std::span<const double> react
   std::vector<std::size_t> violators;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const double excess = active(i) ? -reaction[i] / tolerance.force : -gap[i] / tolerance.gap;
-    if (active(i) && (strongest == active_.size() || reaction[i] > reaction[strongest])) {
+    const bool carries = i < carrying_ && active(i);
+    if (carries && (strongest == active_.size() || reaction[i] > reaction[strongest])) {
       strongest = i;
     }
     if (excess <= 1.0) continue;
@@ -22,7 +23,9 @@ int ActiveSet::update(std::span<const double> gap, std::span<const double> react
   if (violators.empty()) return 0;
   if (one_by_one) violators.assign(1, worst);
   for (std::size_t i : violators) active_[i] = active(i) ? 0 : 1;
-  if (std::none_of(active_.begin(), active_.end(), [](char a) { return a != 0; })) {
+  const auto end = active_.begin() + static_cast<long>(carrying_);
+  const bool all_open = std::none_of(active_.begin(), end, [](char a) { return a != 0; });
+  if (all_open && strongest < carrying_) {
     active_[strongest] = 1;
     return static_cast<int>(violators.size()) - 1;
   }

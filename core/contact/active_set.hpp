@@ -5,7 +5,7 @@
 
 namespace dccast::contact {
 
-/// Signorini's conditions at the nodes of the bottom, held by a primal-dual active set
+/// Signorini's conditions at the nodes of the bottom and of walls, held by a primal-dual active set
 /// (Hintermueller, Ito, Kunisch 2002): gap >= 0, reaction >= 0, one of them zero.
 ///
 /// A pair in the set is held at zero gap and its reaction is an outcome; a pair outside carries no
@@ -19,14 +19,19 @@ public:
   };
 
   ActiveSet() = default;
-  explicit ActiveSet(std::vector<char> active) : active_(std::move(active)) {}
+  /// @param carrying  the first so many pairs are never all open
+  ActiveSet(std::vector<char> active, std::size_t carrying)
+      : active_(std::move(active)), carrying_(carrying) {}
+  explicit ActiveSet(std::vector<char> active) : active_(std::move(active)) {
+    carrying_ = active_.size();
+  }
 
   const std::vector<char>& active() const { return active_; }
   bool active(std::size_t pair) const { return active_[pair] != 0; }
 
   /// Moves pairs that violate their condition across. After many changes, only the worst one, so
-  /// that two pairs cannot send each other back and forth. The set is never emptied: a slab without
-  /// any support has no equilibrium.
+  /// that two pairs cannot send each other back and forth. Those that carry are never all opened: a
+  /// slab without any support has no equilibrium.
   /// @param gap       of every pair [m]
   /// @param reaction  of every pair, meaningful where active [N/m]
   /// @param one_by_one  move only the worst violator
@@ -36,6 +41,7 @@ public:
 
 private:
   std::vector<char> active_;
+  std::size_t carrying_ = 0;
 };
 
 /// Largest violation of gap >= 0, reaction >= 0 and their product, relative to the scales given.

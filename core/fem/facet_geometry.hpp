@@ -76,20 +76,4 @@ FacetShares<Element::dimension> facet_shares_of(const mesh::Mesh<Element::dimens
   }
 }
 
-/// Unit normal of a facet in its middle; its sense is that of the order of the nodes: in 2D to the
-/// right of node[0] -> node[1], out of the domain, in 3D that about which the nodes turn to the left.
-inline std::array<double, 2> facet_normal(const mesh::Mesh<2>& mesh, const mesh::Facet<2>& facet) {
-  const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
-  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
-  return {(b[1] - a[1]) / length, (a[0] - b[0]) / length};
-}
-inline std::array<double, 3> facet_normal(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet) {
-  const auto corner = [&](std::size_t i) { return detail::corner_of(mesh, facet, i); };
-  const Eigen::Vector3d area = facet.nodes == 3
-                                   ? detail::doubled_area(mesh, facet)
-                                   : Eigen::Vector3d((corner(2) - corner(0)).cross(corner(3) - corner(1)));
-  const Eigen::Vector3d normal = area.normalized();
-  return {normal(0), normal(1), normal(2)};
-}
-
 }  // namespace dccast::fem

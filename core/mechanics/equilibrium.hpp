@@ -39,6 +39,11 @@ public:
       for (std::size_t e = block.first; e < block.end; ++e) respond(block, e, law);
       problem_->forms->add_forces(block, responses_of(block), pressure_, out, squares);
     });
+    for (std::size_t i = 0; i < problem_->spring.size(); ++i) {
+      const double force = problem_->spring[i] * u[i];
+      out[i] += force;
+      squares += force * force;
+    }
     return std::sqrt(squares);
   }
 
@@ -50,6 +55,9 @@ public:
                                      std::span(problem_->bulk).subspan(block.first),
                                      *problem_->pattern, values);
     });
+    for (std::size_t i = 0; i < problem_->spring.size(); ++i) {
+      values[std::size_t(problem_->pattern->diagonal(static_cast<int>(i)))] += problem_->spring[i];
+    }
   }
 
   const std::vector<Response>& response() const { return response_; }

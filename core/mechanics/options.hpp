@@ -6,6 +6,9 @@ namespace dccast::mechanics {
 
 enum class Algorithm { newton, vnbm, sbm, nbm };
 enum class Liquid { prestressed, weak, solid };
+/// How the mould holds a side that is not yet solid: along its normal exactly, or by springs (paper,
+/// remark 3).
+enum class Confinement { exact, penalty };
 
 /// Parameters of the paper's algorithms; section numbers stand in case.proto.
 struct AlgorithmParameters {
@@ -28,6 +31,11 @@ struct Options {
   double liquid_delta = 2.0;     ///< [1]
   double liquid_beta = 1.0;      ///< [1]
   bool confinement = true;
+  Confinement confinement_by = Confinement::exact;
+  double confinement_stiffness = 1e13;  ///< [Pa/m] of the springs
+  /// A side that the mould has let go of may lean on its wall and not pass it.
+  bool mould_wall = false;
+  double mould_length = 0.0;  ///< [m] of the mould below the metal level, for `mould_wall`
   bool contact = true;
   double tolerance = 1e-8;                ///< [1] residual relative to the forces that act
   std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()

@@ -53,9 +53,11 @@ private:
     auto& p = this->unknowns_.contact_multiplier;
     const auto& area = this->problem_.contact_area;
     if (p.size() == area.size()) return;
+    const std::size_t carrying = this->problem_.carrying();
     double sum = 0.0;
-    for (double a : area) sum += a;
-    p.assign(area.size(), sum > 0.0 ? this->problem_.weight / sum : 0.0);
+    for (std::size_t i = 0; i < carrying; ++i) sum += area[i];
+    p.assign(carrying, sum > 0.0 ? this->problem_.weight / sum : 0.0);
+    p.resize(area.size(), 0.0);
   }
 
   void iterate() {
@@ -110,15 +112,16 @@ private:
     return system_.factorize(problem.fixed, step_);
   }
 
-  /// The terms gamma_c u_n v_n and p v_n of (51). u_n is downwards and counts from the block: minus
-  /// the gap.
+  /// The terms gamma_c u_n v_n and p v_n of (51). u_n counts from the block or wall into it: minus the
+  /// gap.
   void add_contact_forces() {
     const auto& problem = this->problem_;
     for (std::size_t i = 0; i < problem.contact.size(); ++i) {
       const double u_n = -problem.normal_gap(i, this->unknowns_.displacement);
+      const double pressure = this->unknowns_.contact_multiplier[i] +
+                              this->options_.parameters.gamma_c * u_n;
       this->work_.residual[std::size_t(problem.contact[i])] -=
-          problem.contact_area[i] * (this->unknowns_.contact_multiplier[i] +
-                                     this->options_.parameters.gamma_c * u_n);
+          problem.sense(i) * (problem.contact_area[i] * pressure);
     }
   }
 
@@ -160,9 +163,10 @@ private:
     for (std::size_t i = 0; i < this->problem_.contact.size(); ++i) {
       const std::size_t unknown = std::size_t(this->problem_.contact[i]);
       double& r = this->work_.residual[unknown];
-      const double pushed = r - scale * this->problem_.contact_area[i] *
-                                    this->problem_.normal_gap(i, this->unknowns_.displacement);
-      r -= std::max(0.0, pushed);
+      const double sense = this->problem_.sense(i);
+      const double pushed = sense * r - scale * this->problem_.contact_area[i] *
+                                            this->problem_.normal_gap(i, this->unknowns_.displacement);
+      r -= sense * std::max(0.0, pushed);
       contact_violation_ = std::max(
           contact_violation_, std::abs(r) / (scale * this->problem_.contact_area[i]));
     }

@@ -13,8 +13,6 @@ namespace dccast::mechanics {
 
 namespace {
 
-/// Displacements are along these directions: first away from the symmetry plane, last upwards.
-constexpr int across = 0;
 template <int Dim>
 constexpr int up = Dim - 1;
 
@@ -57,37 +55,24 @@ void SlabMechanics<Dim>::new_pattern() {
   problem_.external_force.assign(std::size_t(unknowns), 0.0);
   problem_.fixed.assign(std::size_t(unknowns), 0);
   problem_.target.assign(std::size_t(unknowns), 0.0);
-  find_boundaries();
+  supports_.find(*mesh_, *forms_);
+  forms_->set_frames(supports_.frames());
+  supports_.place_on_block(problem_, options_.contact);
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
   work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid,
                fronts);
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::find_boundaries() {
-  bottom_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::bottom);
-  side_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::side);
-  symmetry_nodes_ = mesh::patch_nodes(*mesh_, mesh::PatchKind::symmetry);
-  std::vector<int> place(std::size_t(mesh_->nodes()), -1);
-  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
-    place[std::size_t(bottom_nodes_[i])] = static_cast<int>(i);
-  }
-  problem_.contact.clear();
-  for (int n : bottom_nodes_) problem_.contact.push_back(n * Dim + up<Dim>);
-  problem_.contact_area.assign(bottom_nodes_.size(), 0.0);
-  bottom_length_.assign(bottom_nodes_.size(), 0.0);
-  for (const auto& facet : mesh_->facets(mesh::PatchKind::bottom)) {
-    const auto area = forms_->facet_shares(facet), plain = fem::facet_shares(*mesh_, facet);
-    for (std::size_t k = 0; k < std::size_t(facet.nodes); ++k) {
-      const std::size_t i = std::size_t(place[std::size_t(facet.node[k])]);
-      problem_.contact_area[i] += area[k];
-      bottom_length_[i] += plain[k];
-    }
-  }
-  if (!options_.contact) {
-    for (int unknown : problem_.contact) problem_.fixed[std::size_t(unknown)] = 1;
-    problem_.contact.clear();
-  }
+void SlabMechanics<Dim>::set_initial_gap(std::vector<double> gap) {
+  supports_.set_initial_gap(std::move(gap));
+}
+
+template <int Dim>
+double SlabMechanics<Dim>::bottom_gap(const State& state, std::size_t place) const {
+  const std::size_t node = std::size_t(bottom_nodes()[place]);
+  const auto& initial = supports_.initial_gap();
+  return state.displacement[node * Dim + up<Dim>] + (initial.empty() ? 0.0 : initial[place]);
 }
 
 template <int Dim>
@@ -101,8 +86,8 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
   state.viscoplastic.resize(all_points);
   state.deviator.resize(all_points);
   state.pressure.assign(all_points, 0.0);
-  state.contact.assign(bottom_nodes_.size(), 1);
-  state.reaction.assign(bottom_nodes_.size(), 0.0);
+  state.contact.assign(bottom_nodes().size(), 1);
+  state.reaction.assign(bottom_nodes().size(), 0.0);
   return state;
 }
 
@@ -110,20 +95,16 @@ template <int Dim>
 void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
                                        int first_moved) {
   const std::size_t first = std::size_t(first_moved) * points_;
+  const int old_nodes = static_cast<int>(state.released.size());
+  std::vector<double> u = supports_.by_unknown(state.displacement);
   std::vector<Tensor> elastic;  // of the elements that move
   for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(forms_->strain(i / points_, i % points_, state.displacement));
+    elastic.push_back(forms_->strain(i / points_, i % points_, u));
     elastic.back().add(-1.0, state.inelastic[i]);
   }
   const std::size_t stride = std::size_t(nodes_per_row) * Dim;
   for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
     state.displacement.push_back(state.displacement[i - stride]);
-  }
-  for (int n : mesh::patch_nodes(grown, mesh::PatchKind::side)) {
-    // A node that is new stands at the mould, whatever the one below it did.
-    if (n >= static_cast<int>(state.released.size())) {
-      state.displacement[std::size_t(n) * Dim + across] = 0.0;
-    }
   }
   state.released.resize(std::size_t(grown.nodes()), 0);
   state.solid.resize(std::size_t(grown.elements()), 0);
@@ -133,10 +114,14 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   state.deviator.resize(all_points);
   state.pressure.resize(all_points, 0.0);
   set_mesh(grown, first_moved);
+  // A node that is new stands at the mould, whatever the one below it did.
+  u = supports_.by_unknown(std::move(state.displacement));
+  supports_.stand_at_mould(u, old_nodes);
   for (std::size_t i = first; i < all_points; ++i) {
-    state.inelastic[i] = forms_->strain(i / points_, i % points_, state.displacement);
+    state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
     if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
   }
+  state.displacement = supports_.by_coordinate(std::move(u));
 }
 
 template <int Dim>
@@ -177,21 +162,25 @@ void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, doubl
                           std::max(0.0, metal_level - centroid_height(e));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
   state.solid[std::size_t(e)] = 1;
+  forget_history(state, std::size_t(e));
   for (std::size_t q = 0; q < points_; ++q) {
-    const std::size_t i = std::size_t(e) * points_ + q;
-    state.inelastic[i] = forms_->strain(std::size_t(e), q, state.displacement);
-    state.inelastic[i].add_identity(compression - properties_.thermal_stretch(at));
-    state.viscoplastic[i] = {};
-    state.deviator[i] = {};
+    state.inelastic[std::size_t(e) * points_ + q].add_identity(compression -
+                                                               properties_.thermal_stretch(at));
   }
 }
 
 template <int Dim>
 void SlabMechanics<Dim>::melt(State& state, int e) const {
   state.solid[std::size_t(e)] = 0;
+  forget_history(state, std::size_t(e));
+}
+
+/// No stress at the strain of the start of the step.
+template <int Dim>
+void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
   for (std::size_t q = 0; q < points_; ++q) {
-    const std::size_t i = std::size_t(e) * points_ + q;
-    state.inelastic[i] = forms_->strain(std::size_t(e), q, state.displacement);
+    const std::size_t i = e * points_ + q;
+    state.inelastic[i] = forms_->strain(e, q, displacement_);
     state.viscoplastic[i] = {};
     state.deviator[i] = {};
   }
@@ -260,32 +249,30 @@ void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> 
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::set_supports(State& state, std::span<const double> temperature) {
-  const auto hold_across = [&](int n, bool held) {
-    problem_.fixed[std::size_t(n) * Dim + across] = held ? 1 : 0;
-  };
-  for (int n : side_nodes_) {
-    auto& released = state.released[std::size_t(n)];
-    if (!options_.confinement || temperature[std::size_t(n)] < properties_.solidus()) released = 1;
-    hold_across(n, released == 0);
-  }
-  for (int n : symmetry_nodes_) hold_across(n, true);
-}
-
-template <int Dim>
 StepOutcome SlabMechanics<Dim>::step(State& state, const SlabStepInput& input) {
-  set_phases(state, input);
-  set_materials(state, input);
-  set_weight(state, input.temperature);
-  set_supports(state, input.temperature);
-  problem_.dt = input.time_step;
-  problem_.inelastic = state.inelastic;
-  StepUnknowns<Dim> unknowns{state.displacement, state.contact, state.contact_multiplier,
-                             state.deviator};
-  if (!options_.contact) unknowns.contact.clear();
+  StepUnknowns<Dim> unknowns = begin(state, input);
   const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
   if (outcome.converged) finish(state, unknowns, input);
   return outcome;
+}
+
+template <int Dim>
+StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& input) {
+  displacement_ = supports_.by_unknown(state.displacement);
+  set_phases(state, input);
+  set_materials(state, input);
+  set_weight(state, input.temperature);
+  StepUnknowns<Dim> unknowns{displacement_, state.contact, state.contact_multiplier,
+                             state.deviator};
+  if (!options_.contact) unknowns.contact.clear();
+  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.solidus(),
+                       input.metal_level - options_.mould_length, displacement_, unknowns.contact);
+  if (!unknowns.contact_multiplier.empty()) {
+    unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);
+  }
+  problem_.dt = input.time_step;
+  problem_.inelastic = state.inelastic;
+  return unknowns;
 }
 
 template <int Dim>
@@ -296,29 +283,50 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
   const double acting = std::max(
       equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
       least_acting_force(problem_, round_off, options_.tolerance));
-  StepConstraints<Dim> constraints(problem_, unknowns.contact, round_off);
-  checks_.weight = problem_.weight;
-  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
-  checks_.complementarity_error =
-      constraints.complementarity_error(unknowns.displacement, work_.residual);
-  checks_.bottom_reaction = checks_.contact_length = 0.0;
-  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
-    const bool closed = problem_.contact.empty() || unknowns.contact[i] != 0;
-    state.reaction[i] =
-        closed ? work_.residual[std::size_t(bottom_nodes_[i] * Dim + up<Dim>)] : 0.0;
-    checks_.bottom_reaction += state.reaction[i];
-    if (closed) checks_.contact_length += bottom_length_[i];
-  }
+  check_balance(unknowns, acting, round_off);
   for (std::size_t i = 0; i < state.pressure.size(); ++i) {
     state.deviator[i] = equilibrium.response()[i].deviator;
     state.pressure[i] = equilibrium.pressure(static_cast<int>(i / points_), unknowns.displacement);
   }
   accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic);
   accumulate_viscoplastic_strain(problem_, state.deviator, state.viscoplastic);
-  state.displacement = std::move(unknowns.displacement);
+  store_supports(state, unknowns);
+  state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
+  check_liquid_pressure(state, input.metal_level);
+}
+
+template <int Dim>
+void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns, double acting,
+                                       double round_off) {
+  std::vector<char> contact = unknowns.contact;
+  StepConstraints<Dim> constraints(problem_, contact, round_off);
+  checks_.weight = problem_.weight;
+  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
+  checks_.complementarity_error =
+      constraints.complementarity_error(unknowns.displacement, work_.residual);
+}
+
+/// Keeps what block and walls do to the slab.
+template <int Dim>
+void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknowns) {
+  checks_.bottom_reaction = checks_.contact_length = checks_.wall_reaction = 0.0;
+  for (std::size_t i = 0; i < bottom_nodes().size(); ++i) {
+    const bool closed = !options_.contact || unknowns.contact[i] != 0;
+    state.reaction[i] =
+        closed ? work_.residual[std::size_t(bottom_nodes()[i] * Dim + up<Dim>)] : 0.0;
+    checks_.bottom_reaction += state.reaction[i];
+    if (closed) checks_.contact_length += supports_.bottom_measure()[i];
+  }
+  for (std::size_t i = problem_.carrying(); i < problem_.contact.size(); ++i) {
+    if (unknowns.contact[i] == 0) continue;
+    checks_.wall_reaction += problem_.along_gap(i, work_.residual);
+  }
+  unknowns.contact.resize(problem_.carrying());
+  if (!unknowns.contact_multiplier.empty()) {
+    unknowns.contact_multiplier.resize(problem_.carrying());
+  }
   if (options_.contact) state.contact = std::move(unknowns.contact);
   state.contact_multiplier = std::move(unknowns.contact_multiplier);
-  check_liquid_pressure(state, input.metal_level);
 }
 
 template <int Dim>
@@ -353,5 +361,6 @@ void SlabMechanics<Dim>::check_liquid_pressure(const State& state, double metal_
 }
 
 template class SlabMechanics<2>;
+template class SlabMechanics<3>;
 
 }  // namespace dccast::mechanics

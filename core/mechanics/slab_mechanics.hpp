@@ -6,6 +6,7 @@
 
 #include "core/material/mechanical_properties.hpp"
 #include "core/mechanics/slab_state.hpp"
+#include "core/mechanics/slab_supports.hpp"
 #include "core/mechanics/solve_step.hpp"
 
 namespace dccast::mechanics {
@@ -22,9 +23,10 @@ struct SlabStepInput {
 struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
   double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
-  double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad]
-  double weight = 0.0;                 ///< [N/m], of a billet [N/rad]
-  double contact_length = 0.0;         ///< [m] of the bottom that stands on the block
+  double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad], in 3D [N]
+  double weight = 0.0;                 ///< [N/m], of a billet [N/rad], in 3D [N]
+  double contact_length = 0.0;         ///< [m] of the bottom that stands on the block, in 3D [m2]
+  double wall_reaction = 0.0;          ///< [N/m] of walls on released sides, [N/rad], in 3D [N]
   /// Root mean square error of the pressure in the liquid along its front against rho_l g depth,
   /// relative; zero without liquid.
   double liquid_pressure_error = 0.0;
@@ -48,6 +50,10 @@ public:
   /// @param first_moved  first element that is new or has moved
   void set_mesh(const Mesh& mesh, int first_moved = 0);
 
+  /// Gives the block a shape. @param gap  by bottom node, how far the block lies below it before
+  /// anything has moved [m]; empty: flat. @throws std::invalid_argument on another number of nodes
+  void set_initial_gap(std::vector<double> gap);
+
   /// A slab without displacement and history.
   State initial_state() const;
 
@@ -64,8 +70,10 @@ public:
 
   /// Checks of the last converged step.
   const SlabChecks& checks() const { return checks_; }
-  const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
-  const std::vector<double>& bottom_area() const { return problem_.contact_area; }
+  const std::vector<int>& bottom_nodes() const { return supports_.bottom_nodes(); }
+  const std::vector<double>& bottom_area() const { return supports_.bottom_area(); }
+  /// Gap between a bottom node, by its place in bottom_nodes(), and the block [m].
+  double bottom_gap(const State& state, std::size_t place) const;
   const Options& options() const { return options_; }
   std::size_t points() const { return points_; }  ///< of an element
 
@@ -73,16 +81,18 @@ private:
   using Tensor = SymmetricTensor<Dim>;
 
   void new_pattern();
-  void find_boundaries();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
   void solidify(State& state, int e, double metal_level, double at) const;
   void melt(State& state, int e) const;
   void set_phases(State& state, const SlabStepInput& input) const;
+  void forget_history(State& state, std::size_t e) const;
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);
-  void set_supports(State& state, std::span<const double> temperature);
+  StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
   void finish(State& state, StepUnknowns<Dim>& unknowns, const SlabStepInput& input);
+  void check_balance(const StepUnknowns<Dim>& unknowns, double acting, double round_off);
+  void store_supports(State& state, StepUnknowns<Dim>& unknowns);
   void check_liquid_pressure(const State& state, double metal_level);
 
   std::unique_ptr<MechanicsForms<Dim>> forms_;
@@ -94,10 +104,8 @@ private:
   Workspace work_;
   StepProblem<Dim> problem_;
   SlabChecks checks_;
-  std::vector<int> bottom_nodes_;
-  std::vector<double> bottom_length_;  ///< half of the edges at each bottom node [m]
-  std::vector<int> side_nodes_;
-  std::vector<int> symmetry_nodes_;
+  SlabSupports<Dim> supports_;
+  std::vector<double> displacement_;  ///< by unknown, of the start of the step [m]
 };
 
 }  // namespace dccast::mechanics

@@ -20,7 +20,7 @@ public:
   StepConstraints(const StepProblem<Dim>& problem, std::vector<char>& active, double round_off)
       : problem_(&problem),
         active_(&active),
-        set_(active),
+        set_(active, problem.carrying()),
         gap_(problem.contact.size()),
         reaction_(problem.contact.size()),
         force_tolerance_(std::max(force_share_of_weight * problem.weight, round_off)) {
@@ -73,10 +73,10 @@ public:
   double feasible_length(std::span<const double> u, std::span<const double> direction,
                          double length) const {
     for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
-      const std::size_t unknown = std::size_t(problem_->contact[i]);
-      if (set_.active(i) || direction[unknown] >= 0.0) continue;
+      const double opening = problem_->along_gap(i, direction);
+      if (set_.active(i) || opening >= 0.0) continue;
       const double gap = std::max(0.0, problem_->normal_gap(i, u));
-      length = std::min(length, gap / -direction[unknown]);
+      length = std::min(length, gap / -opening);
     }
     return length;
   }
@@ -85,7 +85,7 @@ public:
   int close_blocking(std::span<const double> u, std::span<const double> direction) {
     return close_where([&](std::size_t pair) {
       return problem_->normal_gap(pair, u) <= gap_tolerance &&
-             direction[std::size_t(problem_->contact[pair])] < 0.0;
+             problem_->along_gap(pair, direction) < 0.0;
     });
   }
 
@@ -114,9 +114,8 @@ private:
 
   void collect(std::span<const double> u, std::span<const double> residual) {
     for (std::size_t i = 0; i < gap_.size(); ++i) {
-      const std::size_t unknown = std::size_t(problem_->contact[i]);
       gap_[i] = problem_->normal_gap(i, u);
-      reaction_[i] = set_.active(i) ? residual[unknown] : 0.0;
+      reaction_[i] = set_.active(i) ? problem_->along_gap(i, residual) : 0.0;
     }
   }
   template <class Condition>
@@ -129,7 +128,7 @@ private:
       ++changes;
     }
     if (changes > 0) {
-      set_ = contact::ActiveSet(std::move(active));
+      set_ = contact::ActiveSet(std::move(active), problem_->carrying());
       mark();
     }
     return changes;

@@ -42,27 +42,43 @@ struct StepProblem {
   std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D
   std::vector<char> fixed;             ///< not zero: held at `target`
   std::vector<double> target;          ///< [m]
+  /// Stiffness of a spring towards zero [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in 3D; empty
+  /// where there is none.
+  std::vector<double> spring;
 
-  /// Unknowns of the bottom whose gap may not become negative (outward normal -x_last),
-  /// frictionless.
+  /// Unknowns whose gap may not become negative, frictionless: of the bottom, over the block
+  /// (outward normal -x_last), then of sides along a wall.
   std::vector<int> contact;
+  /// By contact unknown, +1 where it grows as the gap opens, -1 where it falls; empty: all +1.
+  std::vector<double> contact_sense;
+  /// The last so many are of walls. The others carry the weight and are never all open.
+  std::size_t walls = 0;
   /// By contact unknown, how far the block lies below it before anything has moved [m]; empty where
   /// the block is flat against the slab.
   std::vector<double> initial_gap;
-  /// Share of the bottom that each stands for [m] in 2D, [m2/rad] if axisymmetric.
+  /// Share of the boundary that each stands for [m] in 2D, [m2/rad] if axisymmetric.
   std::vector<double> contact_area;
   /// Force against which reactions are judged: the weight of the slab, in the unit of the forces.
   double weight = 0.0;
 
   std::size_t unknowns() const { return external_force.size(); }
+  std::size_t carrying() const { return contact.size() - walls; }
 
-  /// Where a contact unknown stands on the block [m].
+  double sense(std::size_t pair) const {
+    return contact_sense.empty() ? 1.0 : contact_sense[pair];
+  }
+  /// Where a contact unknown stands on the block or at the wall [m].
   double closed_at(std::size_t pair) const {
-    return initial_gap.empty() ? 0.0 : -initial_gap[pair];
+    return initial_gap.empty() ? 0.0 : -sense(pair) * initial_gap[pair];
   }
   /// Normal gap of a contact unknown at displacement `u` [m], open positive.
   double normal_gap(std::size_t pair, std::span<const double> u) const {
-    return u[std::size_t(contact[pair])] - closed_at(pair);
+    return sense(pair) * (u[std::size_t(contact[pair])] - closed_at(pair));
+  }
+  /// How fast the gap opens along a vector of the unknowns, or by what force it is held, of a vector
+  /// of forces.
+  double along_gap(std::size_t pair, std::span<const double> v) const {
+    return sense(pair) * v[std::size_t(contact[pair])];
   }
 };
 

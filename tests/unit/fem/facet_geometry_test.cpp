@@ -69,18 +69,5 @@ TEST(FacetShares, OfAWarpedQuadrilateralAddUpToItsArea) {
   EXPECT_NEAR(area, exact, 2e-4);
 }
 
-TEST(FacetNormal, PointsOutOfTheDomain) {
-  const auto edge = facet_normal(nodes_at<2>({0, 0, 2, 0}), facet_of<2>(2));  // domain above
-  EXPECT_DOUBLE_EQ(edge[0], 0.0);
-  EXPECT_DOUBLE_EQ(edge[1], -1.0);
-  const auto face = nodes_at<3>({0, 0, 0, 2, 1, 0, 2, 1, 3, 0, 0, 3});
-  for (const int nodes : {3, 4}) {
-    const auto normal = facet_normal(face, facet_of<3>(nodes));
-    EXPECT_NEAR(normal[0], 1.0 / std::sqrt(5.0), 1e-15);
-    EXPECT_NEAR(normal[1], -2.0 / std::sqrt(5.0), 1e-15);
-    EXPECT_NEAR(normal[2], 0.0, 1e-15);
-  }
-}
-
 }  // namespace
 }  // namespace dccast::fem

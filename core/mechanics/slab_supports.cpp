@@ -1,0 +1,269 @@
+#include "core/mechanics/slab_supports.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace dccast::mechanics {
+
+namespace {
+
+// Normals that make less than 30 degrees are those of one smooth side.
+const double same_side = std::cos(30.0 / 180.0 * 3.14159265358979323846);
+constexpr double along_axis = 1.0 - 1e-12;  // component of a unit vector along an axis
+constexpr double no_direction = 1e-6;       // length of what is left of a unit vector
+constexpr double touching = 1e-9;           // gap of a node that stands at the wall [m]
+
+}  // namespace
+
+/// What bounds the slab at a node, in horizontal unit vectors.
+template <int Dim>
+struct SlabSupports<Dim>::Normals {
+  using Vector = Eigen::Matrix<double, Dim, 1>;
+  struct Side {
+    Vector sum;   ///< of the normals that count as one
+    double area;
+  };
+  std::vector<Vector> symmetry;
+  std::vector<Side> sides;
+
+  void add_side(const Vector& normal, double area) {
+    for (Side& side : sides) {
+      if (normal.dot(side.sum.normalized()) < same_side) continue;
+      side.sum += area * normal;
+      side.area += area;
+      return;
+    }
+    sides.push_back({area * normal, area});
+  }
+};
+
+template <int Dim>
+void SlabSupports<Dim>::find(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
+  find_bottom(mesh, forms);
+  find_walls(mesh, forms);
+}
+
+template <int Dim>
+void SlabSupports<Dim>::find_bottom(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
+  bottom_nodes_ = mesh::patch_nodes(mesh, mesh::PatchKind::bottom);
+  std::vector<int> place(std::size_t(mesh.nodes()), -1);
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    place[std::size_t(bottom_nodes_[i])] = static_cast<int>(i);
+  }
+  bottom_area_.assign(bottom_nodes_.size(), 0.0);
+  bottom_measure_ = bottom_area_;
+  mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
+    const auto area = forms.facet_shares(facet), plain = fem::facet_shares(mesh, facet);
+    for (std::size_t k = 0; k < std::size_t(facet.nodes); ++k) {
+      const std::size_t i = std::size_t(place[std::size_t(facet.node[k])]);
+      bottom_area_[i] += area[k];
+      bottom_measure_[i] += plain[k];
+    }
+  });
+  if (initial_gap_.size() != bottom_nodes_.size()) initial_gap_.clear();
+}
+
+template <int Dim>
+void SlabSupports<Dim>::find_walls(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
+  std::map<int, Normals> of_node;
+  const auto horizontal = [](const std::array<double, Dim>& normal) {
+    typename Normals::Vector n(normal.data());
+    n(up) = 0.0;
+    return n.norm() > no_direction ? std::optional(n.normalized()) : std::nullopt;
+  };
+  mesh::for_each_facet(mesh, mesh::PatchKind::symmetry, [&](const auto& facet, const auto& patch) {
+    const auto normal = horizontal(patch.normal);
+    for (int k = 0; normal && k < facet.nodes; ++k) {
+      of_node[facet.node[std::size_t(k)]].symmetry.push_back(*normal);
+    }
+  });
+  mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto& patch) {
+    const auto normal = horizontal(patch.normal);
+    const auto area = forms.facet_shares(facet);
+    for (std::size_t k = 0; normal && k < std::size_t(facet.nodes); ++k) {
+      of_node[facet.node[k]].add_side(*normal, area[k]);
+    }
+  });
+  side_nodes_.clear();
+  symmetry_unknowns_.clear();
+  frames_.clear();
+  for (const auto& [node, normals] : of_node) add_node(node, mesh.point(node)[up], normals);
+}
+
+/// Orthogonal directions along which a node is held, first those of symmetry; what they leave of a
+/// normal counts.
+template <int Dim>
+class SlabSupports<Dim>::HeldDirections {
+public:
+  using Vector = typename Normals::Vector;
+
+  explicit HeldDirections(const Normals& normals) {
+    for (const Vector& normal : normals.symmetry) add(normal);
+    of_symmetry = direction.size();
+    for (const auto& side : normals.sides) {
+      if (add(side.sum.normalized())) area.push_back(side.area);
+    }
+  }
+
+  /// Whether all of them are coordinate axes.
+  bool along_axes() const {
+    return std::ranges::all_of(
+        direction, [](const Vector& d) { return d.cwiseAbs().maxCoeff() >= along_axis; });
+  }
+  /// Frame of the directions, what is left, and up.
+  NodalFrame<Dim> frame(int node) const {
+    std::vector<Vector> axis = direction;
+    if constexpr (Dim == 3) {
+      if (axis.size() == 1) axis.push_back(Vector::UnitZ().cross(axis[0]));
+    }
+    NodalFrame<Dim> frame{node, {}};
+    for (std::size_t k = 0; k < axis.size(); ++k) {
+      std::copy(axis[k].begin(), axis[k].end(), frame.axis[k].begin());
+    }
+    frame.axis[up][up] = 1.0;
+    return frame;
+  }
+
+  std::vector<Vector> direction;
+  std::size_t of_symmetry = 0;
+  std::vector<double> area;  ///< of those of the side
+
+private:
+  bool add(Vector normal) {
+    for (const Vector& d : direction) normal -= d.dot(normal) * d;
+    if (normal.norm() <= no_direction) return false;
+    direction.push_back(normal.normalized());
+    return true;
+  }
+};
+
+template <int Dim>
+void SlabSupports<Dim>::add_node(int node, double height, const Normals& normals) {
+  const HeldDirections held(normals);
+  const bool framed = !held.along_axes();
+  if (framed) frames_.push_back(held.frame(node));
+  SideNode side{node, height, {}};
+  for (std::size_t k = 0; k < held.direction.size(); ++k) {
+    Eigen::Index axis = static_cast<Eigen::Index>(k);
+    double outward = 1.0;
+    if (!framed) {
+      held.direction[k].cwiseAbs().maxCoeff(&axis);
+      outward = held.direction[k](axis) > 0.0 ? 1.0 : -1.0;
+    }
+    const int unknown = node * Dim + static_cast<int>(axis);
+    if (k < held.of_symmetry) symmetry_unknowns_.push_back(unknown);
+    else side.direction.push_back({unknown, outward, held.area[k - held.of_symmetry]});
+  }
+  if (!normals.sides.empty()) side_nodes_.push_back(std::move(side));
+}
+
+template <int Dim>
+void SlabSupports<Dim>::set_initial_gap(std::vector<double> gap) {
+  if (!gap.empty() && gap.size() != bottom_nodes_.size()) {
+    throw std::invalid_argument("initial gap of the bottom: " + std::to_string(gap.size()) +
+                                " numbers for " + std::to_string(bottom_nodes_.size()) + " nodes");
+  }
+  initial_gap_ = std::move(gap);
+}
+
+template <int Dim>
+void SlabSupports<Dim>::place_on_block(StepProblem<Dim>& problem, bool contact) const {
+  problem.contact.clear();
+  problem.contact_area.clear();
+  problem.initial_gap.clear();
+  for (int n : bottom_nodes_) problem.contact.push_back(n * Dim + up);
+  if (contact) {
+    problem.contact_area = bottom_area_;
+    problem.initial_gap = initial_gap_;
+  } else {
+    for (int unknown : problem.contact) problem.fixed[std::size_t(unknown)] = 1;
+    problem.contact.clear();
+  }
+  problem.contact_sense.clear();
+  problem.walls = 0;
+}
+
+template <int Dim>
+void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state,
+                                   const Options& options, std::span<const double> temperature,
+                                   double solidus, double mould_bottom,
+                                   std::span<const double> displacement,
+                                   std::vector<char>& closed) const {
+  place_on_block(problem, options.contact);
+  const bool exact = options.confinement_by == Confinement::exact;
+  problem.spring.assign(exact ? 0 : problem.unknowns(), 0.0);
+  for (const SideNode& side : side_nodes_) {
+    char& released = state.released[std::size_t(side.node)];
+    const bool was_released = released != 0;
+    if (!options.confinement || temperature[std::size_t(side.node)] < solidus) released = 1;
+    for (const Direction& d : side.direction) {
+      const std::size_t unknown = std::size_t(d.unknown);
+      problem.fixed[unknown] = released == 0 && exact ? 1 : 0;
+      if (!exact) {
+        problem.spring[unknown] = released == 0 ? options.confinement_stiffness * d.area : 0.0;
+      }
+      if (!options.mould_wall || released == 0 || side.height < mould_bottom) continue;
+      add_wall(problem, d, -d.outward * displacement[unknown], was_released, closed);
+    }
+  }
+  for (int unknown : symmetry_unknowns_) problem.fixed[std::size_t(unknown)] = 1;
+}
+
+/// A node that was free and stands at the wall leans on it at first; one that is let go of now is
+/// left to itself, since it contracts.
+template <int Dim>
+void SlabSupports<Dim>::add_wall(StepProblem<Dim>& problem, const Direction& direction, double gap,
+                                 bool was_released, std::vector<char>& closed) const {
+  if (problem.contact_sense.empty()) problem.contact_sense.assign(problem.contact.size(), 1.0);
+  problem.contact.push_back(direction.unknown);
+  problem.contact_sense.push_back(-direction.outward);
+  problem.contact_area.push_back(direction.area);
+  ++problem.walls;
+  if (!problem.initial_gap.empty()) problem.initial_gap.push_back(0.0);
+  closed.push_back(was_released && gap <= touching ? 1 : 0);
+}
+
+namespace {
+template <int Dim, class Turn>
+std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vector<double> v,
+                           Turn&& turn) {
+  for (const auto& frame : frames) {
+    double* at = &v[std::size_t(frame.node) * Dim];
+    typename NodalFrame<Dim>::Vector of_node;
+    std::copy_n(at, Dim, of_node.begin());
+    of_node = turn(frame, of_node);
+    std::copy(of_node.begin(), of_node.end(), at);
+  }
+  return v;
+}
+}  // namespace
+
+template <int Dim>
+std::vector<double> SlabSupports<Dim>::by_unknown(std::vector<double> displacement) const {
+  return turned<Dim>(frames_, std::move(displacement),
+                     [](const auto& frame, const auto& v) { return frame.to_frame(v); });
+}
+
+template <int Dim>
+std::vector<double> SlabSupports<Dim>::by_coordinate(std::vector<double> displacement) const {
+  return turned<Dim>(frames_, std::move(displacement),
+                     [](const auto& frame, const auto& v) { return frame.to_coordinates(v); });
+}
+
+template <int Dim>
+void SlabSupports<Dim>::stand_at_mould(std::span<double> displacement, int first) const {
+  for (const SideNode& side : side_nodes_) {
+    if (side.node < first) continue;
+    for (const Direction& d : side.direction) displacement[std::size_t(d.unknown)] = 0.0;
+  }
+}
+
+template class SlabSupports<2>;
+template class SlabSupports<3>;
+
+}  // namespace dccast::mechanics

@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/mechanics_solid/solid_body.hpp"
+
+namespace dccast::mechanics {
+namespace {
+
+using namespace testing;
+
+constexpr Algorithm all[] = {Algorithm::newton, Algorithm::vnbm, Algorithm::sbm, Algorithm::nbm};
+const char* name_of(Algorithm a) {
+  constexpr const char* names[] = {"newton", "vnbm", "sbm", "nbm"};
+  return names[static_cast<int>(a)];
+}
+
+/// Parameters of the size of the block's own figures, as the paper's test T4 chooses them.
+Options options_of(Algorithm algorithm) {
+  Options options = in_balance(1e-9);
+  options.algorithm = algorithm;
+  options.parameters.gamma_p = 1e-7;
+  options.parameters.gamma_c = 4e10;
+  return options;
+}
+
+template <class Element>
+class SolidAlgorithmsOn : public ::testing::Test {
+protected:
+  /// Two steps of a quarter of a block that creeps under its weight while its top shrinks, so that
+  /// its corner lifts.
+  void run(Algorithm algorithm) {
+    SolidBody<Element> body(box_mesh({5, 3, 2}, of_tetrahedra<Element>, [](const Vector3& s) {
+      return Vector3{s[0], 0.6 * s[1], 0.25 * s[2]};
+    }));
+    body.set_material(1e9, 0.35, 3e-36);
+    body.set_contact();
+    const std::vector<double> heaviness(body.forms.elements(), 2.5e6);
+    body.problem.weight = body.forms.subtract_weight(heaviness, body.problem.external_force);
+    for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
+    for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
+    for (int e = 0; e < body.box.mesh.elements(); ++e) {
+      const int layer = e * 2 / body.box.mesh.elements();
+      body.problem.thermal[std::size_t(e)] = -2e-2 * (0.25 + 0.5 * layer);
+    }
+    for (int step = 0; step < 2; ++step) {
+      const auto outcome = body.step(options_of(algorithm), 0.05);
+      EXPECT_TRUE(outcome.converged) << name_of(algorithm) << ", step " << step << ", residual "
+                                     << outcome.equilibrium_residual;
+    }
+    displacement_ = body.displacement();
+    contact_ = body.unknowns().contact;
+    creep_ = 0.0;
+    for (const auto& strain : body.problem.inelastic) creep_ = std::max(creep_, strain.norm());
+  }
+
+  std::vector<double> displacement_;
+  std::vector<char> contact_;
+  double creep_ = 0.0;
+};
+
+using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
+TYPED_TEST_SUITE(SolidAlgorithmsOn, Families);
+
+TYPED_TEST(SolidAlgorithmsOn, AgreeOnACreepingPartialContact) {
+  this->run(Algorithm::newton);
+  const auto reference = this->displacement_;
+  const auto contact = this->contact_;
+  EXPECT_GT(this->creep_, 1e-3) << "creep must matter here";
+  EXPECT_NE(std::count(contact.begin(), contact.end(), 0), 0);
+  for (Algorithm algorithm : {all[1], all[2], all[3]}) {
+    this->run(algorithm);
+    double sum = 0.0, scale = 0.0;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+      const double d = this->displacement_[i] - reference[i];
+      sum += d * d, scale += reference[i] * reference[i];
+    }
+    EXPECT_LE(std::sqrt(sum / scale), 1e-6) << name_of(algorithm);
+    EXPECT_EQ(this->contact_, contact) << name_of(algorithm);
+  }
+}
+
+}  // namespace
+}  // namespace dccast::mechanics

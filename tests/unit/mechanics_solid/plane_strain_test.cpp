@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/mechanics/bodies.hpp"
+#include "tests/unit/mechanics_solid/solid_body.hpp"
+
+namespace dccast::mechanics {
+namespace {
+
+using testing::BoxMesh;
+using testing::Face;
+using testing::SolidBody;
+using testing::Vector3;
+using verification::FixedBody;
+
+template <class Plane, class Solid>
+struct Extrusion {
+  using Section = Plane;
+  using Body = Solid;
+};
+
+/// A section one cell thick along y, held there: plane strain. Sections stand in x and z.
+template <class Pair>
+class ExtrusionOf : public ::testing::Test {
+protected:
+  using Plane = typename Pair::Section;
+  using Solid = typename Pair::Body;
+  static constexpr int columns = 5, rows = 4;
+  static constexpr double width = 0.3, height = 0.2, thickness = 0.07;
+
+  ExtrusionOf()
+      : section(testing::distorted_rectangle<Plane>(width, height, columns, rows)),
+        solid(extruded(section.mesh)) {}
+
+  static BoxMesh extruded(const mesh::Mesh2D& section) {
+    return testing::box_mesh({columns, 1, rows}, testing::of_tetrahedra<Solid>,
+                             [&](const Vector3& s) {
+                               const int i = int(std::lround(s[0] * columns));
+                               const int k = int(std::lround(s[2] * rows));
+                               const double* x = section.point(k * (columns + 1) + i);
+                               return Vector3{x[0], thickness * s[1], x[1]};
+                             });
+  }
+  int node_of_section(int n) const {
+    return n / (2 * (columns + 1)) * (columns + 1) + n % (columns + 1);
+  }
+
+  void expect_the_same_displacement(double tolerance) const {
+    double size = 0.0;
+    for (double u : section.displacement()) size = std::max(size, std::abs(u));
+    for (int n = 0; n < solid.box.mesh.nodes(); ++n) {
+      const std::size_t m = std::size_t(node_of_section(n));
+      EXPECT_NEAR(solid.displacement(n, 0), section.displacement()[2 * m], tolerance * size);
+      EXPECT_NEAR(solid.displacement(n, 2), section.displacement()[2 * m + 1], tolerance * size);
+      EXPECT_NEAR(solid.displacement(n, 1), 0.0, tolerance * size);
+    }
+  }
+
+  FixedBody<Plane> section;
+  SolidBody<Solid> solid;
+};
+
+using Pairs = ::testing::Types<Extrusion<fem::Q1Quadrilateral, fem::Q1Hexahedron>,
+                               Extrusion<fem::BendingQuadrilateral, fem::BendingHexahedron>>;
+TYPED_TEST_SUITE(ExtrusionOf, Pairs);
+
+/// A section that creeps under a load at its side for some steps, one side held: the 2D figures.
+TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
+  auto& section = this->section;
+  auto& solid = this->solid;
+  section.set_material(1e9, 0.35, 1e-35, 6.0);
+  solid.set_material(1e9, 0.35, 1e-35, 6.0);
+  for (int n : this->solid.box.nodes_on(Face::x_low)) solid.fix(n, {0.0, 0.0, 0.0});
+  for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
+  for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) {
+    section.fix(n, 0, 0.0), section.fix(n, 1, 0.0);
+  }
+  solid.add_traction(Face::x_high,
+                     [](const Vector3& x) { return Vector3{2e6 * x[2], 0.0, 1e6}; });
+  section.add_traction(mesh::PatchKind::side, [](double, double y) {
+    return verification::Vector2{2e6 * y, 1e6};
+  });
+  for (int e = 0; e < section.mesh.elements(); ++e) {
+    section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] = 1e-4 * e;
+  }
+  for (int step = 0; step < 3; ++step) {
+    ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
+    ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
+    this->expect_the_same_displacement(1e-10);
+  }
+}
+
+/// A section on a floor of any shape, its top shrunk: the 2D contact.
+TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
+  auto& section = this->section;
+  auto& solid = this->solid;
+  section.set_material(1e9, 0.35, 0.0, 6.0);
+  solid.set_material(1e9, 0.35, 0.0, 6.0);
+  section.set_contact();
+  solid.set_contact();
+  const auto floor = [](double x) { return -1e-3 * x * x; };
+  for (int unknown : section.problem.contact) {
+    section.problem.initial_gap.push_back(floor(section.mesh.point(unknown / 2)[0]));
+  }
+  for (int unknown : solid.problem.contact) {
+    solid.problem.initial_gap.push_back(floor(solid.box.mesh.point(unknown / 3)[0]));
+  }
+  const std::vector<double> weight(section.forms.elements(), 2.5e6);
+  section.problem.weight =
+      section.forms.subtract_weight(weight, section.problem.external_force);
+  solid.problem.weight = solid.forms.subtract_weight(weight, solid.problem.external_force);
+  EXPECT_NEAR(solid.problem.weight, this->thickness * section.problem.weight,
+              1e-12 * solid.problem.weight);
+  for (int e = 0; e < section.mesh.elements(); ++e) {
+    section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] =
+        -5e-3 * (e / this->columns);
+  }
+  for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
+  for (int n : this->solid.box.nodes_on(Face::x_low)) solid.fix(n, 0, 0.0);
+  for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) section.fix(n, 0, 0.0);
+  ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
+  ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
+  this->expect_the_same_displacement(1e-9);
+  EXPECT_NE(std::count(solid.unknowns().contact.begin(), solid.unknowns().contact.end(), 0), 0);
+}
+
+}  // namespace
+}  // namespace dccast::mechanics
