@@ -25,6 +25,7 @@ struct Schedule {
   Curve casting_speed;        ///< [m/s] against time or cast length
   Curve casting_temperature;  ///< [°C] against time or cast length
   Curve water_flow;           ///< [m2/s] against time or cast length
+  Curve narrow_water_flow;    ///< [m2/s] of the narrow face of a quarter slab; empty: water_flow
 };
 
 struct ThermalOptions {
@@ -43,6 +44,7 @@ struct MechanicsCase {
 struct Coupling {
   bool gap_feedback = true;
   int iterations = 1;
+  bool deformed_zones = false;  ///< zones and water line at the height to which the side has risen
 };
 
 struct TimeControl {

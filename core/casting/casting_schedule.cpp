@@ -14,13 +14,24 @@ double value(const Curve& curve, double time, double length) {
 // Two times closer than this are one: steps are sums of decimal fractions.
 constexpr double same_time = 1e-9;  // [s]
 
+/// The step that ends at the start of the water is still dry.
+bool runs(const thermal::Water& water, double time) {
+  return water.enabled && time > water.start + same_time;
+}
+
 }  // namespace
 
 CastingSchedule::CastingSchedule(const Case& c)
-    : schedule_(c.schedule), step_(c.time.step), water_(c.cooling.water.enabled),
-      water_start_(c.cooling.water.start), begin_(-c.schedule.hold), end_(c.time.end) {
+    : schedule_(c.schedule),
+      step_(c.time.step),
+      water_(c.cooling.water),
+      narrow_water_(c.cooling.narrow_water),
+      frame_interval_(c.output.frame_interval),
+      begin_(-c.schedule.hold),
+      end_(c.time.end) {
   events_ = {0.0, end_};
-  if (water_) events_.push_back(water_start_);
+  if (water_.enabled) events_.push_back(water_.start);
+  if (narrow_water_ && narrow_water_->enabled) events_.push_back(narrow_water_->start);
   if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
   std::sort(events_.begin(), events_.end());
@@ -47,16 +58,29 @@ double CastingSchedule::casting_temperature(double time, double length) const {
 }
 
 double CastingSchedule::water_flow(double time, double length) const {
-  // The step that ends at the start of the water is still dry.
-  const bool runs = water_ && time > water_start_ + same_time;
-  return runs ? value(schedule_.water_flow, time, length) : 0.0;
+  return runs(water_, time) ? value(schedule_.water_flow, time, length) : 0.0;
+}
+
+std::optional<double> CastingSchedule::narrow_water_flow(double time, double length) const {
+  const Curve& own = schedule_.narrow_water_flow;
+  if (!narrow_water_ && own.empty()) return std::nullopt;
+  if (!runs(narrow_water_.value_or(water_), time)) return 0.0;
+  return value(own.empty() ? schedule_.water_flow : own, time, length);
+}
+
+double CastingSchedule::next_frame(double time) const {
+  const double passed = std::floor((time - begin_ + same_time) / frame_interval_);
+  return begin_ + (passed + 1.0) * frame_interval_;
+}
+
+double CastingSchedule::next_event(double time) const {
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  return next == events_.end() ? INFINITY : std::min(*next, next_frame(time));
 }
 
 double CastingSchedule::step_at(double time) const {
   const double wanted = step_(time);
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
-  if (next == events_.end()) return wanted;
-  const double left = *next - time;
+  const double left = next_event(time) - time;
   if (left <= wanted * (1.0 + same_time)) return left;
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
@@ -66,15 +90,15 @@ Leap CastingSchedule::leap(double time) const {
   constexpr double last_steps = 4.0;      // before an event, too, where a remainder is halved
   const Leap one{1, time + step_at(time)};
   const double step = step_(time), slope = step_.derivative(time + same_time);
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
-  if (next == events_.end() || slope <= -1.0) return one;
-  const double largest = std::max(step, step + slope * (*next - time));
-  const double distance = *next - time - last_steps * largest;
+  const double next = next_event(time);
+  if (next == INFINITY || slope <= -1.0) return one;
+  const double largest = std::max(step, step + slope * (next - time));
+  const double distance = next - time - last_steps * largest;
   if (distance <= static_cast<double>(worth_it) * largest) return one;
   const double growth = std::log1p(slope);  // of a step from one to the next
   const double count = std::floor(
       growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
-  if (!(count < 1e15)) return {std::int64_t(1e15), *next};
+  if (!(count < 1e15)) return {std::int64_t(1e15), next};
   const double covered =
       growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
   return {static_cast<std::int64_t>(count), time + covered};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/casting/case.hpp"
@@ -27,9 +28,15 @@ public:
   double cast_length(double length, double time, double step) const;
   double casting_temperature(double time, double length) const;  ///< [°C]
   double water_flow(double time, double length) const;           ///< [m2/s]; zero while it is off
+  /// The same of the narrow face of a quarter slab; nothing where it has no water of its own.
+  std::optional<double> narrow_water_flow(double time, double length) const;
+
+  /// First time after another one at which the fields are stored [s].
+  double next_frame(double time) const;
 
   /// Step the case asks for at a time [s], ending at the latest where something changes at once: the
-  /// block starts, water or mechanics starts, the table of steps has a point, the simulation ends.
+  /// block starts, water or mechanics starts, the table of steps has a point, the simulation ends;
+  /// and where the fields are to be stored, so that a frame is of exactly the instant asked for.
   /// A remainder below two steps is halved, so that no sliver is left over.
   double step_at(double time) const;
 
@@ -43,11 +50,13 @@ public:
 
 private:
   double speed(double time, double length) const;
+  double next_event(double time) const;
 
   Schedule schedule_;
   Curve step_;
-  bool water_;
-  double water_start_;          ///< [s]
+  thermal::Water water_;
+  std::optional<thermal::Water> narrow_water_;
+  double frame_interval_;       ///< [s]
   double begin_;                ///< [s]
   double end_;                  ///< [s]
   std::vector<double> events_;  ///< [s] increasing

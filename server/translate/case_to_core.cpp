@@ -114,7 +114,8 @@ casting::Schedule schedule(const v1::Schedule& from) {
   return {.hold = from.hold_s(),
           .casting_speed = to_core(from.casting_speed_m_per_s()),
           .casting_temperature = to_core(from.casting_temperature_c()),
-          .water_flow = to_core(from.water_flow_m2_per_s())};
+          .water_flow = to_core(from.water_flow_m2_per_s()),
+          .narrow_water_flow = to_core(from.narrow_water_flow_m2_per_s())};
 }
 
 std::optional<thermal::Face> face_of(v1::SideZone::Face face) {
@@ -163,7 +164,9 @@ thermal::CoolingSpec cooling(const v1::Cooling& from) {
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
                      .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
                      .temperature_factor = to_core(block.temperature_factor()),
-                     .temperature = to_core(block.temperature_c())};
+                     .temperature = to_core(block.temperature_c()),
+                     .profile_x = to_core(block.profile_x_m()),
+                     .profile_y = to_core(block.profile_y_m())};
   if (from.has_dry_coefficient_w_per_m2_k()) to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
   if (from.has_ambient_temperature_c()) to.ambient_temperature = from.ambient_temperature_c();
   to.top = from.top() == v1::Cooling::INSULATED ? thermal::Top::insulated : thermal::Top::pouring;
@@ -228,6 +231,11 @@ casting::MechanicsCase mechanics_case(const v1::Mechanics& from) {
   if (from.has_liquid_delta()) options.liquid_delta = from.liquid_delta();
   if (from.has_liquid_beta()) options.liquid_beta = from.liquid_beta();
   if (from.has_confinement()) options.confinement = from.confinement();
+  if (from.hold() == v1::Mechanics::PENALTY)
+    options.confinement_by = mechanics::Confinement::penalty;
+  if (from.has_mould_penalty_pa_per_m())
+    options.confinement_stiffness = from.mould_penalty_pa_per_m();
+  if (from.has_mould_wall()) options.mould_wall = from.mould_wall();
   if (from.has_contact()) options.contact = from.contact();
   if (from.has_tolerance()) options.tolerance = from.tolerance();
   if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();
@@ -263,6 +271,8 @@ casting::Monitor monitor(const v1::Monitor& from) {
 void small_tables(const v1::Case& from, casting::Case& to) {
   if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
   if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
+  if (from.coupling().has_deformed_zones())
+    to.coupling.deformed_zones = from.coupling().deformed_zones();
   for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
   if (from.output().has_frame_interval_s())
     to.output.frame_interval = from.output().frame_interval_s();
