@@ -11,6 +11,8 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_tables(found);
   check_levers(found);
   check_section(found);
+  check_quarter_slab(found);
+  check_block_profile(found);
   check_time(found);
   check_mechanics(found);
   check_course(found);

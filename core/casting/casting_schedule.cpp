@@ -39,12 +39,18 @@ double integral_of_product(const Curve& table, double shift, const Curve& factor
 // Two times closer than this are one: steps are sums of decimal fractions.
 constexpr double same_time = 1e-9;  // [s]
 
+/// The step that ends at the start of the water is still dry.
+bool runs(const thermal::Water& water, double time) {
+  return water.enabled && time > water.start + same_time;
+}
+
 }  // namespace
 
 CastingSchedule::CastingSchedule(const Case& c)
     : schedule_(c.schedule),
       step_(c.time.step),
       cooling_(c.cooling),
+      frame_interval_(c.output.frame_interval),
       begin_(-c.schedule.hold),
       end_(c.time.end) {
   events_ = {0.0, end_};
@@ -96,18 +102,24 @@ double CastingSchedule::narrow_water_flow(double time, double length) const {
 
 double CastingSchedule::flow(const Curve& table, const thermal::Water& water, double time,
                              double length) const {
-  // The step that ends at the start of the water is still dry.
-  const bool runs = water.enabled && time > water.start + same_time;
-  return runs ? value(schedule_.water_flow_factor, time, length) *
-                    value(table, time - schedule_.water_flow_shift, length)
-              : 0.0;
+  return runs(water, time) ? value(schedule_.water_flow_factor, time, length) *
+                                 value(table, time - schedule_.water_flow_shift, length)
+                           : 0.0;
+}
+
+double CastingSchedule::next_frame(double time) const {
+  const double passed = std::floor((time - begin_ + same_time) / frame_interval_);
+  return begin_ + (passed + 1.0) * frame_interval_;
+}
+
+double CastingSchedule::next_event(double time) const {
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  return next == events_.end() ? INFINITY : std::min(*next, next_frame(time));
 }
 
 double CastingSchedule::step_at(double time) const {
   const double wanted = step_(time);
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
-  if (next == events_.end()) return wanted;
-  const double left = *next - time;
+  const double left = next_event(time) - time;
   if (left <= wanted * (1.0 + same_time)) return left;
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
@@ -117,15 +129,15 @@ Leap CastingSchedule::leap(double time) const {
   constexpr double last_steps = 4.0;      // before an event, too, where a remainder is halved
   const Leap one{1, time + step_at(time)};
   const double step = step_(time), slope = step_.derivative(time + same_time);
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
-  if (next == events_.end() || slope <= -1.0) return one;
-  const double largest = std::max(step, step + slope * (*next - time));
-  const double distance = *next - time - last_steps * largest;
+  const double next = next_event(time);
+  if (next == INFINITY || slope <= -1.0) return one;
+  const double largest = std::max(step, step + slope * (next - time));
+  const double distance = next - time - last_steps * largest;
   if (distance <= static_cast<double>(worth_it) * largest) return one;
   const double growth = std::log1p(slope);  // of a step from one to the next
   const double count =
       std::floor(growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
-  if (!(count < 1e15)) return {std::int64_t(1e15), *next};
+  if (!(count < 1e15)) return {std::int64_t(1e15), next};
   const double covered = growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
   return {static_cast<std::int64_t>(count), time + covered};
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/casting/case.hpp"
@@ -30,10 +31,14 @@ public:
   double water_flow(double time, double length) const;
   double narrow_water_flow(double time, double length) const;  ///< the same of the narrow face
 
+  /// First time after another one at which the fields are stored [s].
+  double next_frame(double time) const;
+
   /// Step the case asks for at a time [s], ending at the latest where something changes at once:
   /// the block starts, water starts or its valve moves, mechanics starts, the table of steps has a
-  /// point, the simulation ends. A remainder below two steps is halved, so that no sliver is left
-  /// over.
+  /// point, the simulation ends, and where the fields are to be stored, so that a frame is of
+  /// exactly the instant asked for. A remainder below two steps is halved, so that no sliver is
+  /// left over.
   double step_at(double time) const;
 
   /// Many steps at once, without making them: between two events the step is linear in time, so
@@ -45,10 +50,12 @@ public:
 private:
   double speed(double time, double length) const;
   double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
+  double next_event(double time) const;
 
   Schedule schedule_;
   Curve step_;
   thermal::CoolingSpec cooling_;
+  double frame_interval_;       ///< [s]
   double begin_;                ///< [s]
   double end_;                  ///< [s]
   std::vector<double> events_;  ///< [s] increasing

@@ -20,5 +20,6 @@ RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
 }
 
 template class RunMesh<2>;
+template class RunMesh<3>;
 
 }  // namespace dccast::casting

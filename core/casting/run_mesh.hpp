@@ -27,5 +27,6 @@ private:
 };
 
 extern template class RunMesh<2>;
+extern template class RunMesh<3>;
 
 }  // namespace dccast::casting

@@ -31,6 +31,42 @@ double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
   return value;
 }
 
+template <int Dim>
+std::unique_ptr<mechanics::MechanicsForms<Dim>> forms_of(const mesh::SectionSpec& section) {
+  if constexpr (Dim == 2) return mechanics::make_mechanics_forms(section.element, section.kind);
+  else return mechanics::make_solid_forms(section.element);
+}
+
+/// The mould ends where the water begins.
+mechanics::Options options_of(const Case& c) {
+  mechanics::Options options = c.mechanics.options;
+  options.mould_length = c.cooling.water.from;
+  return options;
+}
+
+/// The last component of every vector.
+template <int Dim>
+std::vector<double> along_last(const std::vector<double>& vectors) {
+  std::vector<double> last;
+  for (std::size_t i = Dim - 1; i < vectors.size(); i += Dim) last.push_back(vectors[i]);
+  return last;
+}
+
+/// How far a block with a profile lies below each bottom node [m]; empty for a flat one.
+template <int Dim>
+std::vector<double> initial_gap(const thermal::BottomBlock& block, const mesh::Mesh<Dim>& mesh,
+                                const std::vector<int>& bottom_nodes) {
+  std::vector<double> gap;
+  if (block.profile_x.empty() && block.profile_y.empty()) return gap;
+  for (const int n : bottom_nodes) {
+    const double* at = mesh.point(n);
+    double depth = block.profile_x.empty() ? 0.0 : block.profile_x(at[0]);
+    if (Dim == 3 && !block.profile_y.empty()) depth += block.profile_y(at[1]);
+    gap.push_back(depth);
+  }
+  return gap;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -40,13 +76,16 @@ SlabRun<Dim>::SlabRun(const Case& c)
       control_(c.time.minimum_step),
       mesh_(c),
       heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
-      mechanics_(mechanics::make_mechanics_forms(c.section.element, c.section.kind),
-                 material::MechanicalProperties(c.alloy), c.mechanics.options),
+      mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
       initial_level_(largest(mesh_.mesh(), Dim - 1)),
       face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
                                                                      : 1.0),
+      has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
+                   !c.cooling.bottom_block.profile_y.empty()),
       validity_(c) {
   mechanics_.set_mesh(mesh_.mesh());
+  mechanics_.set_initial_gap(
+      initial_gap(c.cooling.bottom_block, mesh_.mesh(), mechanics_.bottom_nodes()));
   state_.time = schedule_.begin();
   state_.next_frame = state_.time;
   state_.step_limit = control_.limit();
@@ -101,9 +140,7 @@ bool SlabRun<Dim>::frame_is_due() const {
 
 template <int Dim>
 results::Frame SlabRun<Dim>::take_frame() {
-  while (state_.next_frame <= state_.time + same_time) {
-    state_.next_frame += case_.output.frame_interval;
-  }
+  state_.next_frame = schedule_.next_frame(state_.time);
   const std::vector<double> gap = bottom_gap();
   return frame_of<Dim>({mesh(), state_, metal_level(), mechanics_.bottom_nodes(), gap,
                         mechanics_.bottom_area(),
@@ -186,9 +223,8 @@ bool SlabRun<Dim>::grow(double length, double temperature,
 template <int Dim>
 std::vector<double> SlabRun<Dim>::bottom_gap() const {
   std::vector<double> gap;
-  for (int n : mechanics_.bottom_nodes()) {
-    gap.push_back(std::max(0.0, state_.slab.displacement[Dim * std::size_t(n) + Dim - 1]));
-  }
+  for (std::size_t i = 0; i < mechanics_.bottom_nodes().size(); ++i)
+    gap.push_back(std::max(0.0, mechanics_.bottom_gap(state_.slab, i)));
   return gap;
 }
 
@@ -206,7 +242,7 @@ template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
                              const std::optional<thermal::MetalEntry>& entry) {
   std::vector<double> gap;
-  if (case_.coupling.gap_feedback && state_.slab.started) gap = bottom_gap();
+  if (case_.coupling.gap_feedback && (state_.slab.started || has_profile_)) gap = bottom_gap();
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
@@ -237,6 +273,7 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried, const mechanics::SlabState<Dim
   tried.mechanics.iterations += before.iterations;
   tried.mechanics.factorizations += before.factorizations;
   tried.mechanics.solves += before.solves;
+  tried.mechanics.gradient_iterations += before.gradient_iterations;
   tried.mechanics.contact_changes += before.contact_changes;
   if (!outcome.converged) tried.why = "mechanical";
   return outcome.converged;
@@ -254,6 +291,7 @@ results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_att
   r.contact_changes = accepted.mechanics.contact_changes;
   r.factorizations = accepted.mechanics.factorizations + accepted.heat.factorizations;
   r.solves = accepted.mechanics.solves + accepted.heat.solves;
+  r.conjugate_gradient_iterations = accepted.mechanics.gradient_iterations;
   r.failed_attempts = failed_attempts;
   r.constitutive_residual = accepted.mechanics.constitutive_residual;
   report_heat(accepted, r);
@@ -303,7 +341,7 @@ void SlabRun<Dim>::report_mechanics(results::StepReport& r) {
   r.complementarity_error = checks.complementarity_error;
   r.bottom_reaction = checks.bottom_reaction / face_length_;
   r.weight = checks.weight / face_length_;
-  r.contact_length = checks.contact_length;
+  (Dim == 2 ? r.contact_length : r.contact_area) = checks.contact_length;
   r.liquid_pressure_error = checks.liquid_pressure_error;
   const SolidMotion motion =
       validity_.judge({state_.time, mesh(), state_.slab, state_.heat.temperature,
@@ -328,5 +366,6 @@ int SlabRun<Dim>::growing_elements() const {
 }
 
 template class SlabRun<2>;
+template class SlabRun<3>;
 
 }  // namespace dccast::casting

@@ -78,10 +78,12 @@ private:
   double initial_level_;  ///< [m]
   /// That heat and forces of a step stand for: 1 m, of a billet [m/rad], of a quarter slab itself.
   double face_length_;
+  bool has_profile_;  ///< the block is not flat
   ValidityJudge<Dim> validity_;
   RunState<Dim> state_;
 };
 
 extern template class SlabRun<2>;
+extern template class SlabRun<3>;
 
 }  // namespace dccast::casting

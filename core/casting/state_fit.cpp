@@ -136,5 +136,6 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
 }
 
 template std::string misfit(const RunState<2>&, const RunShape<2>&);
+template std::string misfit(const RunState<3>&, const RunShape<3>&);
 
 }  // namespace dccast::casting

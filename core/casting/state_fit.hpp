@@ -28,5 +28,6 @@ template <int Dim>
 std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run);
 
 extern template std::string misfit(const RunState<2>&, const RunShape<2>&);
+extern template std::string misfit(const RunState<3>&, const RunShape<3>&);
 
 }  // namespace dccast::casting

@@ -46,6 +46,9 @@ struct BottomBlock {
   Curve gap_coefficient;      ///< [W/(m2 K)] against gap [m]
   Curve temperature_factor;   ///< [1] against surface temperature [°C]
   Curve temperature;          ///< [°C] against time
+  /// [m] by which the block lies below the slab at the start, against distance from x = 0 and, of a
+  /// quarter slab, from y = 0; the two add up. Empty: flat.
+  Curve profile_x, profile_y;
 };
 
 enum class Top { pouring, insulated };

@@ -176,7 +176,9 @@ thermal::CoolingSpec cooling(const v1::Cooling& from) {
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
                      .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
                      .temperature_factor = to_core(block.temperature_factor()),
-                     .temperature = to_core(block.temperature_c())};
+                     .temperature = to_core(block.temperature_c()),
+                     .profile_x = to_core(block.profile_x_m()),
+                     .profile_y = to_core(block.profile_y_m())};
   if (from.has_dry_coefficient_w_per_m2_k()) to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
   if (from.has_ambient_temperature_c()) to.ambient_temperature = from.ambient_temperature_c();
   to.top = from.top() == v1::Cooling::INSULATED ? thermal::Top::insulated : thermal::Top::pouring;
@@ -241,6 +243,11 @@ casting::MechanicsCase mechanics_case(const v1::Mechanics& from) {
   if (from.has_liquid_delta()) options.liquid_delta = from.liquid_delta();
   if (from.has_liquid_beta()) options.liquid_beta = from.liquid_beta();
   if (from.has_confinement()) options.confinement = from.confinement();
+  if (from.hold() == v1::Mechanics::PENALTY)
+    options.confinement_by = mechanics::Confinement::penalty;
+  if (from.has_mould_penalty_pa_per_m())
+    options.confinement_stiffness = from.mould_penalty_pa_per_m();
+  if (from.has_mould_wall()) options.mould_wall = from.mould_wall();
   if (from.has_contact()) options.contact = from.contact();
   if (from.has_tolerance()) options.tolerance = from.tolerance();
   if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();

@@ -40,6 +40,7 @@ public:
   /// Whether what follows from these keys can be judged; if not, the answer will say what for.
   bool sound(const Keys& keys);
   bool axisymmetric() const { return casting.section.kind == mesh::SectionKind::axisymmetric; }
+  bool solid() const { return mesh::dimension_of(casting.section.kind) == 3; }
 
   /// Everything found; warns of what was not judged.
   CheckedCase answer();
@@ -49,7 +50,15 @@ public:
   Estimate estimate;
   std::optional<double> final_level;     ///< [m]; there when the course is sound
   std::int64_t mechanical_steps = 0;     ///< of the estimate's steps
-  std::optional<mesh::Mesh2D> imported;  ///< there when mesh.file is sound
+  /// There when mesh.file is sound, the one of the section's dimension.
+  std::optional<mesh::Mesh2D> imported_plane;
+  std::optional<mesh::Mesh3D> imported_solid;
+
+  template <int Dim>
+  auto& imported() {
+    if constexpr (Dim == 2) return imported_plane;
+    else return imported_solid;
+  }
 
 private:
   const std::vector<std::string>& faulty_keys_;

@@ -16,15 +16,19 @@ void check_built_in_size(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
   const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
+  // Nodes and cells of a row of the plan.
+  const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
   // Before any mesh is built: a growth cell of micrometres must not be tried.
   const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
-                       (s.columns * s.refinement + 1.0);
+                       (s.columns * s.refinement + 1.0) * across;
   if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
     return too_many_nodes(found, rough);
   const std::int64_t rows = mesh::rows_at(s, *found.final_level);
   const std::int64_t columns = std::int64_t(s.columns) * s.refinement;
-  found.estimate.nodes = (rows + 1) * (columns + 1);
-  found.estimate.elements = rows * columns * (s.element == mesh::ElementKind::p1 ? 2 : 1);
+  const std::int64_t layers = found.solid() ? std::int64_t(s.layers) * s.refinement : 1;
+  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
+  found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
+  found.estimate.elements = rows * columns * layers * in_a_cell;
   if (found.estimate.nodes > found.casting.limits.maximum_nodes) {
     too_many_nodes(found, static_cast<double>(found.estimate.nodes));
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "core/mesh/gmsh_reader.hpp"
 
@@ -15,7 +16,8 @@ namespace {
 constexpr double width_tolerance = 0.01;
 constexpr double depth_tolerance = 0.01;
 
-double largest(const mesh::Mesh2D& mesh, std::size_t coordinate) {
+template <int Dim>
+double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
   double value = 0.0;
   for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
   return value;
@@ -53,8 +55,9 @@ std::string remedy_for_size(double drawn, double metres) {
   return "export the mesh in metres, or correct section.half_width";
 }
 
-void check_size(CaseFindings& found) {
-  const double width = largest(*found.imported, 0), depth = largest(*found.imported, 1);
+template <int Dim>
+void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
+  const double width = largest(mesh, 0), depth = largest(mesh, Dim - 1);
   const double half_width = found.casting.section.half_width;
   if (found.sound({"section.half_width"}) &&
       std::abs(width - half_width) > width_tolerance * half_width) {
@@ -79,53 +82,93 @@ struct NeededGroup {
   const char* remedy;
 };
 
-void need(CaseFindings& found, const NeededGroup& group) {
-  if (!found.imported->facets(group.patch).empty()) return;
+/// By dimension, from 2.
+constexpr NeededGroup side_group[] = {
+    {mesh::PatchKind::side, "side", "has no group 'side': neither mould nor water would cool it",
+     "name the face in Gmsh, Physical Curve(\"side\") = {...}, and export the mesh again"},
+    {mesh::PatchKind::side, "side_x, side_y or side_ and any name",
+     "has no group 'side_...': neither mould nor water would cool it",
+     "name the faces in Gmsh, Physical Surface(\"side_x\") = {...}, and export the mesh again"}};
+constexpr NeededGroup top_group[] = {
+    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
+     "name the surface of the metal in Gmsh, Physical Curve(\"top\") = {...}, or write "
+     "cooling.top = \"insulated\""},
+    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
+     "name the surface of the metal in Gmsh, Physical Surface(\"top\") = {...}, or write "
+     "cooling.top = \"insulated\""}};
+constexpr NeededGroup symmetry_group{
+    mesh::PatchKind::symmetry, "symmetry",
+    "has no group 'symmetry': nothing would hold the slab sideways",
+    "name the symmetry plane or axis in Gmsh, Physical Curve(\"symmetry\") = {...}, or "
+    "write mechanics.enabled = false"};
+
+template <int Dim>
+void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, const NeededGroup& group) {
+  if (!mesh::patch_nodes(mesh, group.patch).empty()) return;
   found.fault("mesh.file", name_of(found), group.message,
-              std::string("a physical group of lines with the name ") + group.name, group.remedy);
+              std::string("a physical group of ") + (Dim == 2 ? "lines" : "surfaces") +
+                  " with the name " + group.name,
+              group.remedy);
+}
+
+/// Two planes hold a quarter slab sideways, one along each coordinate.
+void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
+  for (const auto& [name, axis] : {std::pair{"symmetry_x", 0}, std::pair{"symmetry_y", 1}}) {
+    const bool held = std::ranges::any_of(mesh.patches, [axis = axis](const auto& patch) {
+      return patch.kind == mesh::PatchKind::symmetry && !patch.facets.empty() &&
+             patch.normal[std::size_t(axis)] < -0.99;
+    });
+    if (held) continue;
+    found.fault("mesh.file", name_of(found),
+                std::string("has no group '") + name + "': nothing would hold the slab along " +
+                    (axis == 0 ? "x" : "y"),
+                std::string("a physical group of surfaces with the name ") + name +
+                    ", in the plane where that coordinate is zero",
+                std::string("name the plane in Gmsh, Physical Surface(\"") + name +
+                    "\") = {...}, or write mechanics.enabled = false");
+  }
 }
 
 /// Boundary without a name is free and insulated. What a case cannot do without must have one.
-void check_groups(CaseFindings& found) {
+template <int Dim>
+void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const Case& c = found.casting;
   const bool heat_is_solved = c.thermal.file.empty();
   if (heat_is_solved && found.sound({"thermal.file"})) {
-    need(found,
-         {mesh::PatchKind::side, "side", "has no group 'side': neither mould nor water would cool it",
-          "name the face in Gmsh, Physical Curve(\"side\") = {...}, and export the mesh again"});
-    if (c.cooling.top == thermal::Top::pouring && found.sound({"cooling.top"})) {
-      need(found,
-           {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
-            "name the surface of the metal in Gmsh, Physical Curve(\"top\") = {...}, or write "
-            "cooling.top = \"insulated\""});
-    }
+    need(found, mesh, side_group[Dim - 2]);
+    if (c.cooling.top == thermal::Top::pouring && found.sound({"cooling.top"}))
+      need(found, mesh, top_group[Dim - 2]);
   }
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
-    need(found,
-         {mesh::PatchKind::symmetry, "symmetry",
-          "has no group 'symmetry': nothing would hold the slab sideways",
-          "name the symmetry plane or axis in Gmsh, Physical Curve(\"symmetry\") = {...}, or "
-          "write mechanics.enabled = false"});
+    if constexpr (Dim == 2) need(found, mesh, symmetry_group);
+    else need_both_planes(found, mesh);
   }
+}
+
+template <int Dim>
+void check_mesh(CaseFindings& found) {
+  const Case& c = found.casting;
+  auto& mesh = found.imported<Dim>();
+  mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, found.faults);
+  if (!mesh) return;
+  found.estimate.nodes = mesh->nodes();
+  found.estimate.elements = mesh->elements();
+  if (found.sound({"limits.maximum_nodes"}) && mesh->nodes() > c.limits.maximum_nodes)
+    too_many_nodes(found, mesh->nodes());
+  bool misplaced = false;
+  if constexpr (Dim == 2)
+    misplaced =
+        found.sound({"section.kind"}) && found.axisymmetric() && beyond_the_axis(found, *mesh);
+  if (!misplaced) check_size(found, *mesh);
+  check_groups(found, *mesh);
+  estimate_effort(found);
 }
 
 }  // namespace
 
 void check_imported_mesh(CaseFindings& found) {
-  if (!found.sound({"mesh.file", "mesh.element"})) return;
-  const Case& c = found.casting;
-  found.imported = mesh::read_gmsh<2>(c.section.file, c.section.element, found.faults);
-  if (!found.imported) return;
-  found.estimate.nodes = found.imported->nodes();
-  found.estimate.elements = found.imported->elements();
-  const bool misplaced = found.sound({"section.kind"}) && found.axisymmetric() &&
-                         beyond_the_axis(found, *found.imported);
-  if (found.sound({"limits.maximum_nodes"}) && found.imported->nodes() > c.limits.maximum_nodes) {
-    too_many_nodes(found, found.imported->nodes());
-  }
-  if (!misplaced) check_size(found);
-  check_groups(found);
-  estimate_effort(found);
+  if (!found.sound({"mesh.file", "mesh.element", "section.kind"})) return;
+  found.solid() ? check_mesh<3>(found) : check_mesh<2>(found);
 }
 
 }  // namespace dccast::casting

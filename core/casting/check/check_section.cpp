@@ -4,10 +4,6 @@ namespace dccast::casting {
 
 void check_section(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
-  if (mesh::dimension_of(s.kind) == 3) {
-    found.fault("section.kind", mesh::name_of(s.kind), "is not computed by this version",
-                "plane_strain or axisymmetric", "choose a vertical section");
-  }
   const bool growth_known = found.sound({"mesh.growth"});
   if (!s.file.empty() && s.growth && growth_known) {
     found.fault("mesh.growth", "true", "an imported mesh cannot grow", "false with mesh.file",

@@ -24,6 +24,7 @@ void check_tables(CaseFindings& found) {
   increasing(found, "schedule.casting_speed_factor", found.casting.schedule.casting_speed_factor,
              "");
   increasing(found, "schedule.water_flow_factor", found.casting.schedule.water_flow_factor, "");
+  increasing(found, "section.half_thickness", found.casting.section.half_thickness, "m");
   increasing(found, "time.step", found.casting.time.step, "s");
   increasing(found, "alloy.density", found.casting.alloy.density, "degC");
   increasing(found, "alloy.specific_heat", found.casting.alloy.specific_heat, "degC");
@@ -35,6 +36,10 @@ void check_tables(CaseFindings& found) {
              found.casting.cooling.bottom_block.contact_coefficient, "s");
   increasing(found, "cooling.bottom_block.gap_coefficient",
              found.casting.cooling.bottom_block.gap_coefficient, "m");
+  increasing(found, "cooling.bottom_block.profile_x",
+             found.casting.cooling.bottom_block.profile_x, "m");
+  increasing(found, "cooling.bottom_block.profile_y",
+             found.casting.cooling.bottom_block.profile_y, "m");
 }
 
 }  // namespace dccast::casting

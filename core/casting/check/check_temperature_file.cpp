@@ -9,10 +9,13 @@ namespace {
 
 /// Nothing when they wait for a fault.
 std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
-  if (found.imported) return std::size_t(found.imported->nodes());
+  if (found.imported_plane) return std::size_t(found.imported_plane->nodes());
+  if (found.imported_solid) return std::size_t(found.imported_solid->nodes());
   if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
     return std::nullopt;
-  return std::size_t(mesh::SlabMesh2D(found.casting.section).mesh().nodes());
+  const mesh::SectionSpec& s = found.casting.section;
+  return std::size_t(found.solid() ? mesh::SlabMesh3D(s).mesh().nodes()
+                                   : mesh::SlabMesh2D(s).mesh().nodes());
 }
 
 void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {

@@ -20,11 +20,17 @@ inline const Keys course_keys = {"time.end",
                                  "mesh.growth",
                                  "limits.maximum_steps"};
 /// What the number of cells of the built-in mesh follows from, besides the course.
-inline const Keys grid_keys = {"mesh.columns",    "mesh.rows",    "mesh.growth_cell",
-                               "mesh.refinement", "mesh.element", "limits.maximum_nodes"};
+inline const Keys grid_keys = {"section.kind",    "mesh.columns", "mesh.layers",
+                               "mesh.rows",       "mesh.growth_cell", "mesh.refinement",
+                               "mesh.element",    "limits.maximum_nodes"};
+/// What the plan of a quarter slab follows from.
+inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
+                               "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
+                               "mesh.wide_side_cell"};
 /// What the places of its nodes follow from, besides their number.
-inline const Keys place_keys = {"section.half_width", "section.initial_depth", "mesh.side_cell",
-                                "mesh.bottom_cell"};
+inline const Keys place_keys = {"section.half_width",  "section.half_thickness",
+                                "section.initial_depth", "mesh.side_cell",
+                                "mesh.wide_side_cell", "mesh.bottom_cell"};
 
 // Each adds its faults; a file each. Those further down use what those above have found.
 
@@ -35,6 +41,10 @@ void check_levers(CaseFindings& found);
 /// Abscissae that increase.
 void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);
+/// The plan of a quarter slab, and what belongs to one alone.
+void check_quarter_slab(CaseFindings& found);
+/// A block that is not flat must touch the slab somewhere.
+void check_block_profile(CaseFindings& found);
 void check_time(CaseFindings& found);
 void check_mechanics(CaseFindings& found);
 /// Steps, and how high the metal ends.
