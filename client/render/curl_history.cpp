@@ -10,8 +10,20 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 }
 
 double curl_of(const v1::MonitorValue& monitor) {
-  return monitor.displacement_m_size() > 1 ? monitor.displacement_m(1) : unknown;
+  const auto& u = monitor.displacement_m();
+  return u.size() > 1 ? u[u.size() - 1] : unknown;
 }
+
+namespace {
+
+/// Away from the symmetry plane; of a quarter slab what the point moves in plan, in any direction.
+double horizontal_of(const v1::MonitorValue& monitor) {
+  const auto& u = monitor.displacement_m();
+  if (u.empty()) return unknown;
+  return u.size() == 3 ? std::hypot(u[0], u[1]) : u[0];
+}
+
+}  // namespace
 
 void CurlHistory::add(const v1::StepReport& report) {
   if (report.step() > 0) rewind(report.step() - 1);
@@ -26,8 +38,7 @@ void CurlHistory::add(const v1::StepReport& report) {
     found->curl_m.resize(time_s.size() - 1, unknown);
     found->horizontal_m.resize(time_s.size() - 1, unknown);
     found->curl_m.push_back(curl_of(value));
-    found->horizontal_m.push_back(value.displacement_m_size() > 0 ? value.displacement_m(0)
-                                                                  : unknown);
+    found->horizontal_m.push_back(horizontal_of(value));
   }
   for (Series& series : monitors) {
     series.curl_m.resize(time_s.size(), unknown);

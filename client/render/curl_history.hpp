@@ -15,7 +15,8 @@ struct CurlHistory {
   struct Series {
     std::string name;
     std::vector<double> curl_m;        ///< one per instant; NaN where the monitor is not reported
-    std::vector<double> horizontal_m;  ///< displacement away from the symmetry plane
+    /// Displacement away from the symmetry plane; of a quarter slab its length in plan.
+    std::vector<double> horizontal_m;
   };
   std::vector<std::int64_t> step;  ///< number of the accepted step, rising; 0 where it is not said
   std::vector<double> time_s;
@@ -39,7 +40,7 @@ struct CurlHistory {
 /// The history of a job as QueryResult has it, marked from the job's loss of validity on.
 CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& result);
 
-/// Curl of a monitor [m]; NaN if it has no vertical displacement.
+/// Curl of a monitor, its last coordinate of displacement [m]; NaN if it has no vertical displacement.
 double curl_of(const v1::MonitorValue& monitor);
 
 }  // namespace dccast::client::render

@@ -184,5 +184,23 @@ TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
   EXPECT_THAT(report_page(v1::Job(), v1::QueryResultResponse()), HasSubstr("no step yet"));
 }
 
+TEST(CurlOf, IsTheLastCoordinateInAnyDimension) {
+  v1::MonitorValue monitor;
+  EXPECT_TRUE(std::isnan(render::curl_of(monitor)));
+  for (const double u : {3e-3, -4e-3}) monitor.add_displacement_m(u);
+  EXPECT_EQ(render::curl_of(monitor), -4e-3);
+  monitor.add_displacement_m(20e-3);
+  EXPECT_EQ(render::curl_of(monitor), 20e-3);
+}
+
+TEST(CurlHistory, HorizontalOfAQuarterSlabIsItsLengthInPlan) {
+  v1::StepReport report;
+  v1::MonitorValue& monitor = *report.add_monitors();
+  for (const double u : {3e-3, -4e-3, 20e-3}) monitor.add_displacement_m(u);
+  render::CurlHistory history;
+  history.add(report);
+  EXPECT_DOUBLE_EQ(history.monitors[0].horizontal_m[0], 5e-3);
+}
+
 }  // namespace
 }  // namespace dccast::client::render
