@@ -85,7 +85,7 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
   state.viscoplastic.resize(all_points);
   state.deviator.resize(all_points);
   state.pressure.assign(all_points, 0.0);
-  state.contact.assign(bottom_nodes().size(), 1);
+  state.contact = supports_.initial_contact();
   state.reaction.assign(bottom_nodes().size(), 0.0);
   return state;
 }

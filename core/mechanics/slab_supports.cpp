@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -16,7 +17,8 @@ namespace {
 const double same_side = std::cos(30.0 / 180.0 * 3.14159265358979323846);
 constexpr double along_axis = 1.0 - 1e-12;  // component of a unit vector along an axis
 constexpr double no_direction = 1e-6;       // length of what is left of a unit vector
-constexpr double touching = 1e-9;           // gap of a node that stands at the wall [m]
+constexpr double touching = 1e-9;           // gap of a node that stands at block or wall [m]
+constexpr double round_off_of_turns = 16.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -174,6 +176,17 @@ void SlabSupports<Dim>::set_initial_gap(std::vector<double> gap) {
 }
 
 template <int Dim>
+std::vector<char> SlabSupports<Dim>::initial_contact() const {
+  std::vector<char> closed(bottom_nodes_.size(), 1);
+  if (initial_gap_.empty()) return closed;
+  const double least = *std::ranges::min_element(initial_gap_);
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    closed[i] = initial_gap_[i] <= least + touching ? 1 : 0;
+  }
+  return closed;
+}
+
+template <int Dim>
 void SlabSupports<Dim>::place_on_block(StepProblem<Dim>& problem, bool contact) const {
   problem.contact.clear();
   problem.contact_area.clear();
@@ -245,10 +258,19 @@ std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vect
 }
 }  // namespace
 
+/// What a frame holds is zero up to the round-off of two turns: it becomes zero again, or a step
+/// would begin by moving held unknowns.
 template <int Dim>
 std::vector<double> SlabSupports<Dim>::by_unknown(std::vector<double> displacement) const {
-  return turned<Dim>(frames_, std::move(displacement),
-                     [](const auto& frame, const auto& v) { return frame.to_frame(v); });
+  return turned<Dim>(frames_, std::move(displacement), [](const auto& frame, const auto& v) {
+    auto along = frame.to_frame(v);
+    double size = 0.0;
+    for (const double a : along) size = std::max(size, std::abs(a));
+    for (double& a : along) {
+      if (std::abs(a) <= round_off_of_turns * size) a = 0.0;
+    }
+    return along;
+  });
 }
 
 template <int Dim>

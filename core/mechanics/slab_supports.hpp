@@ -34,6 +34,9 @@ public:
   /// @throws std::invalid_argument when there is not one number for each bottom node
   void set_initial_gap(std::vector<double> gap);
   const std::vector<double>& initial_gap() const { return initial_gap_; }
+  /// By bottom node, whether it stands on the block before anything has moved: all over a flat one,
+  /// those over its highest part else.
+  std::vector<char> initial_contact() const;
 
   /// Makes the bottom a contact or, without it, holds it. For a problem nothing of which is fixed.
   void place_on_block(StepProblem<Dim>& problem, bool contact) const;

@@ -93,6 +93,17 @@ TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
   EXPECT_LT(drawn_in, -1e-5);
 }
 
+/// From one step to the next a displacement is kept along the coordinate axes. What an oblique side
+/// holds is held from the start of the next step: nothing is left to move, and a step that finds
+/// all as it was has nothing to do.
+TYPED_TEST(QuarterSlabOf, AStepWithoutNewsTakesNoIterations) {
+  QuarterSlab<TypeParam> bench(slab_options(1e-8), true);
+  const auto mushy = [](const Vector3& x) { return x[2] < 0.05 ? 610.0 : 630.0; };
+  bench.start([](const Vector3&) { return 640.0; });
+  bench.step(mushy, 1e-6);
+  EXPECT_EQ(bench.step(mushy, 1e-15).iterations, 0);
+}
+
 /// Springs in place of the exact condition: the stiffer, the nearer.
 TYPED_TEST(QuarterSlabOf, ConfinementByPenaltyTendsToTheExactOne) {
   const auto mushy = [](const Vector3&) { return 645.0; };
@@ -124,6 +135,8 @@ TYPED_TEST(QuarterSlabOf, AShapedBlockIsMetWhereItIs) {
   }
   EXPECT_THROW(bench.mechanics.set_initial_gap({1.0}), std::invalid_argument);
   bench.mechanics.set_initial_gap(gap);
+  bench.state = bench.mechanics.initial_state();
+  EXPECT_EQ(std::count(bench.state.contact.begin(), bench.state.contact.end(), 1), 1);
   bench.start([](const Vector3&) { return 600.0; });
   bench.step([](const Vector3&) { return 599.0; });
   bool below_zero = false;
