@@ -19,19 +19,18 @@ void sort_by_height(const mesh::Mesh<Dim>& mesh, std::vector<int>& nodes) {
             [&](int a, int b) { return height_of(mesh, a) < height_of(mesh, b); });
 }
 
-/// Nodes that lie on every symmetry plane, lowest first.
+/// Nodes where most symmetry planes meet, lowest first.
 template <int Dim>
 std::vector<int> middle_of(const mesh::Mesh<Dim>& mesh) {
   std::vector<int> planes_at(std::size_t(mesh.nodes()), 0);
-  int planes = 0;
+  int most = 1;
   for (const auto& patch : mesh.patches) {
     if (patch.kind != mesh::PatchKind::symmetry) continue;
-    ++planes;
-    for (const int n : mesh::patch_nodes(patch)) ++planes_at[std::size_t(n)];
+    for (const int n : mesh::patch_nodes(patch)) most = std::max(most, ++planes_at[std::size_t(n)]);
   }
   std::vector<int> nodes;
-  for (int n = 0; planes > 0 && n < mesh.nodes(); ++n) {
-    if (planes_at[std::size_t(n)] == planes) nodes.push_back(n);
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    if (planes_at[std::size_t(n)] == most) nodes.push_back(n);
   }
   sort_by_height(mesh, nodes);
   return nodes;

@@ -13,7 +13,7 @@ template <int Dim>
 double side_temperature(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                         double height);
 
-/// Depth below the metal level at which the middle of the slab, where all symmetry planes meet,
+/// Depth below the metal level at which the middle of the slab, where most symmetry planes meet,
 /// first falls below a temperature; the whole depth where it does not [m].
 /// @param temperature  (node) [°C]
 template <int Dim>

@@ -33,7 +33,10 @@ void SlabMechanics<Dim>::set_mesh(const Mesh& mesh, int first_moved) {
       elements != forms_->elements() || std::size_t(mesh.nodes()) * Dim != problem_.unknowns();
   mesh_ = &mesh;
   forms_->update(mesh, elements < forms_->elements() ? 0 : std::size_t(first_moved));
-  if (is_new) new_pattern();
+  if (is_new)
+    new_pattern();
+  else
+    find_supports();
   problem_.forms = forms_.get();
   problem_.pattern = &pattern_;
   problem_.exponent = properties_.creep().exponent;
@@ -55,11 +58,17 @@ void SlabMechanics<Dim>::new_pattern() {
   problem_.external_force.assign(std::size_t(unknowns), 0.0);
   problem_.fixed.assign(std::size_t(unknowns), 0);
   problem_.target.assign(std::size_t(unknowns), 0.0);
-  supports_.find(*mesh_, *forms_);
-  forms_->set_frames(supports_.frames());
+  find_supports();
   supports_.place_on_block(problem_, options_.contact);
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
   work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid, fronts);
+}
+
+/// Also of a mesh that has only stretched: a node's share of a side decides its mean normal.
+template <int Dim>
+void SlabMechanics<Dim>::find_supports() {
+  supports_.find(*mesh_, *forms_);
+  forms_->set_frames(supports_.frames());
 }
 
 template <int Dim>

@@ -81,6 +81,7 @@ private:
   using Tensor = SymmetricTensor<Dim>;
 
   void new_pattern();
+  void find_supports();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
   void solidify(State& state, int e, double metal_level, double at) const;

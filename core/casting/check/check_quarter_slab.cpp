@@ -56,9 +56,8 @@ void columns_miss_break_points(CaseFindings& found) {
   bool fits = std::ranges::is_sorted(x, std::less_equal{});
   for (const double at : s.half_thickness.at()) {
     const bool inside = at > 0.0 && at < s.half_width - round_off;
-    fits &= !inside || std::ranges::any_of(x, [&](double other) {
-      return std::abs(other - at) <= round_off;
-    });
+    fits &= !inside ||
+            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
   }
   if (fits) return;
   found.fault("mesh.columns", std::to_string(s.columns),
@@ -84,8 +83,7 @@ void check_opening(CaseFindings& found) {
 
 void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
   if (!given || !found.sound({"section.kind"})) return;
-  found.fault(key, "given", "is of a quarter slab only",
-              "section.kind = \"quarter_slab\" with it",
+  found.fault(key, "given", "is of a quarter slab only", "section.kind = \"quarter_slab\" with it",
               "leave it out, or write kind = \"quarter_slab\"");
 }
 
@@ -108,8 +106,6 @@ void check_quarter_slab(CaseFindings& found) {
     return;
   }
   only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
-  only_of_a_quarter_slab(found, "schedule.narrow_water_flow",
-                         !c.schedule.narrow_water_flow.empty());
   only_of_a_quarter_slab(found, "cooling.bottom_block.profile_y",
                          !c.cooling.bottom_block.profile_y.empty());
 }

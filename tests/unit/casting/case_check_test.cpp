@@ -9,13 +9,8 @@
 namespace dccast::casting {
 namespace {
 
+using testing::all;
 using testing::small_casting;
-
-std::string all(const Faults& faults) {
-  std::string text;
-  for (const Fault& f : faults.list()) text += f.field + ": " + f.message + "\n";
-  return text;
-}
 
 TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
   const CheckedCase checked = check(small_casting());

@@ -70,6 +70,25 @@ TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
   EXPECT_GE(shortest, 0.25 / 3.0);
 }
 
+/// However the steps change on the way, one ends at each.
+TEST(CastingSchedule, StepsEndWhereFramesAreStored) {
+  Case c = small_casting();
+  c.output.frame_interval = 0.7;
+  c.time.step = {Abscissa::time, {-10.0, 20.0}, {0.31, 1.4}};
+  const CastingSchedule schedule(c);
+  double next = schedule.next_frame(-10.0);
+  EXPECT_NEAR(next, -9.3, 1e-12);
+  int frames = 0;
+  for (double t = schedule.begin(); t < schedule.end() - 1e-9;) {
+    t += schedule.step_at(t);
+    ASSERT_LE(t, next + 1e-9);
+    if (t < next - 1e-9) continue;
+    next = schedule.next_frame(t);
+    EXPECT_NEAR(next, -10.0 + 0.7 * (++frames + 1), 1e-9);
+  }
+  EXPECT_EQ(frames, 42);
+}
+
 std::int64_t steps_one_by_one(const CastingSchedule& schedule) {
   std::int64_t steps = 0;
   for (double t = schedule.begin(); t < schedule.end() - 1e-9; ++steps) t += schedule.step_at(t);
@@ -90,6 +109,7 @@ std::int64_t steps_by_leaps(const CastingSchedule& schedule, std::int64_t& leaps
 /// Constant, growing and shrinking steps: counted in closed form as they are made.
 TEST(CastingSchedule, LeapsCountTheStepsThatWouldBeMade) {
   Case c = small_casting();
+  c.output.frame_interval = 1e6;  // steps end at the frames too
   c.time.end = 400.0;
   for (const Curve& step : {Curve(0.0173), Curve(Abscissa::time, {0.0, 300.0}, {0.01, 0.5}),
                             Curve(Abscissa::time, {-5.0, 350.0}, {0.3, 0.002})}) {
@@ -103,6 +123,7 @@ TEST(CastingSchedule, LeapsCountTheStepsThatWouldBeMade) {
 
 TEST(CastingSchedule, ABillionStepsAreCountedAtOnce) {
   Case c = small_casting();
+  c.output.frame_interval = 1e6;
   c.time.end = 1e6;
   c.time.step = Curve(1e-3);
   std::int64_t leaps = 0;

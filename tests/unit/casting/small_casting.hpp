@@ -53,6 +53,13 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   return c;
 }
 
+/// "FIELD: MESSAGE" of each, for what a test says when it fails.
+inline std::string all(const Faults& faults) {
+  std::string text;
+  for (const Fault& f : faults.list()) text += f.field + ": " + f.message + "\n";
+  return text;
+}
+
 /// Keeps every report and orders what it was told to.
 class Recorder : public StepObserver {
 public:

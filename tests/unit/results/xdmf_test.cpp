@@ -55,6 +55,22 @@ TEST(Xdmf, CentresStressesOnCellsAndLeavesOutWhatIsNotThere) {
   EXPECT_THAT(sidecar_of(frame), Not(HasSubstr("stress_pa")));
 }
 
+/// ParaView's Warp By Vector takes vectors of three components and nothing else.
+TEST(Xdmf, GivesThePlaneDisplacementThreeComponents) {
+  EXPECT_THAT(sidecar_of(sample_frame(3, 3, 2)),
+              HasSubstr(R"(Name="displacement_m" AttributeType="Vector" Center="Node"><DataItem )"
+                        R"(Format="HDF" Dimensions="6 3" NumberType="Float" Precision="8">)"
+                        R"(r.h5:/frames/000000/displacement_xyz_m<)"));
+}
+
+TEST(Xdmf, ShowsWhatFollowsFromTheFields) {
+  const std::string text = sidecar_of(sample_frame(3, 3, 2));
+  EXPECT_THAT(text, HasSubstr(R"(Name="von_mises_pa" AttributeType="Scalar" Center="Cell")"));
+  EXPECT_THAT(text, HasSubstr(R"(Name="solid_fraction" AttributeType="Scalar" Center="Node")"));
+  EXPECT_THAT(text,
+              HasSubstr(R"(Name="contact_pressure_pa" AttributeType="Scalar" Center="Node")"));
+}
+
 TEST(Xdmf, GivesTheTimeExactly) {
   EXPECT_THAT(sidecar_of(sample_frame(1, 3, 2)),
               HasSubstr(R"(<Time Value="0.33333333333333331"/>)"));

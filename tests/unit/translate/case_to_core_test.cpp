@@ -16,6 +16,43 @@ TEST(CurveToCore, KeepsPointsAndAbscissa) {
   EXPECT_DOUBLE_EQ(core(2.0), 15.0);
 }
 
+TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
+  v1::Case from;
+  from.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
+  from.mutable_section()->mutable_half_thickness_m()->add_at(0.0);
+  from.mutable_section()->mutable_half_thickness_m()->add_value(0.285);
+  from.mutable_mesh()->set_layers(5);
+  from.mutable_mesh()->set_wide_side_cell_m(0.01);
+  from.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
+  from.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_value(2e-3);
+  from.mutable_cooling()->mutable_narrow_water()->set_from_m(0.07);
+  from.mutable_cooling()->add_zone()->set_face(v1::SideZone::NARROW);
+  from.mutable_cooling()->mutable_bottom_block()->mutable_profile_y_m()->add_at(0.0);
+  from.mutable_cooling()->mutable_bottom_block()->mutable_profile_y_m()->add_value(0.0);
+  from.mutable_mechanics()->set_hold(v1::Mechanics::PENALTY);
+  from.mutable_mechanics()->set_mould_penalty_pa_per_m(1e11);
+  from.mutable_mechanics()->set_mould_wall(true);
+  from.mutable_coupling()->set_deformed_zones(true);
+  from.add_monitor()->set_z_m(0.02);
+  from.add_monitor();
+  const casting::Case to = to_core(from, "");
+  EXPECT_EQ(to.section.kind, mesh::SectionKind::quarter_slab);
+  EXPECT_EQ(to.section.half_thickness(0.3), 0.285);
+  EXPECT_EQ(to.section.layers, 5);
+  EXPECT_EQ(to.section.wide_side_cell, 0.01);
+  EXPECT_EQ(to.schedule.narrow_water_flow(0.0), 2e-3);
+  EXPECT_EQ(to.cooling.narrow_water.value().from, 0.07);
+  EXPECT_EQ(to.cooling.zones.at(0).face, thermal::Face::narrow);
+  EXPECT_TRUE(to.cooling.bottom_block.profile_x.empty());
+  EXPECT_FALSE(to.cooling.bottom_block.profile_y.empty());
+  EXPECT_EQ(to.mechanics.options.confinement_by, mechanics::Confinement::penalty);
+  EXPECT_EQ(to.mechanics.options.confinement_stiffness, 1e11);
+  EXPECT_TRUE(to.mechanics.options.mould_wall);
+  EXPECT_TRUE(to.coupling.deformed_zones);
+  EXPECT_EQ(to.monitors.at(0).z, 0.02);
+  EXPECT_FALSE(to.monitors.at(1).z);
+}
+
 TEST(CaseToCore, TakesEveryKindOfKey) {
   v1::Case from;
   from.set_title("t");

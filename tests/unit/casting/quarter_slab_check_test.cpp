@@ -1,0 +1,102 @@
+// What a case of a quarter slab is refused for.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/unit/casting/small_quarter_slab.hpp"
+
+namespace dccast::casting {
+namespace {
+
+using testing::small_casting;
+using testing::small_quarter_slab;
+
+struct Mistake {
+  const char* name;
+  const char* field;
+  std::function<void(Case&)> make;
+};
+
+class QuarterSlabFault : public ::testing::TestWithParam<Mistake> {};
+
+TEST_P(QuarterSlabFault, IsFoundAndSaysHowToMendIt) {
+  Case c = small_quarter_slab();
+  ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
+  GetParam().make(c);
+  const CheckedCase checked = check(c);
+  ASSERT_EQ(checked.faults.list().size(), 1u) << testing::all(checked.faults);
+  const Fault& fault = checked.faults.list().front();
+  EXPECT_EQ(fault.field, GetParam().field) << fault.message;
+  EXPECT_FALSE(fault.message.empty());
+  EXPECT_FALSE(fault.permitted.empty());
+  EXPECT_FALSE(fault.remedy.empty());
+}
+
+const Mistake mistakes[] = {
+    {"NoOpening", "section.half_thickness", [](Case& c) { c.section.half_thickness = {}; }},
+    {"OpeningThatWidens", "section.half_thickness",
+     [](Case& c) {
+       c.section.half_thickness = {Abscissa::distance, {0.0, 0.12, 0.28}, {0.15, 0.15, 0.16}};
+     }},
+    {"HollowFace", "section.half_thickness",
+     [](Case& c) {
+       c.section.half_thickness = {Abscissa::distance, {0.0, 0.12, 0.28}, {0.16, 0.150, 0.149}};
+     }},
+    {"TableThatEndsBeforeTheNarrowFace", "section.half_thickness",
+     [](Case& c) {
+       c.section.half_thickness = {Abscissa::distance, {0.0, 0.2}, {0.16, 0.15}};
+     }},
+    {"BreakPointsCloserThanColumns", "mesh.columns",
+     [](Case& c) {
+       c.section.half_thickness = {Abscissa::distance,
+                                   {0.0, 0.12, 0.121, 0.122, 0.28},
+                                   {0.18, 0.1799, 0.17989, 0.17987, 0.14}};
+     }},
+    {"LayerWiderThanTheSlab", "mesh.wide_side_cell",
+     [](Case& c) { c.section.wide_side_cell = 0.2; }},
+    {"MonitorWithoutAHeight", "monitor[1].z", [](Case& c) { c.monitors[1].z.reset(); }},
+    {"MonitorAboveTheSlab", "monitor[2].z", [](Case& c) { c.monitors[2].z = 0.09; }},
+    {"MonitorBehindTheWideFace", "monitor[0].y", [](Case& c) { c.monitors[0].y = 0.145; }},
+    {"BlockThatTouchesNowhere", "cooling.bottom_block.profile_x",
+     [](Case& c) {
+       c.cooling.bottom_block.profile_x = {Abscissa::distance, {0.0, 0.28}, {1e-3, 5e-3}};
+     }},
+    {"BlockThatTouchesNowhereAlongY", "cooling.bottom_block.profile_y",
+     [](Case& c) { c.cooling.bottom_block.profile_y = Curve(2e-3); }},
+    {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 110; }},
+};
+INSTANTIATE_TEST_SUITE_P(Mistakes, QuarterSlabFault, ::testing::ValuesIn(mistakes),
+                         [](const auto& mistake) { return mistake.param.name; });
+
+TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
+  Case c = small_casting();
+  c.section.half_thickness = Curve(0.15);
+  c.cooling.bottom_block.profile_y = Curve(0.0);
+  c.monitors[0].z = 0.0;
+  std::vector<std::string> fields;
+  const CheckedCase checked = check(c);
+  for (const Fault& fault : checked.faults.list()) fields.push_back(fault.field);
+  EXPECT_EQ(fields, (std::vector<std::string>{"section.half_thickness",
+                                              "cooling.bottom_block.profile_y", "monitor[0].z"}));
+}
+
+/// A table that reaches beyond the slab may be zero out there alone: the slab is not.
+TEST(QuarterSlabCheck, AProfileIsJudgedWhereTheSlabIs) {
+  Case c = small_quarter_slab();
+  c.cooling.bottom_block.profile_x = {Abscissa::distance, {0.0, 0.5}, {5e-3, 0.0}};
+  ASSERT_EQ(check(c).faults.list().size(), 1u);
+  c.cooling.bottom_block.profile_x = {Abscissa::distance, {0.0, 0.28}, {5e-3, 0.0}};
+  EXPECT_TRUE(check(c).faults.empty());
+}
+
+TEST(QuarterSlabCheck, TheEstimateGrowsWithThePlan) {
+  const Case coarse = small_quarter_slab();
+  Case fine = coarse;
+  fine.section.refinement = 3;
+  const Estimate one = check(coarse).estimate, other = check(fine).estimate;
+  EXPECT_GT(other.solver_seconds, 10.0 * one.solver_seconds);
+  EXPECT_GT(other.memory_bytes, 2.0 * one.memory_bytes);
+}
+
+}  // namespace
+}  // namespace dccast::casting
