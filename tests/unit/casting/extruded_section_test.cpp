@@ -1,9 +1,11 @@
 // A section one metre thick between two symmetry planes is a section in plane strain.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/unit/casting/small_casting.hpp"
@@ -18,57 +20,65 @@ using testing::TemporaryFolder;
 /// A section of quadrilaterals as one layer of hexahedra, in Gmsh's format 2.2.
 class ExtrudedSection {
 public:
-  explicit ExtrudedSection(const mesh::Mesh2D& plane) : plane_(plane) {
-    int next_group = 1;
-    for (const char* name :
-         {"symmetry_x", "side_x", "bottom", "top", "symmetry_y", "symmetry_back"})
-      names_ << "2 " << next_group++ << " \"" << name << "\"\n";
-    names_ << "3 7 \"slab\"\n";
-    for (const auto& [kind, group] : {std::pair{mesh::PatchKind::symmetry, 1},
-                                      {mesh::PatchKind::side, 2},
-                                      {mesh::PatchKind::bottom, 3},
-                                      {mesh::PatchKind::top, 4}}) {
-      for (const auto& edge : plane.facets(kind)) {
-        const int a = edge.node[0], b = edge.node[1];
-        element(3, group, {front(a), front(b), back(b), back(a)});
-      }
-    }
-    for (int e = 0; e < plane.elements(); ++e) {
-      const int* n = plane.nodes_of(e);
-      element(3, 5, {front(n[0]), front(n[1]), front(n[2]), front(n[3])});
-      element(3, 6, {back(n[0]), back(n[1]), back(n[2]), back(n[3])});
-      element(5, 7,
-              {front(n[0]), front(n[1]), front(n[2]), front(n[3]), back(n[0]), back(n[1]),
-               back(n[2]), back(n[3])});
-    }
-  }
+  explicit ExtrudedSection(const mesh::Mesh2D& plane) : plane_(plane) {}
 
-  void write(const std::filesystem::path& path) const {
+  /// @param without  a group that is left out; empty: none
+  void write(const std::filesystem::path& path, const std::string& without = "") {
+    elements_.clear();
+    add_walls(without);
+    add_slab(without);
     std::ofstream file(path);
     file.precision(17);
-    file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n7\n"
-         << names_.str() << "$EndPhysicalNames\n$Nodes\n"
-         << 2 * plane_.nodes() << "\n";
+    file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n7\n";
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      file << (i == 6 ? 3 : 2) << ' ' << i + 1 << " \"" << groups[i] << "\"\n";
+    file << "$EndPhysicalNames\n$Nodes\n" << 2 * plane_.nodes() << "\n";
     for (const int layer : {0, 1}) {
       for (int n = 0; n < plane_.nodes(); ++n)
         file << (layer == 0 ? front(n) : back(n)) << ' ' << plane_.point(n)[0] << ' ' << layer
              << ' ' << plane_.point(n)[1] << "\n";
     }
-    file << "$EndNodes\n$Elements\n" << count_ << "\n" << elements_.str() << "$EndElements\n";
+    file << "$EndNodes\n$Elements\n" << elements_.size() << "\n";
+    for (std::size_t i = 0; i < elements_.size(); ++i) file << i + 1 << elements_[i] << "\n";
+    file << "$EndElements\n";
   }
 
 private:
   int front(int n) const { return n + 1; }
   int back(int n) const { return n + 1 + plane_.nodes(); }
   void element(int shape, int group, const std::vector<int>& nodes) {
-    elements_ << ++count_ << ' ' << shape << " 2 " << group << ' ' << group;
-    for (const int n : nodes) elements_ << ' ' << n;
-    elements_ << "\n";
+    const std::string tag = std::to_string(group + 1);
+    std::string line = ' ' + std::to_string(shape) + " 2 " + tag + ' ' + tag;
+    for (const int n : nodes) line += ' ' + std::to_string(n);
+    elements_.push_back(line);
+  }
+  void add_walls(const std::string& without) {
+    for (const auto& [kind, group] : {std::pair{mesh::PatchKind::symmetry, 0},
+                                      {mesh::PatchKind::side, 1},
+                                      {mesh::PatchKind::bottom, 2},
+                                      {mesh::PatchKind::top, 3}}) {
+      if (without == groups[std::size_t(group)]) continue;
+      for (const auto& edge : plane_.facets(kind)) {
+        const int a = edge.node[0], b = edge.node[1];
+        element(3, group, {front(a), front(b), back(b), back(a)});
+      }
+    }
+  }
+  void add_slab(const std::string& without) {
+    for (int e = 0; e < plane_.elements(); ++e) {
+      const int* n = plane_.nodes_of(e);
+      if (without != "symmetry_y")
+        element(3, 4, {front(n[0]), front(n[1]), front(n[2]), front(n[3])});
+      element(3, 5, {back(n[0]), back(n[1]), back(n[2]), back(n[3])});
+      element(5, 6, {front(n[0]), front(n[1]), front(n[2]), front(n[3]), back(n[0]), back(n[1]),
+                     back(n[2]), back(n[3])});
+    }
   }
 
+  static constexpr std::array<const char*, 7> groups{"symmetry_x", "side_x",     "bottom", "top",
+                                                     "symmetry_y", "symmetry_back", "slab"};
   const mesh::Mesh2D& plane_;
-  std::ostringstream names_, elements_;
-  int count_ = 0;
+  std::vector<std::string> elements_;
 };
 
 std::vector<results::StepReport> reports_of(const Case& c) {
@@ -114,6 +124,31 @@ TEST_P(Extruded, GivesWhatTheSectionGives) {
     }
   }
   EXPECT_GT(std::abs(two.back().monitor_displacement[0][0]), 1e-5) << "it has moved";
+}
+
+/// What a case cannot do without must have a name in the file.
+TEST(ImportedSolid, NeedsBothPlanesOfSymmetryAndASide) {
+  const TemporaryFolder folder;
+  Case c = small_casting(mesh::ElementKind::q1);
+  c.section.growth = false;
+  const mesh::SlabMesh2D plane(c.section);
+  ExtrudedSection extruded(plane.mesh());
+  c.section.kind = mesh::SectionKind::quarter_slab;
+  c.section.half_thickness = Curve(1.0);
+  c.section.file = folder / "extruded.msh";
+  c.monitors.clear();
+  for (const auto& [group, remedy] :
+       {std::pair{"symmetry_x", "Physical Surface(\"symmetry_x\")"},
+        {"symmetry_y", "Physical Surface(\"symmetry_y\")"},
+        {"side_x", "Physical Surface(\"side_x\")"},
+        {"top", "Physical Surface(\"top\")"}}) {
+    extruded.write(c.section.file, group);
+    const CheckedCase checked = check(c);
+    ASSERT_EQ(checked.faults.list().size(), 1u) << group << "\n" << testing::all(checked.faults);
+    EXPECT_EQ(checked.faults.list()[0].field, "mesh.file");
+    EXPECT_NE(checked.faults.list()[0].remedy.find(remedy), std::string::npos)
+        << checked.faults.list()[0].remedy;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Extruded,

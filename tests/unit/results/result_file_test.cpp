@@ -70,6 +70,23 @@ TEST(ResultFile, ReturnsFramesOfEachElementFamily) {
   }
 }
 
+TEST(ResultFile, ReturnsARunOfThreeDimensions) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_solid_header());
+  writer.append(sample_solid_frame(0, 3));
+  writer.append(sample_solid_step(1));
+  RunSummary summary;
+  summary.validity_lost = {"motion_too_large", "it slid", 0.5, {0.1, 0.2, 0.3}, 0.03, 0.02, "m"};
+  writer.publish(summary);
+  const ResultReader reader(folder / "r.h5");
+  EXPECT_EQ(reader.header(), sample_solid_header());
+  EXPECT_EQ(reader.frame(0), sample_solid_frame(0, 3));
+  EXPECT_EQ(reader.summary().validity_lost, summary.validity_lost);
+  StepReport expected = sample_solid_step(1);
+  expected.solver_seconds = expected.process_seconds = 0.0;
+  EXPECT_EQ(reader.history().at(0), expected);
+}
+
 TEST(ResultFile, LeavesOutWhatWasNotComputed) {
   const TemporaryFolder folder;
   Frame heat_only = sample_frame(0, 3, 3);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "core/results/frame.hpp"
 #include "core/results/result_writer.hpp"
@@ -100,6 +101,56 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
     frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
   }
   return frame;
+}
+
+/// A row of `cells` hexahedra of 10 mm with fields of its own.
+inline Frame sample_solid_frame(std::int64_t step, int cells) {
+  Frame frame;
+  frame.step = step;
+  frame.time = static_cast<double>(step) / 3.0;
+  frame.dimension = 3;
+  frame.nodes_per_element = 8;
+  for (int i = 0; i <= cells; ++i) {
+    const double x = 0.01 * i;
+    for (const auto& [y, z] : {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.01, 0.01}, {0.0, 0.01}})
+      frame.node.insert(frame.node.end(), {x, y, z});
+  }
+  for (int i = 0; i < cells; ++i) {
+    const int a = 4 * i, b = a + 4;
+    for (const int n : {a, b, b + 1, a + 1, a + 3, b + 3, b + 2, a + 2})
+      frame.element_node.push_back(n);
+  }
+  for (std::int64_t n = 0; n < frame.nodes(); ++n) {
+    const double value = std::sin(static_cast<double>(n + step));
+    frame.temperature.push_back(600.0 + 100.0 * value);
+    frame.liquid_fraction.push_back(value * value);
+    frame.displacement.insert(frame.displacement.end(), {1e-3 * value, -1e-4 * value, 2e-3});
+    if (n % 4 > 1) continue;
+    frame.bottom_node.push_back(static_cast<std::int32_t>(n));
+    frame.bottom_gap.push_back(std::abs(value) / 3.0);
+    frame.bottom_pressure.push_back(1e3 * value * value);
+  }
+  for (std::int64_t i = 0; i < 6 * frame.elements(); ++i) {
+    frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
+    frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
+  }
+  return frame;
+}
+
+/// The header and the step of a run of such frames.
+inline RunHeader sample_solid_header() {
+  RunHeader header = sample_header();
+  header.section = "quarter_slab";
+  header.dimension = 3;
+  header.monitor_position = {{0.28, 0.1, 0.0}, {0.0, 0.0, 0.0}};
+  return header;
+}
+
+inline StepReport sample_solid_step(std::int64_t step) {
+  StepReport report = sample_step(step);
+  for (auto& displacement : report.monitor_displacement) displacement.push_back(1e-3);
+  report.contact_area = 0.01;
+  return report;
 }
 
 }  // namespace dccast::results

@@ -26,4 +26,11 @@ int main(int argc, char** argv) {
     writer.publish({});
     writer.remove_journal();
   }
+  auto writer = ResultWriter::create({folder / "hexahedra.journal", folder / "hexahedra.h5"},
+                                     sample_solid_header());
+  writer.append(sample_solid_frame(0, 5));
+  writer.append(sample_solid_step(1));
+  writer.append(sample_solid_frame(1, 1200));
+  writer.publish({});
+  writer.remove_journal();
 }
