@@ -30,7 +30,7 @@ constexpr double factor_unknowns = 20.6e3;
 constexpr double factor_memory_power = 1.28;
 constexpr double factor_time_power = 1.75;
 constexpr double solid_heat_by_node = 5e-6;      // [s]
-constexpr double solid_mechanics_by_node = 6e-5; // [s] iterations of newton without the factor
+constexpr double solid_mechanics_by_node = 1.8e-5; // [s] iterations of newton without the factor
 
 /// Of a mechanical step against newton's.
 double algorithm_factor(const Case& c) {
