@@ -33,12 +33,13 @@ struct Water {
   double critical_heat_flux = 4e6;  ///< [W/m2]
   bool film_boiling = false;
   double film_boiling_coefficient = 500.0;  ///< [W/(m2 K)]
-  double film_boiling_above = 350.0;              ///< [°C]
-  bool boiling_follows_flow = false;  ///< the three above move with flow and temperature, boiling.hpp
-  double pulse_period = 0.0;          ///< [s] from one opening of the valve to the next; 0: no pulses
-  double pulse_share = 0.5;           ///< [1] of the period in which the water runs
-  double pulse_end = 0.0;             ///< [s] from here on it runs without a break
-  Curve coefficient;  ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
+  double film_boiling_above = 350.0;        ///< [°C]
+  bool boiling_follows_flow =
+      false;                  ///< the three above move with flow and temperature, boiling.hpp
+  double pulse_period = 0.0;  ///< [s] from one opening of the valve to the next; 0: no pulses
+  double pulse_share = 0.5;   ///< [1] of the period in which the water runs
+  double pulse_end = 0.0;     ///< [s] from here on it runs without a break
+  Curve coefficient;          ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
 };
 
 struct BottomBlock {

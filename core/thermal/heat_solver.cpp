@@ -46,7 +46,8 @@ HeatSolver::HeatSolver(material::ThermalProperties properties, CoolingSpec cooli
       forms_(std::move(forms)),
       tolerance_(tolerance),
       maximum_iterations_(maximum_iterations) {
-  update_mesh();
+  forms_->update();
+  take_elements();
 }
 
 void HeatSolver::update_mesh() {

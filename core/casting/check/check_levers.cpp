@@ -70,7 +70,7 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
   }
 }
 
-/// What only a slab with two faces has.
+/// Cooling that only a slab with two faces has; check_quarter_slab looks at the rest.
 void check_faces(CaseFindings& found) {
   if (found.casting.section.kind == mesh::SectionKind::quarter_slab) return;
   if (!found.sound({"section.kind"})) return;
@@ -85,8 +85,6 @@ void check_faces(CaseFindings& found) {
                      *face == thermal::Face::wide ? "wide" : "narrow");
   }
   if (found.casting.cooling.narrow_water) only_of_a_slab("cooling.narrow_water", "given");
-  if (!found.casting.schedule.narrow_water_flow.empty())
-    only_of_a_slab("schedule.narrow_water_flow", "given");
 }
 
 }  // namespace

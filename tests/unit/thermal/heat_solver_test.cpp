@@ -153,6 +153,16 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
   EXPECT_EQ(field.temperature, resumed.temperature);
 }
 
+TEST(HeatSolver, TakesFormsThatWereInUseBefore) {
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
+  auto forms = make_heat_forms(slab.mesh(), SectionKind::plane_strain);
+  forms->update();
+  HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
+                    std::move(forms));
+  HeatField field = solver.uniform_field(680.0);
+  EXPECT_TRUE(solver.step(field, {1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}}).converged);
+}
+
 TEST(HeatSolver, NonConvergenceIsAnOutcomeAndLeavesTheField) {
   const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),

@@ -180,7 +180,7 @@ TEST(SteadyStrand, WallsTakeWhatTheMetalBrings) {
                     thermal::testing::casting_cooling(), thermal::make_heat_forms(slab.mesh()));
   HeatField field = solver.uniform_field(pouring);
   double out = 0.0, conducted = 0.0, duration = 0.0;
-  constexpr double end = 1200.0, steady = 900.0;
+  constexpr double end = 1600.0, steady = 1200.0;
   for (double time = step; time <= end; time += step) {
     HeatStepInput input;
     input.time = time;
