@@ -78,6 +78,7 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
       merge_faults(checked.faults, {response->faults().begin(), response->faults().end()});
   checked.warnings.assign(response->warnings().begin(), response->warnings().end());
   if (response->has_estimate() && checked.faults.empty()) checked.estimate = response->estimate();
+  if (checked.faults.empty()) checked.findings = response->findings();
   sort_by_place(checked);
 }
 
@@ -104,6 +105,8 @@ Json faults_json(const CaseUnderCheck& checked) {
     json["faults"].push_back(fault_json(fault, checked.read.source));
   for (const v1::Fault& fault : checked.warnings)
     json["warnings"].push_back(fault_json(fault, checked.read.source));
+  json["findings"] = Json::array();
+  for (const v1::Finding& finding : checked.findings) json["findings"].push_back(to_json(finding));
   if (checked.estimate) json["estimate"] = to_json(*checked.estimate);
   return json;
 }

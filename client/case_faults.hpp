@@ -20,6 +20,7 @@ struct CaseUnderCheck {
   std::vector<v1::Fault> faults;  ///< local ones and the server's, in the order of the file
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
+  google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
 };
 
 /// Reads a case file; faults are the local ones.
@@ -42,7 +43,7 @@ std::vector<v1::Fault> faults_of(const grpc::Status& status);
 void print_faults(const CaseUnderCheck& checked, std::ostream& stream);
 
 /// {valid, faults [{field, value, message, permitted, remedy, file, line, column}], warnings,
-/// estimate}
+/// findings, estimate}
 Json faults_json(const CaseUnderCheck& checked);
 
 }  // namespace dccast::client

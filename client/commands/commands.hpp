@@ -48,7 +48,8 @@ std::shared_ptr<Options> make_options() {
 }
 
 /// Follows a job as `watch` does and says how it ended; results on stdout unless `talk_only`.
+/// @param strict  findings beyond notes make it ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool talk_only);
+                   bool talk_only, bool strict = false);
 
 }  // namespace dccast::client::commands

@@ -4,6 +4,7 @@
 #include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/curl_history.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/table.hpp"
 #include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
@@ -85,6 +86,8 @@ void print_json(const JobCurl& curl) {
             {"cast_length_m", history.cast_length_m},
             {"beyond_validity", history.beyond},
             {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()}};
+  json["findings"] = Json::array();
+  for (const v1::Finding& finding : job.findings()) json["findings"].push_back(to_json(finding));
   if (study.valid_until_s) json["limit_valid_until_s"] = *study.valid_until_s;
   json["monitors"] = Json::array();
   for (const auto& series : history.monitors) {
@@ -114,6 +117,8 @@ void print_table(const JobCurl& curl) {
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
+  for (const v1::Finding& finding : curl.job.findings())
+    std::cerr << render::finding_line(finding) << '\n';
   if (curl.job.has_validity_loss())
     std::cerr << render::validity_text(curl.job.validity_loss()) << '\n';
 }

@@ -5,6 +5,7 @@
 #include "client/commands/commands.hpp"
 #include "client/job_listing.hpp"
 #include "client/message_json.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/table.hpp"
 
@@ -46,11 +47,12 @@ ExitCode run(const Options& options, Program& program) {
     std::cout << list.dump() << '\n';
     return ExitCode::done;
   }
-  render::Table table({"JOB", "STATE", ">DONE", "CREATED", "TITLE"});
+  render::Table table({"JOB", "STATE", ">DONE", "FINDINGS", "CREATED", "TITLE"});
   for (const v1::Job& job : jobs)
     table.add(
         {job.id(), render::full_state_text(job),
          job.has_last_step() ? render::fixed(100.0 * job.last_step().progress(), 0) + " %" : "-",
+         job.findings().empty() ? "-" : render::findings_count(job.findings()),
          render::time_text(job.create_time()), job.title()});
   if (jobs.empty())
     std::cerr << "no jobs\n";

@@ -16,6 +16,7 @@ struct Options {
   v1::Priority priority = v1::NORMAL;
   bool watch = false;
   bool json = false;
+  bool strict = false;
 };
 
 ExitCode refuse(const CaseUnderCheck& checked, bool json) {
@@ -51,7 +52,7 @@ ExitCode run(const Options& options, Program& program) {
   else
     std::cout << job.id() << std::endl;
   if (!options.watch) return ExitCode::done;
-  return watch_job(connection, job.id(), 1, options.json, true);
+  return watch_job(connection, job.id(), 1, options.json, true, options.strict);
 }
 
 }  // namespace
@@ -64,6 +65,10 @@ void add_submit(CLI::App& app, Program& program) {
   command->add_option("FILE", options->file, "Case file")->required();
   command->add_flag("-w,--watch", options->watch,
                     "Follow the job to its end; exit code 3 if it does not succeed");
+  command
+      ->add_flag("--strict", options->strict,
+                 "With --watch: exit code 3 for a job with findings beyond notes too")
+      ->needs("--watch");
   const std::map<std::string, v1::Priority> priorities{
       {"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}};
   command

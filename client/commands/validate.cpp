@@ -2,6 +2,7 @@
 
 #include "client/case_faults.hpp"
 #include "client/commands/commands.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/progress.hpp"
 
 namespace dccast::client::commands {
@@ -11,6 +12,7 @@ struct Options {
   std::string file;
   bool local = false;
   bool json = false;
+  bool strict = false;
 };
 
 void print_verdict(const CaseUnderCheck& checked, bool local) {
@@ -35,9 +37,12 @@ ExitCode run(const Options& options, Program& program) {
     std::cout << faults_json(checked).dump() << '\n';
   } else {
     print_faults(checked, std::cout);
+    for (const v1::Finding& finding : checked.findings)
+      std::cout << render::finding_line(finding) << '\n';
     print_verdict(checked, options.local);
   }
-  return checked.faults.empty() ? ExitCode::done : ExitCode::invalid;
+  const bool implausible = options.strict && render::more_than_notes(checked.findings);
+  return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }
 
 }  // namespace
@@ -45,10 +50,14 @@ ExitCode run(const Options& options, Program& program) {
 void add_validate(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
   CLI::App* const command =
-      subcommand(app, "validate", "Check a case file and list everything that is wrong with it",
+      subcommand(app, "validate",
+                 "Check a case file: list everything that is wrong with it, and findings on "
+                 "whether a plant could cast it",
                  "dccast validate my.toml");
   command->add_option("FILE", options->file, "Case file")->required();
   command->add_flag("--local", options->local, "Ask no server: keys, units and ranges only");
+  command->add_flag("--strict", options->strict,
+                    "Exit code 2 for findings beyond notes too (docs/findings.md)");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };

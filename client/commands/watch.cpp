@@ -2,6 +2,7 @@
 
 #include "client/commands/commands.hpp"
 #include "client/job_watch.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/progress.hpp"
 #include "client/render/table.hpp"
@@ -14,6 +15,7 @@ struct Options {
   std::string id;
   std::int64_t from = 1;
   bool json = false;
+  bool strict = false;
 };
 
 void print_curl(const render::CurlHistory& history) {
@@ -62,16 +64,26 @@ void say_if_held(Connection& connection, const std::string& id) {
   if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
 }
 
+/// Of the job as a whole: a watch may begin after some of its findings.
+bool is_implausible(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  return render::more_than_notes(connection.call(&Stub::GetJob, request).findings());
+}
+
 }  // namespace
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool talk_only) {
+                   bool talk_only, bool strict) {
   say_if_held(connection, id);
   const auto end = json ? watch_for_scripts(connection, id, from)
                         : watch_for_people(connection, id, from, talk_only);
   if (end.has_failure())
     std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
-  return exit_code_of(end.state());
+  const ExitCode code = exit_code_of(end.state());
+  if (!strict || code != ExitCode::done || !is_implausible(connection, id)) return code;
+  std::cerr << "dccast: job " << id << " has findings beyond notes (--strict)\n";
+  return ExitCode::solve_failed;
 }
 
 void add_watch(CLI::App& app, Program& program) {
@@ -84,11 +96,14 @@ void add_watch(CLI::App& app, Program& program) {
   command->add_option("JOB", options->id, "Job id")->required();
   command->add_option("--from", options->from, "First event wanted, by its sequence number")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--strict", options->strict,
+                    "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
   command->add_flag("--json", options->json, "One JSON object a line and event");
   command->callback([options, &program] {
     program.action = [options, &program] {
       Connection connection = program.connect();
-      return watch_job(connection, options->id, options->from, options->json, false);
+      return watch_job(connection, options->id, options->from, options->json, false,
+                       options->strict);
     };
   });
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "client/render/findings.hpp"
 #include "client/render/progress.hpp"
 #include "client/render/table.hpp"
 #include "client/render/validity.hpp"
@@ -84,6 +85,7 @@ std::string event_line(const v1::JobEvent& event) {
                : "resumed after step " + std::to_string(event.resumed().step()) + " at " +
                      fixed(event.resumed().time_s(), 2) + " s";
   if (event.has_validity_lost()) return "warning: " + validity_text(event.validity_lost());
+  if (event.has_finding()) return finding_line(event.finding());
   return "event " + std::to_string(event.sequence());
 }
 
@@ -136,6 +138,7 @@ std::string job_sheet(const v1::Job& job) {
                             std::to_string(step.elements()) + " elements");
     text += row("solver time", duration_text(step.solver_s()));
   }
+  for (const v1::Finding& finding : job.findings()) text += row("finding", finding_line(finding));
   if (job.has_validity_loss()) text += row("validity", validity_text(job.validity_loss()));
   if (job.has_failure()) text += row("failure", failure_text(job.failure()));
   for (const v1::Artifact& artifact : job.artifacts())

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/render/curl_history.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/progress.hpp"
 #include "client/render/report_style.hpp"
@@ -235,6 +236,12 @@ std::string element_row(v1::ElementKind element) {
   }
 }
 
+std::string coherency_text(const v1::Alloy& alloy) {
+  if (alloy.has_coherency_solid_fraction())
+    return "solid fraction " + fixed(alloy.coherency_solid_fraction(), 2);
+  return fixed(alloy.has_coherency_c() ? alloy.coherency_c() : alloy.liquidus_c(), 0) + " °C";
+}
+
 std::string inputs_table(const v1::Case& input) {
   const v1::Alloy& alloy = input.alloy();
   std::string rows;
@@ -242,12 +249,9 @@ std::string inputs_table(const v1::Case& input) {
               "the shell forms; t = 0 is when the block starts");
   rows += row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
               "from a stress-free shell: what happened before leaves no curl");
-  rows +=
-      row("Coherency",
-          (alloy.has_coherency_c() ? fixed(alloy.coherency_c(), 0) : fixed(alloy.liquidus_c(), 0)) +
-              " °C",
-          "below it the mush transmits stress; solidus " + fixed(alloy.solidus_c(), 0) +
-              ", liquidus " + fixed(alloy.liquidus_c(), 0) + " °C");
+  rows += row("Coherency", coherency_text(alloy),
+              "below it the mush transmits stress; solidus " + fixed(alloy.solidus_c(), 0) +
+                  ", liquidus " + fixed(alloy.liquidus_c(), 0) + " °C");
   rows +=
       row("Alloy card", html_escaped(alloy.card()) + " (" + html_escaped(alloy.provenance()) + ")",
           html_escaped(alloy.description()));
@@ -270,7 +274,8 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
                      html_escaped(job.id().substr(0, 8)) + " · <span class='state " +
                      state_text(job.state()) + "'>" + state_text(job.state()) + "</span></p>" +
                      element("h1", title) + "</header>";
-  body += validity_banner(job, history) + headline(history, result, study);
+  body += findings_part(job.findings()) + validity_banner(job, history) +
+          headline(history, result, study);
   const std::string of_the_band =
       study.monitors.empty() ? "" : " Dashed: the limit of finer meshes; shaded: its uncertainty.";
   const std::string of_the_region =

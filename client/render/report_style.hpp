@@ -32,6 +32,7 @@ svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:
 table{border-collapse:collapse;width:100%;font-size:14px}th,td{text-align:left;vertical-align:top;padding:5px 10px 5px 0;border-top:1px solid var(--rule)}
 tr:first-child>*{border-top:0}th{font-weight:500;width:34%}td:nth-child(2){font-variant-numeric:tabular-nums;overflow-wrap:break-word}td code{overflow-wrap:anywhere}td:last-child:not(:nth-child(2)){color:var(--soft);font-size:13px}
 details{margin-top:14px}summary{cursor:pointer;color:var(--soft)}pre{overflow-x:auto;font-size:12.5px;line-height:1.45}code{font-size:12px}
+tr.danger th{color:var(--bad)}.findings th{width:6em}.findings td small{display:block;color:var(--soft)}
 @media print{body{background:#fff}main{max-width:none;padding:0}}
 )css";
 

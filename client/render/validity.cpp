@@ -8,9 +8,7 @@
 #include "client/render/table.hpp"
 
 namespace dccast::client::render {
-namespace {
 
-/// Three digits are as many as a limit has; lengths are read in millimetres.
 std::string figure_text(double value, const std::string& unit) {
   const bool length = unit == "m";
   char text[40];
@@ -18,8 +16,6 @@ std::string figure_text(double value, const std::string& unit) {
   if (unit.empty() || unit == "1") return text;
   return std::string(text) + " " + (length ? "mm" : unit);
 }
-
-}  // namespace
 
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {
   constexpr std::array axes{"x ", "y ", "z "};

@@ -9,6 +9,9 @@ namespace dccast::client::render {
 /// How every output marks a figure that was computed after the model had stopped being valid.
 inline constexpr const char* beyond_validity = "beyond validity";
 
+/// Three digits, as many as a limit has; lengths in millimetres: "4.13 mm", "0.98", "622 degC".
+std::string figure_text(double value, const std::string& unit);
+
 /// "x 120.0 mm, y 3.0 mm"; empty where no place is known.
 /// @param place_m  coordinates in the undeformed slab
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m);

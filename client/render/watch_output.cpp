@@ -17,6 +17,8 @@ const char* event_name(const v1::JobEvent& event) {
       return "resumed";
     case v1::JobEvent::kValidityLost:
       return "validity_lost";
+    case v1::JobEvent::kFinding:
+      return "finding";
     default:
       return "unknown";
   }
@@ -41,6 +43,8 @@ void add_particulars(const v1::JobEvent& event, Json& line) {
     line["resumed_time_s"] = event.resumed().time_s();
   } else if (event.has_validity_lost()) {
     line["validity_loss"] = to_json(event.validity_lost());
+  } else if (event.has_finding()) {
+    line["finding"] = to_json(event.finding());
   }
 }
 

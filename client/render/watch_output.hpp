@@ -6,9 +6,9 @@
 namespace dccast::client::render {
 
 /// Turns events into the lines of `watch --json`. Every line has `sequence`, `event` (state, step,
-/// message, resumed or validity_lost), `state`, `step`, `time_s`, `cast_length_m`, `iterations`,
-/// `beyond_validity`, `monitors` [{name, displacement_m}]; before the first step the numbers are
-/// null. Events that are not steps repeat those of the last step.
+/// message, resumed, validity_lost or finding), `state`, `step`, `time_s`, `cast_length_m`,
+/// `iterations`, `beyond_validity`, `monitors` [{name, displacement_m}]; before the first step the
+/// numbers are null. Events that are not steps repeat those of the last step.
 class WatchOutput {
 public:
   Json line(const v1::JobEvent& event);

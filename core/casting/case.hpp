@@ -99,6 +99,16 @@ struct Validity {
   double minimum_shell = 0.0;                                 ///< [m]; 0: any solid path
 };
 
+/// Limits of the findings; how they were chosen stands in docs/findings.md.
+struct Plausibility {
+  double minimum_superheat = 5.0;       ///< [K]
+  double minimum_shell = 5e-3;          ///< [m]
+  double maximum_mush_strain = 0.005;   ///< [1]
+  double maximum_sump_share = 0.95;     ///< [1] of the metal's depth
+  std::optional<double> least_curl;     ///< [m] of the plant's band; absent: no lower edge
+  std::optional<double> greatest_curl;  ///< [m] absent: no upper edge
+};
+
 struct Limits {
   std::int64_t maximum_nodes = 400000;
   std::int64_t maximum_steps = 200000;
@@ -108,6 +118,8 @@ struct Case {
   std::string title;
   mesh::SectionSpec section;
   material::AlloyCard alloy;
+  /// [1] that the alloy's coherency was given by; absent: as a temperature, or left to the card
+  std::optional<double> coherency_solid_fraction;
   Schedule schedule;
   thermal::CoolingSpec cooling;
   ThermalOptions thermal;
@@ -118,6 +130,7 @@ struct Case {
   OutputOptions output;
   CheckpointPolicy checkpoint;
   Validity validity;
+  Plausibility plausibility;
   Limits limits;
   /// The case in the form it was submitted (JSON), kept in the result file for provenance.
   std::string source_json;

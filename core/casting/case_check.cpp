@@ -22,6 +22,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
     check_imported_mesh(found);
   check_temperature_file(found);
   check_monitors(found);
+  check_plausibility(found);
   advise(found);
   return found.answer();
 }

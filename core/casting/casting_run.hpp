@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/casting/case.hpp"
 #include "core/casting/run_failure.hpp"
+#include "core/results/finding.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/sections.hpp"
 #include "core/results/step_report.hpp"
@@ -35,6 +37,9 @@ public:
   virtual const RunFailures& failures() const = 0;
   /// The moment from which the model is no longer valid; nothing while it is.
   virtual const std::optional<results::ValidityLoss>& validity_lost() const = 0;
+
+  /// What an engineer should know of the run so far, each code once, in the order they came.
+  virtual const std::vector<results::Finding>& findings() const = 0;
 
   /// Everything that a checkpoint of the run has to keep.
   virtual results::Sections state_sections() const = 0;

@@ -123,6 +123,7 @@ Sections to_sections(const RunState<Dim>& state) {
   s.set("heat/wetted", flags(state.heat.wetted));
   write_slab(state.slab, s);
   write_validity(state.validity, s);
+  write_plausibility(state.plausibility, s);
   write_failures(state.failures, s);
   return s;
 }
@@ -144,6 +145,7 @@ RunState<Dim> state_of(const Sections& s) {
   state.heat.wetted = flags(s, "heat/wetted");
   read_slab(s, state.slab);
   state.validity = read_validity(s);
+  state.plausibility = read_plausibility(s);
   state.failures = read_failures(s);
   return state;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/casting/plausibility/plausibility_state.hpp"
 #include "core/casting/run_failure.hpp"
 #include "core/casting/validity/validity_state.hpp"
 #include "core/mechanics/slab_state.hpp"
@@ -27,6 +28,7 @@ struct RunState {
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
   ValidityState validity;
+  PlausibilityState plausibility;
 };
 
 /// A state as the sections of a checkpoint, and back. The lengths of the arrays remain to be held

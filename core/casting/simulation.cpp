@@ -75,6 +75,7 @@ results::RunSummary summary_of(const CastingRun& run) {
   if (!run.failures().empty())
     summary = {name_of(run.failures().front().kind), in_words(run.failures())};
   summary.validity_lost = run.validity_lost();
+  summary.findings = run.findings();
   return summary;
 }
 
@@ -139,6 +140,7 @@ private:
     writer_.emplace(results::ResultWriter::create(files_, header_));
     writer_->append(run_->take_frame());
     writer_->flush();
+    tell_findings();
   }
 
   std::optional<RunOutcome> resume() {
@@ -160,6 +162,7 @@ private:
     if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);
     observer_.on_resumed(stored.step, run_->time());
     if (run_->validity_lost()) observer_.on_validity_lost(*run_->validity_lost());
+    tell_findings();
     return "";
   }
 
@@ -186,6 +189,7 @@ private:
       run_->fail(
           {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
     note_lost_validity(report);
+    tell_findings();
     if (run_->frame_is_due() || over()) {
       writer_->append(run_->take_frame());
       writer_->flush();
@@ -205,6 +209,12 @@ private:
     if (!lost || lost->time != report.time) return;
     if (when_lost_ == WhenLost::stop) run_->fail(failure_of(*lost, report.time_step));
     observer_.on_validity_lost(*lost);
+  }
+
+  /// Those that the observer has not been told yet.
+  void tell_findings() {
+    const std::vector<results::Finding>& found = run_->findings();
+    while (findings_told_ < found.size()) observer_.on_finding(found[findings_told_++]);
   }
 
   /// Whether a failure of a step has ended the run before its time.
@@ -258,6 +268,7 @@ private:
   results::RunHeader header_;
   results::RunFiles files_;
   std::optional<results::ResultWriter> writer_;
+  std::size_t findings_told_ = 0;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/run_frame.hpp"
 #include "core/casting/state_fit.hpp"
 #include "core/casting/temperature_figures.hpp"
@@ -94,6 +95,7 @@ SlabRun<Dim>::SlabRun(const Case& c)
       c.thermal.initial_temperature.value_or(schedule_.casting_temperature(state_.time, 0.0)));
   state_.slab = mechanics_.initial_state();
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
+  state_.plausibility.raised = findings_of_case(c);
 }
 
 template <int Dim>
@@ -302,7 +304,23 @@ results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_att
   r.solver_seconds = state_.solver_seconds;
   r.process_seconds = state_.process_seconds;
   r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
+  judge_plausibility(r);
   return r;
+}
+
+template <int Dim>
+void SlabRun<Dim>::judge_plausibility(results::StepReport& r) {
+  std::vector<double> lift;
+  for (const auto& displacement : r.monitor_displacement) lift.push_back(displacement.back());
+  const StepView<Dim> view{r,
+                           metal_level(),
+                           mesh(),
+                           state_.heat.temperature,
+                           state_.slab,
+                           mesh().elements() - growing_elements(),
+                           lift,
+                           state_.validity.lost};
+  judge(case_, view, r, state_.plausibility);
 }
 
 template <int Dim>

@@ -44,6 +44,9 @@ public:
   void fail(RunFailure failure) override { add_failure(state_.failures, std::move(failure)); }
   const RunFailures& failures() const override { return state_.failures; }
   const std::optional<ValidityLoss>& validity_lost() const override { return state_.validity.lost; }
+  const std::vector<results::Finding>& findings() const override {
+    return state_.plausibility.raised;
+  }
   results::Sections state_sections() const override { return to_sections(state_); }
   std::string restore(const results::Sections& state) override;
 
@@ -66,6 +69,7 @@ private:
   void report_heat(const Attempt& accepted, results::StepReport& report) const;
   void report_mechanics(results::StepReport& report);
   void report_monitors(results::StepReport& report) const;
+  void judge_plausibility(results::StepReport& report);
   Extreme liquid_pressure_error() const;
   int growing_elements() const;
 

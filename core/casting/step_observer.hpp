@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "core/results/finding.hpp"
 #include "core/results/step_report.hpp"
 #include "core/results/validity_loss.hpp"
 
@@ -27,6 +28,9 @@ public:
   /// The model is no longer valid: the step reported next and all later ones are marked. Said once,
   /// and again after a resumption. Who only collects steps has their marks.
   virtual void on_validity_lost(const results::ValidityLoss&) {}
+  /// Something about the casting that an engineer should know: each code once, those of the case
+  /// before the first step, those of a step before its report. All again after a resumption.
+  virtual void on_finding(const results::Finding&) {}
   virtual void on_message(std::string_view text) = 0;
 };
 

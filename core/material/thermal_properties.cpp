@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/material/liquid_fraction.hpp"
+
 namespace dccast::material {
 namespace {
 
@@ -20,22 +22,6 @@ struct Linear {
 
 Linear linear_between(double left, double right, double width) {
   return {left, (right - left) / width};
-}
-
-double liquid_fraction_at(const AlloyCard& card, double temperature) {
-  if (!card.liquid_fraction.empty()) return card.liquid_fraction(temperature);
-  return std::clamp((temperature - card.solidus) / (card.liquidus - card.solidus), 0.0, 1.0);
-}
-
-/// Where the card's table of the liquid fraction first reaches a fraction between 0 and 1.
-double temperature_of_fraction(const AlloyCard& card, double fraction) {
-  const Curve& table = card.liquid_fraction;
-  if (table.empty()) return card.solidus + fraction * (card.liquidus - card.solidus);
-  const auto right = std::lower_bound(table.value().begin() + 1, table.value().end(), fraction);
-  const std::size_t i = std::size_t(right - table.value().begin());
-  const double share =
-      (fraction - table.value()[i - 1]) / (table.value()[i] - table.value()[i - 1]);
-  return table.at()[i - 1] + share * (table.at()[i] - table.at()[i - 1]);
 }
 
 double cubic(double c1, double c2, double c3, double t) {

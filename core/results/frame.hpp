@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/results/finding.hpp"
 #include "core/results/validity_loss.hpp"
 
 namespace dccast::results {
@@ -86,6 +87,7 @@ struct RunSummary {
   std::string outcome = "succeeded";  ///< "succeeded", or the kind of failure: SCHEMA.md
   std::string message;                ///< the cause where it did not succeed, and what followed it
   std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< nothing while all is an answer
+  std::vector<Finding> findings{};  ///< each code once, in the order they came
 };
 
 }  // namespace dccast::results

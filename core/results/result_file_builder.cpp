@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/results/derived_fields.hpp"
+#include "core/results/findings_group.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
 #include "core/results/storage_error.hpp"
@@ -175,6 +176,7 @@ void ResultFileBuilder::finish(const RunSummary& summary) {
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);
+  write_findings(file_, summary.findings);
   file_.write_attribute("/frames", "count", static_cast<std::int64_t>(frames_.size()));
   file_.close();
 }

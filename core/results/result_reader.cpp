@@ -2,6 +2,7 @@
 
 #include <cerrno>
 
+#include "core/results/findings_group.hpp"
 #include "core/results/hdf5_file.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
@@ -104,7 +105,7 @@ RunHeader ResultReader::header() const {
 
 RunSummary ResultReader::summary() const {
   return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message"),
-          validity_loss_of(*file_)};
+          validity_loss_of(*file_), read_findings(*file_)};
 }
 
 std::vector<StepReport> ResultReader::history() const {

@@ -47,6 +47,9 @@ struct StepReport {
   double bottom_heat = 0.0;       ///< [W/m] into the block
   double contact_area = 0.0;      ///< [m2] of the bottom of a quarter slab that stands on the block
   int conjugate_gradient_iterations = 0;
+  double shell_at_exit = 0.0;     ///< [m] least solid of the side at the mould exit, or at the foot
+  double bottom_shell = 0.0;      ///< [m] least solid over the bottom
+  double mush_strain = 0.0;       ///< [1] largest tensile between coherency and solidus
   bool operator==(const StepReport&) const = default;
 };
 

@@ -74,6 +74,9 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   v1::Alloy complete = card;
   if (overrides.has_norton_hoff() && !card.has_norton_hoff()) complete.clear_reference_creep();
   if (overrides.has_reference_creep() && !card.has_reference_creep()) complete.clear_norton_hoff();
+  // Coherency is one thing said in two ways: what the case says replaces what the card says.
+  if (overrides.has_coherency_c()) complete.clear_coherency_solid_fraction();
+  if (overrides.has_coherency_solid_fraction()) complete.clear_coherency_c();
   const Descriptor& descriptor = *v1::Alloy::descriptor();
   for (int i = 0; i < descriptor.field_count(); ++i)
     // Merging would append the points of a curve to those of the card.

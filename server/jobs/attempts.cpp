@@ -91,8 +91,7 @@ int Attempts::running() const {
 Attempt* Attempts::running(const std::string& job_id) {
   const auto found = attempts_.find(job_id);
   if (found == attempts_.end() || found->second->settled) return nullptr;
-  if (const auto step = found->second->log->last_step())
-    *found->second->record.job.mutable_last_step() = *step;
+  found->second->log->tell(found->second->record.job);
   return found->second.get();
 }
 

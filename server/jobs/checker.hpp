@@ -18,6 +18,7 @@ namespace dccast::jobs {
 /// WorkerOrder.Start and answered with a serialised message.
 enum class Question : std::uint32_t {
   check = 1,  ///< a ValidateCaseResponse on its case
+  judge = 3,  ///< the same with the findings of a case without faults, which takes longer
   frame = 2,  ///< the last Frame of the results in its directory
 };
 

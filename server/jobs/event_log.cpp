@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
@@ -180,6 +181,18 @@ std::optional<v1::JobState> EventLog::last_state() const {
 std::optional<v1::StepReport> EventLog::last_step() const {
   const std::lock_guard lock(mutex_);
   return content_.last_step;
+}
+
+bool EventLog::has_finding(const std::string& code) const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(content_.findings,
+                             [&](const v1::Finding& finding) { return finding.code() == code; });
+}
+
+void EventLog::tell(v1::Job& job) const {
+  const std::lock_guard lock(mutex_);
+  if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
+  *job.mutable_findings() = {content_.findings.begin(), content_.findings.end()};
 }
 
 std::vector<EventGap> EventLog::gaps() const {

@@ -50,6 +50,10 @@ public:
   std::optional<v1::JobEvent> terminal_event() const;
   /// The last step reported and not taken back by a resumption, if there is one.
   std::optional<v1::StepReport> last_step() const;
+  /// Whether there is a finding of this code.
+  bool has_finding(const std::string& code) const;
+  /// Brings a job up to what the log tells of it beside its state: last step and findings.
+  void tell(v1::Job& job) const;
   /// The step up to which the history goes: that of the last report or resumption; 0 at first.
   std::int64_t reached_step() const;
   /// The state of the last state change, if there is one.

@@ -50,6 +50,7 @@ struct EventLogContent {
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
   std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
+  std::vector<v1::Finding> findings;        ///< each code once
   std::int64_t reached_step = 0;            ///< up to which the history goes
 
   /// Takes note of the next event, whose record stands at `offset` and ends before `end_of_record`.

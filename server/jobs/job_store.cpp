@@ -70,12 +70,14 @@ void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
   *time = timestamp(milliseconds);
 }
 
-/// `outcome` holds a Job with only the last step, the artifacts and the loss of validity set.
+/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity and the
+/// findings set.
 std::string outcome_of(const v1::Job& job) {
   v1::Job outcome;
   if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
   *outcome.mutable_artifacts() = job.artifacts();
   if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
+  *outcome.mutable_findings() = job.findings();
   return outcome.SerializeAsString();
 }
 

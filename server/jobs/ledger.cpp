@@ -34,7 +34,7 @@ Durability durability_of(v1::JobState state) {
 void Ledger::write_event(JobRecord& record, const std::string& cause) {
   v1::Job& job = record.job;
   const auto log = logs_.open(job.id());
-  if (const auto step = log->last_step()) *job.mutable_last_step() = *step;
+  log->tell(job);
   const bool terminal = is_terminal(job.state());
   if (!(terminal && log->terminal_event())) {
     v1::JobEvent event = state_event(job, cause);

@@ -218,6 +218,8 @@ void Scheduler::report(const std::shared_ptr<Attempt>& attempt, const v1::Worker
       return hear(attempt, std::move(event));
     case v1::WorkerMessage::kValidityLost:
       return note_validity_loss(attempt, message.validity_lost());
+    case v1::WorkerMessage::kFinding:
+      return note_finding(attempt, message.finding());
     case v1::WorkerMessage::kFinished: {
       const std::lock_guard lock(mutex_);
       attempts_.finish(*attempt, message.finished());
@@ -241,6 +243,14 @@ void Scheduler::note_validity_loss(const std::shared_ptr<Attempt>& attempt,
   }
   v1::JobEvent event;
   *event.mutable_validity_lost() = loss;
+  hear(attempt, std::move(event));
+}
+
+/// The event log knows each code once, whatever a worker says again after a resumption.
+void Scheduler::note_finding(const std::shared_ptr<Attempt>& attempt, const v1::Finding& finding) {
+  if (attempt->log->has_finding(finding.code())) return;
+  v1::JobEvent event;
+  *event.mutable_finding() = finding;
   hear(attempt, std::move(event));
 }
 

@@ -138,6 +138,7 @@ private:
   std::string storage_trouble();
   void hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event);
   void note_validity_loss(const std::shared_ptr<Attempt>& attempt, const v1::ValidityLoss& loss);
+  void note_finding(const std::shared_ptr<Attempt>& attempt, const v1::Finding& finding);
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);

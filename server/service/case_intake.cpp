@@ -43,6 +43,7 @@ void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict
   verdict.mutable_warnings()->MergeFrom(from_core.warnings());
   if (verdict.faults_size() == 0 && from_core.has_estimate())
     *verdict.mutable_estimate() = from_core.estimate();
+  *verdict.mutable_findings() = std::move(*from_core.mutable_findings());
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_
 
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                                  std::vector<std::string> faulty_keys,
-                                 const jobs::Patience& patience) const {
+                                 const jobs::Patience& patience, jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -77,7 +78,7 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
     return examined;
   }
   try {
-    merge(ask_core(examined.complete, attachments, faulty_keys, patience), verdict);
+    merge(ask_core(question, examined.complete, attachments, faulty_keys, patience), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
     say_that_checks_wait(verdict);
@@ -104,7 +105,7 @@ case_file::AlloyCard CaseIntake::card(const std::string& name) const {
   return case_file::alloy_card(name, alloy_directory_);
 }
 
-v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
+v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Case& complete,
                                               const jobs::Attachments& attachments,
                                               const std::vector<std::string>& faulty_keys,
                                               const jobs::Patience& patience) const {
@@ -115,7 +116,7 @@ v1::ValidateCaseResponse CaseIntake::ask_core(const v1::Case& complete,
   question.set_directory(folder ? folder->path() : check_directory_);
   *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
   return parsed<v1::ValidateCaseResponse>(
-      checkers_.ask(jobs::Question::check, question.SerializeAsString(), patience));
+      checkers_.ask(asked, question.SerializeAsString(), patience));
 }
 
 v1::Frame CaseIntake::last_frame(const std::filesystem::path& job_folder,

@@ -31,9 +31,11 @@ public:
              std::filesystem::path check_directory, const Ceilings& ceilings);
 
   /// @param faulty_keys  paths of keys that whoever submits could not read
+  /// @param question     check, or judge for a verdict with findings
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
-                       std::vector<std::string> faulty_keys, const jobs::Patience& patience) const;
+                       std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                       jobs::Question question = jobs::Question::check) const;
 
   /// The last stored frame of a job that has ended. @throws jobs::WorkerDidNotAnswer
   v1::Frame last_frame(const std::filesystem::path& job_folder,
@@ -45,7 +47,8 @@ public:
 private:
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
-  v1::ValidateCaseResponse ask_core(const v1::Case& complete, const jobs::Attachments& attachments,
+  v1::ValidateCaseResponse ask_core(jobs::Question question, const v1::Case& complete,
+                                    const jobs::Attachments& attachments,
                                     const std::vector<std::string>& faulty_keys,
                                     const jobs::Patience& patience) const;
   /// The card of this name; with faults when there is none.

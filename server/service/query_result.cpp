@@ -74,6 +74,7 @@ grpc::Status query_result(Context& context, const Call& call, const v1::QueryRes
   if (!job) return job_not_found(request.id());
   const grpc::Status status = add_steps(context, request, response);
   if (!status.ok() || !request.page_token().empty()) return status;
+  *response.mutable_findings() = job->findings();
   return add_case_and_frame(context, call, request, *job, response);
 }
 

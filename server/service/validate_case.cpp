@@ -8,7 +8,7 @@ grpc::Status validate_case(Context& context, const Call& call,
   response = context.intake
                  .examine(request.case_(), request.attachments(),
                           {request.faulty_keys().begin(), request.faulty_keys().end()},
-                          patience(call, context.check_timeout))
+                          patience(call, context.check_timeout), jobs::Question::judge)
                  .verdict;
   return grpc::Status::OK;
 }

@@ -55,7 +55,7 @@ void bring_up_to_log(jobs::JobRecord& record, const fs::path& path) {
   }
   job.set_attempts(
       std::max(job.attempts(), attempts));  // a start may be among events that are lost
-  if (const auto step = log.last_step()) *job.mutable_last_step() = *step;
+  log.tell(job);
 }
 
 void adopt(jobs::JobStore& store, const fs::path& folder) {

@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "core/material/liquid_fraction.hpp"
+
 namespace dccast::translate {
 
 namespace {
@@ -92,18 +94,26 @@ std::variant<material::NortonHoffConstants, material::ReferenceCreep> creep(cons
                                   .activation_energy = law.activation_energy_j_per_mol()};
 }
 
+/// @pre liquidus, solidus and liquid fraction are in the card
+void coherency(const v1::Alloy& from, material::AlloyCard& to) {
+  to.coherency = from.liquidus_c();
+  if (from.has_coherency_solid_fraction())
+    to.coherency = material::coherency_at(to, from.coherency_solid_fraction());
+  if (from.has_coherency_c()) to.coherency = from.coherency_c();
+}
+
 material::AlloyCard alloy(const v1::Alloy& from) {
   material::AlloyCard to;
   to.name = from.card();
   to.liquidus = from.liquidus_c();
   to.solidus = from.solidus_c();
-  to.coherency = from.has_coherency_c() ? from.coherency_c() : from.liquidus_c();
   to.latent_heat = from.latent_heat_j_per_kg();
   to.density = to_core(from.density_kg_per_m3());
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
   to.conductivity = to_core(from.conductivity_w_per_m_k());
   to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
   to.liquid_fraction = to_core(from.liquid_fraction());
+  coherency(from, to);
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);
@@ -263,6 +273,17 @@ casting::TimeControl time_control(const v1::TimeControl& from) {
   return to;
 }
 
+casting::Plausibility plausibility(const v1::Plausibility& from) {
+  casting::Plausibility to;
+  if (from.has_minimum_superheat_k()) to.minimum_superheat = from.minimum_superheat_k();
+  if (from.has_minimum_shell_m()) to.minimum_shell = from.minimum_shell_m();
+  if (from.has_maximum_mush_strain()) to.maximum_mush_strain = from.maximum_mush_strain();
+  if (from.has_maximum_sump_share()) to.maximum_sump_share = from.maximum_sump_share();
+  if (from.has_least_curl_m()) to.least_curl = from.least_curl_m();
+  if (from.has_greatest_curl_m()) to.greatest_curl = from.greatest_curl_m();
+  return to;
+}
+
 casting::Validity validity(const v1::Validity& from) {
   casting::Validity to;
   if (from.when_lost() == v1::Validity::CONTINUE) to.when_lost = casting::WhenLost::go_on;
@@ -308,12 +329,15 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.title = complete.title();
   to.section = section(complete, attachments);
   to.alloy = alloy(complete.alloy());
+  if (complete.alloy().has_coherency_solid_fraction())
+    to.coherency_solid_fraction = complete.alloy().coherency_solid_fraction();
   to.schedule = schedule(complete.schedule());
   to.cooling = cooling(complete.cooling());
   to.thermal = thermal_options(complete.thermal(), attachments);
   to.mechanics = mechanics_case(complete.mechanics());
   to.time = time_control(complete.time());
   to.validity = validity(complete.validity());
+  to.plausibility = plausibility(complete.plausibility());
   small_tables(complete, to);
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;

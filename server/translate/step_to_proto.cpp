@@ -40,6 +40,18 @@ v1::Failure::Kind to_proto(casting::FailureKind kind) {
   return v1::Failure::INTERNAL;
 }
 
+v1::Finding::Severity to_proto(results::Severity severity) {
+  switch (severity) {
+    case results::Severity::note:
+      return v1::Finding::NOTE;
+    case results::Severity::warning:
+      return v1::Finding::WARNING;
+    case results::Severity::danger:
+      return v1::Finding::DANGER;
+  }
+  return v1::Finding::SEVERITY_UNSPECIFIED;
+}
+
 /// By its name in results.h5, which is that of the schema in lower case.
 v1::Failure::Kind kind_named(std::string name) {
   std::ranges::transform(name, name.begin(), [](char c) {
@@ -84,6 +96,9 @@ v1::StepReport to_proto(const results::StepReport& report,
   to.set_beyond_validity(report.beyond_validity);
   to.set_maximum_rotation_rad(report.maximum_rotation);
   to.set_bottom_slip_m(report.bottom_slip);
+  to.set_shell_at_exit_m(report.shell_at_exit);
+  to.set_bottom_shell_m(report.bottom_shell);
+  to.set_mush_strain(report.mush_strain);
   to.set_process_s(report.process_seconds);
   to.set_side_heat_w_per_m(report.side_heat);
   to.set_narrow_heat_w_per_m(report.narrow_heat);
@@ -118,6 +133,20 @@ v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
   to.set_value(loss.value);
   to.set_limit(loss.limit);
   to.set_unit(loss.unit);
+  return to;
+}
+
+v1::Finding to_proto(const results::Finding& finding) {
+  v1::Finding to;
+  to.set_code(finding.code);
+  to.set_severity(to_proto(finding.severity));
+  to.set_message(finding.message);
+  if (finding.time) to.set_time_s(*finding.time);
+  to.mutable_place_m()->Add(finding.place.begin(), finding.place.end());
+  if (finding.value) to.set_value(*finding.value);
+  if (finding.limit) to.set_limit(*finding.limit);
+  to.set_unit(finding.unit);
+  to.set_key(finding.key);
   return to;
 }
 

@@ -17,4 +17,6 @@ v1::Failure to_proto(const casting::RunFailures& failures);
 
 v1::ValidityLoss to_proto(const results::ValidityLoss& loss);
 
+v1::Finding to_proto(const results::Finding& finding);
+
 }  // namespace dccast::translate

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/casting/case_check.hpp"
+#include "core/casting/plausibility/plausibility.hpp"
 #include "core/results/result_reader.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/checker.hpp"
@@ -18,6 +19,7 @@
 #include "server/translate/case_to_core.hpp"
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/frame_to_proto.hpp"
+#include "server/translate/step_to_proto.hpp"
 
 namespace dccast::worker {
 
@@ -43,12 +45,29 @@ bool send(int socket, std::string_view bytes) {
   return true;
 }
 
-std::string check(const v1::WorkerOrder::Start& start) {
+v1::ValidateCaseResponse checked(const v1::WorkerOrder::Start& start, const casting::Case& c) {
+  return translate::to_proto(
+      casting::check(c, {start.faulty_keys().begin(), start.faulty_keys().end()}));
+}
+
+casting::Case case_of(const v1::WorkerOrder::Start& start) {
   const std::filesystem::path folder = start.directory();
-  const auto checked =
-      casting::check(translate::to_core(start.case_(), folder / jobs::attachments_folder),
-                     {start.faulty_keys().begin(), start.faulty_keys().end()});
-  return translate::to_proto(checked).SerializeAsString();
+  return translate::to_core(start.case_(), folder / jobs::attachments_folder);
+}
+
+std::string check(const v1::WorkerOrder::Start& start) {
+  return checked(start, case_of(start)).SerializeAsString();
+}
+
+/// Whether a case that can be run is one that a plant could run.
+std::string judge(const v1::WorkerOrder::Start& start) {
+  const casting::Case c = case_of(start);
+  v1::ValidateCaseResponse verdict = checked(start, c);
+  if (verdict.faults_size() > 0 || start.faulty_keys_size() > 0) return verdict.SerializeAsString();
+  for (const auto& found : {casting::findings_of_case(c), casting::forecast(c)})
+    for (const results::Finding& finding : found)
+      *verdict.add_findings() = translate::to_proto(finding);
+  return verdict.SerializeAsString();
 }
 
 std::string last_frame(const v1::WorkerOrder::Start& start) {
@@ -63,6 +82,7 @@ std::string answer(jobs::Question question, const std::string& text) {
   v1::WorkerOrder::Start start;
   if (!start.ParseFromString(text)) throw std::runtime_error("the question cannot be read");
   if (question == jobs::Question::check) return check(start);
+  if (question == jobs::Question::judge) return judge(start);
   if (question == jobs::Question::frame) return last_frame(start);
   throw std::runtime_error("there is no such question");
 }

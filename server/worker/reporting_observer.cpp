@@ -34,6 +34,12 @@ void ReportingObserver::on_validity_lost(const results::ValidityLoss& loss) {
   link_.send(std::move(message));
 }
 
+void ReportingObserver::on_finding(const results::Finding& finding) {
+  v1::WorkerMessage message;
+  *message.mutable_finding() = translate::to_proto(finding);
+  link_.send(std::move(message));
+}
+
 void ReportingObserver::on_message(std::string_view text) {
   v1::WorkerMessage message;
   message.mutable_message()->set_level(v1::JobEvent::Message::INFO);

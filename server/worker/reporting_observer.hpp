@@ -17,6 +17,7 @@ public:
   void on_missed_step(const results::StepReport& report) override;
   void on_resumed(std::int64_t step, double time) override;
   void on_validity_lost(const results::ValidityLoss& loss) override;
+  void on_finding(const results::Finding& finding) override;
   void on_message(std::string_view text) override;
 
 private:

@@ -1,6 +1,9 @@
 #include "core/casting/check/checks.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/material/liquid_fraction.hpp"
 
 namespace dccast::casting {
 
@@ -21,6 +24,27 @@ void liquid_fraction(CaseFindings& found) {
   }
 }
 
+void coherency(CaseFindings& found) {
+  const material::AlloyCard& a = found.casting.alloy;
+  if (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0) {
+    found.fault("alloy.coherency", with_unit(a.coherency, "degC"),
+                "is not a temperature of the mush",
+                "up to alloy.liquidus = " + with_unit(a.liquidus, "degC") +
+                    ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
+                "leave it out to take the liquidus");
+  }
+  constexpr double same = 1e-6;  // [K]
+  const auto& solid_fraction = found.casting.coherency_solid_fraction;
+  if (!solid_fraction) return;
+  const double meant = material::coherency_at(a, *solid_fraction);
+  if (std::abs(meant - a.coherency) > same) {
+    found.fault("alloy.coherency_solid_fraction", *solid_fraction,
+                "is " + with_unit(meant, "degC") + ", and alloy.coherency is given beside it",
+                "either alloy.coherency_solid_fraction or alloy.coherency",
+                "leave alloy.coherency out: the solid fraction follows the card");
+  }
+}
+
 }  // namespace
 
 void check_alloy(CaseFindings& found) {
@@ -31,14 +55,7 @@ void check_alloy(CaseFindings& found) {
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
                 "exchange the two, or make them equal for a pure metal");
   }
-  if (found.sound({"alloy.solidus", "alloy.coherency"}) &&
-      (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0)) {
-    found.fault("alloy.coherency", with_unit(a.coherency, "degC"),
-                "is not a temperature of the mush",
-                "up to alloy.liquidus = " + with_unit(a.liquidus, "degC") +
-                    ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
-                "leave it out to take the liquidus");
-  }
+  if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"})) {
     liquid_fraction(found);
   }

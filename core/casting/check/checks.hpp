@@ -53,6 +53,7 @@ void check_built_in_size(CaseFindings& found);
 void check_imported_mesh(CaseFindings& found);
 void check_temperature_file(CaseFindings& found);
 void check_monitors(CaseFindings& found);
+void check_plausibility(CaseFindings& found);
 /// Warns of a case that shows nothing.
 void advise(CaseFindings& found);
 

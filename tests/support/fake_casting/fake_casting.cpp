@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "core/casting/case_check.hpp"
+#include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/simulation.hpp"
 
 namespace dccast::casting {
@@ -48,6 +49,7 @@ private:
 struct State {
   std::int64_t step = 0;
   double displacement = 0.0;  ///< of the first monitor [m]
+  bool found = false;         ///< the finding of `finding_at`
 };
 
 void advance(State& state) {
@@ -99,7 +101,30 @@ results::StepReport report_of(const State& state, std::int64_t steps, double sec
   return report;
 }
 
+Finding finding_of(std::int64_t step) {
+  Finding finding;
+  finding.code = "bleed_out_at_exit";
+  finding.severity = Severity::danger;
+  finding.message = "The shell leaves the mould 3 mm thick.";
+  finding.time = static_cast<double>(step);
+  finding.place = {0.28, 0.04};
+  finding.value = 3e-3;
+  finding.limit = 5e-3;
+  finding.unit = "m";
+  finding.key = "plausibility.minimum_shell";
+  return finding;
+}
+
 }  // namespace
+
+std::vector<Finding> findings_of_case(const Case&) {
+  return {};
+}
+
+std::vector<Finding> forecast(const Case& casting_case) {
+  const auto step = Script(casting_case.title).number("finding_at", -1);
+  return step < 0 ? std::vector<Finding>{} : std::vector{finding_of(step)};
+}
 
 CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   const Script script(casting_case.title);
@@ -160,6 +185,7 @@ std::optional<RunOutcome> FakeRun::resume() {
   resumed = true;
   report_missed_steps();
   observer.on_resumed(state.step, static_cast<double>(state.step));
+  if (state.found) observer.on_finding(finding_of(script.number("finding_at", -1)));
   return std::nullopt;
 }
 
@@ -201,6 +227,8 @@ std::optional<RunOutcome> FakeRun::step() {
   advance(state);
   misbehave();
   if (is("fail_at")) return solve_failed();
+  if (is("finding_at")) observer.on_finding(finding_of(state.step));
+  state.found |= is("finding_at");
   const Order order = report_is_lost() ? Order::go_on : observer.on_step(report(state));
   if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
   if (script.number("deaf", 0) != 0 || order == Order::go_on) return std::nullopt;

@@ -70,6 +70,27 @@ TEST(CompleteAlloy, AnotherCreepLawReplacesThatOfTheCard) {
   EXPECT_FALSE(overrides.has_norton_hoff());
 }
 
+/// One thing said in two ways.
+TEST(CompleteAlloy, ACoherencyReplacesThatOfTheCardHoweverItIsSaid) {
+  v1::Alloy overrides;
+  overrides.set_coherency_solid_fraction(0.9);
+  complete_alloy(alloy_card("paper").alloy, overrides);
+  EXPECT_FALSE(overrides.has_coherency_c());
+  v1::Alloy card = alloy_card("paper").alloy;
+  card.clear_coherency_c();
+  card.set_coherency_solid_fraction(0.9);
+  v1::Alloy temperature;
+  temperature.set_coherency_c(630.0);
+  complete_alloy(card, temperature);
+  EXPECT_FALSE(temperature.has_coherency_solid_fraction());
+  v1::Alloy both;
+  both.set_coherency_c(630.0);
+  both.set_coherency_solid_fraction(0.9);
+  complete_alloy(card, both);
+  EXPECT_TRUE(both.has_coherency_c() && both.has_coherency_solid_fraction())
+      << "a fault for the check";
+}
+
 TEST(AlloyCard, AnUnknownNameIsAFaultWithTheNearestOne) {
   const AlloyCard card = alloy_card("aa5128");
   ASSERT_EQ(card.faults.size(), 1u);

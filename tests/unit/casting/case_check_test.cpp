@@ -69,6 +69,16 @@ TEST_P(CaseFault, IsFoundAndSaysHowToMendIt) {
 const Mistake mistakes[] = {
     {"SolidusAboveLiquidus", "alloy.solidus", [](Case& c) { c.alloy.solidus = 650.0; }},
     {"CoherencyAboveLiquidus", "alloy.coherency", [](Case& c) { c.alloy.coherency = 700.0; }},
+    {"CoherencyInTwoWays", "alloy.coherency_solid_fraction",
+     [](Case& c) {
+       c.alloy.coherency = 630.0;
+       c.coherency_solid_fraction = 1.0;
+     }},
+    {"BandUpsideDown", "plausibility.greatest_curl",
+     [](Case& c) {
+       c.plausibility.least_curl = 0.04;
+       c.plausibility.greatest_curl = 0.03;
+     }},
     {"TableNotIncreasing", "alloy.density",
      [](Case& c) {
        c.alloy.density = {Abscissa::temperature, {0, 649, 620}, {2700, 2360, 2557}};

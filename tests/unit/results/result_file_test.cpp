@@ -44,6 +44,18 @@ TEST(ResultFile, TellsWhenTheModelWasLeft) {
   EXPECT_EQ(read.validity_lost, summary.validity_lost);
 }
 
+TEST(ResultFile, ReturnsFindingsWithWhatIsAbsent) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+  RunSummary summary;
+  summary.findings = {
+      {"no_superheat", Severity::danger, "Cold.", {}, {}, -20.0, 5.0, "K", "a.key"},
+      {"hot_tears", Severity::warning, "Tears.", 1.0 / 3.0, {0.1, 0.2}, {}, {}, "", ""},
+      {"in_3d", Severity::note, "Deep.", 2.0, {0.1, 0.2, 0.3}, 1.0, 2.0, "m", ""}};
+  writer.publish(summary);
+  EXPECT_EQ(ResultReader(folder / "r.h5").summary().findings, summary.findings);
+}
+
 TEST(ResultFile, ReturnsEveryFieldOfEveryStep) {
   const TemporaryFolder folder;
   publish_sample(folder / "r.h5", 3, 3);

@@ -53,6 +53,38 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   EXPECT_FALSE(to.monitors.at(1).z);
 }
 
+v1::Case mush(double solidus, double liquidus) {
+  v1::Case from;
+  from.mutable_alloy()->set_solidus_c(solidus);
+  from.mutable_alloy()->set_liquidus_c(liquidus);
+  return from;
+}
+
+TEST(Coherency, IsTheLiquidusATemperatureOrASolidFraction) {
+  v1::Case from = mush(515.0, 637.0);
+  EXPECT_EQ(to_core(from, "").alloy.coherency, 637.0);
+  from.mutable_alloy()->set_coherency_solid_fraction(1.0);
+  EXPECT_EQ(to_core(from, "").alloy.coherency, 515.0) << "to the last bit";
+  from.mutable_alloy()->set_coherency_solid_fraction(0.75);
+  EXPECT_DOUBLE_EQ(to_core(from, "").alloy.coherency, 545.5);
+  from.mutable_alloy()->set_coherency_c(600.0);
+  EXPECT_EQ(to_core(from, "").alloy.coherency, 600.0);
+  EXPECT_EQ(to_core(from, "").coherency_solid_fraction, 0.75) << "so that the check sees both";
+}
+
+TEST(Coherency, FollowsTheCardsLiquidFraction) {
+  v1::Case from = mush(500.0, 600.0);
+  v1::Curve& fraction = *from.mutable_alloy()->mutable_liquid_fraction();
+  fraction.set_abscissa(v1::TEMPERATURE);
+  for (const double at : {500.0, 501.0, 550.0, 600.0}) fraction.add_at(at);
+  for (const double value : {0.0, 0.2, 0.2, 1.0}) fraction.add_value(value);
+  for (const auto& [solid, temperature] : {std::pair{1.0, 500.0}, std::pair{0.9, 500.5},
+                                           std::pair{0.4, 575.0}, std::pair{0.0, 600.0}}) {
+    from.mutable_alloy()->set_coherency_solid_fraction(solid);
+    EXPECT_NEAR(to_core(from, "").alloy.coherency, temperature, 1e-9) << solid;
+  }
+}
+
 TEST(CaseToCore, TakesEveryKindOfKey) {
   v1::Case from;
   from.set_title("t");
@@ -74,6 +106,12 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   validity.set_maximum_rotation_rad(0.25);
   validity.set_maximum_slip_m(0.03);
   validity.set_minimum_shell_m(0.004);
+  v1::Plausibility& plausibility = *from.mutable_plausibility();
+  plausibility.set_minimum_superheat_k(7.0);
+  plausibility.set_minimum_shell_m(0.006);
+  plausibility.set_maximum_mush_strain(0.007);
+  plausibility.set_maximum_sump_share(0.8);
+  plausibility.set_greatest_curl_m(0.045);
   auto* monitor = from.add_monitor();
   monitor->set_name("corner");
   monitor->set_x_m(0.25);
@@ -92,6 +130,12 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   EXPECT_EQ(to.cooling.top, thermal::Top::insulated);
   EXPECT_EQ(to.cooling.zones.at(0).to, 0.04);
   EXPECT_EQ(to.limits.maximum_steps, 7);
+  EXPECT_EQ(to.plausibility.minimum_superheat, 7.0);
+  EXPECT_EQ(to.plausibility.minimum_shell, 0.006);
+  EXPECT_EQ(to.plausibility.maximum_mush_strain, 0.007);
+  EXPECT_EQ(to.plausibility.maximum_sump_share, 0.8);
+  EXPECT_EQ(to.plausibility.greatest_curl, 0.045);
+  EXPECT_FALSE(to.plausibility.least_curl);
   EXPECT_EQ(to.validity.when_lost, casting::WhenLost::go_on);
   EXPECT_EQ(to.validity.maximum_liquid_pressure_error, 0.5);
   EXPECT_EQ(to.validity.maximum_rotation, 0.25);

@@ -34,7 +34,13 @@ TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
   report.beyond_validity = true;
   report.maximum_rotation = 0.1;
   report.bottom_slip = 0.02;
+  report.shell_at_exit = 0.03;
+  report.bottom_shell = 0.04;
+  report.mush_strain = 0.05;
   const auto to = to_proto(report, {});
+  EXPECT_EQ(to.shell_at_exit_m(), 0.03);
+  EXPECT_EQ(to.bottom_shell_m(), 0.04);
+  EXPECT_EQ(to.mush_strain(), 0.05);
   EXPECT_TRUE(to.beyond_validity());
   EXPECT_EQ(to.maximum_rotation_rad(), 0.1);
   EXPECT_EQ(to.bottom_slip_m(), 0.02);
@@ -56,6 +62,30 @@ TEST(ValidityLossToProto, KeepsEveryField) {
     EXPECT_EQ(to.limit(), 0.02);
     EXPECT_EQ(to.unit(), "m");
   }
+}
+
+TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
+  const auto to = to_proto(results::Finding{"hot_tears",
+                                            results::Severity::danger,
+                                            "Tears.",
+                                            12.5,
+                                            {0.2, 0.1},
+                                            0.02,
+                                            0.005,
+                                            "1",
+                                            "plausibility.x"});
+  EXPECT_EQ(to.code(), "hot_tears");
+  EXPECT_EQ(to.severity(), v1::Finding::DANGER);
+  EXPECT_EQ(to.message(), "Tears.");
+  EXPECT_EQ(to.time_s(), 12.5);
+  ASSERT_EQ(to.place_m_size(), 2);
+  EXPECT_EQ(to.place_m(1), 0.1);
+  EXPECT_EQ(to.value(), 0.02);
+  EXPECT_EQ(to.limit(), 0.005);
+  EXPECT_EQ(to.unit(), "1");
+  EXPECT_EQ(to.key(), "plausibility.x");
+  const auto bare = to_proto(results::Finding{});
+  EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit());
 }
 
 TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {

@@ -1,0 +1,20 @@
+#include <cmath>
+
+#include "core/casting/plausibility/of_step.hpp"
+#include "core/casting/plausibility/sentence.hpp"
+
+namespace dccast::casting {
+
+/// The chord from the middle to the corner turns as little as any part of the shell may.
+std::optional<Finding> lift_too_large(const Case& c, const StepFigures& f) {
+  const double limit = std::tan(c.validity.maximum_rotation) * c.section.half_width;
+  if (!f.mechanical || f.lift.value <= limit) return std::nullopt;
+  return finding_of(
+      "lift_too_large", Severity::danger,
+      sentence("The butt has risen %.4g mm off the bottom block, a slope that small strains do not "
+               "hold: such a butt no longer stands, and the slab tilts or hangs in the mould.",
+               in_mm * f.lift.value),
+      {f.lift, limit, "m", "validity.maximum_rotation"});
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "core/casting/plausibility/of_step.hpp"
+#include "core/casting/plausibility/sentence.hpp"
+#include "core/casting/run_failure.hpp"
+
+namespace dccast::casting {
+
+/// A loss of validity as a finding; the verdict itself is validity's.
+/// @param key      of the case that sets the limit
+/// @param meaning  what it means in the pit
+inline std::optional<Finding> of_validity(const StepFigures& f, FailureKind kind, const char* key,
+                                          const std::string& meaning) {
+  if (!f.validity_lost || f.validity_lost->kind != name_of(kind)) return std::nullopt;
+  const results::ValidityLoss& lost = *f.validity_lost;
+  const PlacedFigure figure{lost.value, {lost.place.begin(), lost.place.end()}};
+  return finding_of(lost.kind.c_str(), Severity::danger, meaning,
+                    {figure, lost.limit, lost.unit.c_str(), key});
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "core/results/finding.hpp"
+#include "core/results/sections.hpp"
+
+namespace dccast::casting {
+
+using results::Finding;
+using results::Severity;
+
+/// What judging a step needs to know of the steps before it; a part of RunState.
+struct PlausibilityState {
+  std::vector<Finding> raised;         ///< each code once, in the order they came
+  double thickest_bottom_shell = 0.0;  ///< [m] since the block moves
+};
+
+/// The state as sections of a checkpoint, and back.
+void write_plausibility(const PlausibilityState& state, results::Sections& sections);
+/// @throws std::out_of_range  a section is missing or names an unknown severity
+PlausibilityState read_plausibility(const results::Sections& sections);
+
+}  // namespace dccast::casting

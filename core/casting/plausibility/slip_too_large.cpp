@@ -1,0 +1,17 @@
+#include "core/casting/plausibility/of_step.hpp"
+#include "core/casting/plausibility/sentence.hpp"
+
+namespace dccast::casting {
+
+/// As a run that stops at the loss; one that goes on may come to it after another loss.
+std::optional<Finding> slip_too_large(const Case& c, const StepFigures& f) {
+  if (f.slip <= c.validity.maximum_slip) return std::nullopt;
+  return finding_of(
+      "slip_too_large", Severity::danger,
+      sentence("The butt has slid %.3g mm over the bottom block beyond its contraction: its shell "
+               "is open or nothing holds it on the block, and the slab hangs or bleeds.",
+               in_mm * f.slip),
+      {{f.slip}, c.validity.maximum_slip, "m", "validity.maximum_slip"});
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,40 @@
+#include "core/casting/plausibility/of_case.hpp"
+#include "core/casting/plausibility/sentence.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+/// Water runs over the side before anything else does: a zone below its line is never met while it
+/// runs.
+bool under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
+                 const Course& course) {
+  return cooling.water.enabled && cooling.water.start <= course.begin &&
+         zone.from >= cooling.water.from;
+}
+
+}  // namespace
+
+std::optional<Finding> zone_never_meets(const Case& c, const Course& course) {
+  std::vector<std::string> names;
+  std::string first;
+  for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
+    const thermal::SideZone& zone = c.cooling.zones[i];
+    if (zone.from < course.depth && !under_water(c.cooling, zone, course)) continue;
+    names.push_back("'" + zone.name + "'");
+    if (first.empty()) first = "cooling.zone[" + std::to_string(i) + "].from";
+  }
+  if (names.empty() || !c.thermal.file.empty()) return std::nullopt;
+  Finding finding;
+  finding.code = "zone_never_meets";
+  finding.severity = Severity::warning;
+  finding.message = "The slab never comes to the cooling zone " + listed(names) +
+                    sentence(
+                        " (metal %.4g mm deep at the end): its figures change nothing, as if that "
+                        "part of the mould were not there.",
+                        in_mm * course.depth);
+  finding.key = first;
+  return finding;
+}
+
+}  // namespace dccast::casting

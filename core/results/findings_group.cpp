@@ -1,0 +1,121 @@
+#include "core/results/findings_group.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+
+#include "core/results/hdf5_file.hpp"
+#include "core/results/storage_error.hpp"
+
+namespace dccast::results {
+
+namespace {
+
+using hdf5::File;
+
+constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t coordinates = 3;
+constexpr std::array severities{Severity::note, Severity::warning, Severity::danger};
+
+struct TextField {
+  const char* dataset;
+  const char* meaning;
+  std::string Finding::*member;
+};
+constexpr std::array texts{
+    TextField{"/findings/code", "as in docs/findings.md", &Finding::code},
+    TextField{"/findings/message", "what it means in the pit", &Finding::message},
+    TextField{"/findings/unit", "of value and limit", &Finding::unit},
+    TextField{"/findings/key", "key of the case that sets the limit or is at odds", &Finding::key},
+};
+
+struct RealField {
+  const char* dataset;
+  const char* unit;  ///< that of the finding where it is 1
+  const char* meaning;
+  std::optional<double> Finding::*member;
+};
+constexpr std::array reals{
+    RealField{"/findings/time_s", "s", "when first seen; not a number: from the case alone",
+              &Finding::time},
+    RealField{"/findings/value", "1", "in the unit of the finding", &Finding::value},
+    RealField{"/findings/limit", "1", "in the unit of the finding", &Finding::limit},
+};
+
+/// A column of a text for each finding.
+template <class TextOf>
+std::vector<std::string> column(const std::vector<Finding>& findings, TextOf&& text_of) {
+  std::vector<std::string> values;
+  for (const Finding& finding : findings) values.emplace_back(text_of(finding));
+  return values;
+}
+
+void write_places(File& file, const std::vector<Finding>& findings) {
+  std::vector<double> places(findings.size() * coordinates, absent);
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const auto& place = findings[i].place;
+    std::copy_n(place.begin(), std::min(place.size(), coordinates),
+                places.begin() + static_cast<std::ptrdiff_t>(i * coordinates));
+  }
+  file.write("/findings/place_m", {findings.size(), coordinates}, places.data(), "m",
+             "in the undeformed slab, in 2D two coordinates; not numbers where there is no place");
+}
+
+Severity severity_named(const File& file, const std::string& name) {
+  const auto found = std::ranges::find(severities, name, [](Severity s) { return name_of(s); });
+  if (found == severities.end())
+    throw StorageError(EINVAL, file.path().string() + ":/findings/severity", "names " + name);
+  return *found;
+}
+
+void read_places(const File& file, std::vector<Finding>& findings) {
+  const auto places = file.read_reals("/findings/place_m");
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    for (std::size_t d = 0; d < coordinates; ++d) {
+      const double value = places.at(i * coordinates + d);
+      if (std::isfinite(value)) findings[i].place.push_back(value);
+    }
+}
+
+}  // namespace
+
+void write_findings(File& file, const std::vector<Finding>& findings) {
+  if (findings.empty()) return;
+  file.create_group("/findings");
+  for (const TextField& field : texts)
+    file.write_texts(field.dataset,
+                     column(findings, [&](const Finding& f) { return f.*field.member; }),
+                     field.meaning);
+  file.write_texts("/findings/severity",
+                   column(findings, [](const Finding& f) { return name_of(f.severity); }),
+                   "note, warning or danger");
+  for (const RealField& field : reals) {
+    std::vector<double> values;
+    for (const Finding& f : findings) values.push_back((f.*field.member).value_or(absent));
+    file.write(field.dataset, {values.size()}, values.data(), field.unit, field.meaning);
+  }
+  write_places(file, findings);
+}
+
+std::vector<Finding> read_findings(const File& file) {
+  if (!file.has("/findings")) return {};
+  const auto severity = file.read_texts("/findings/severity");
+  std::vector<Finding> findings(severity.size());
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    findings[i].severity = severity_named(file, severity[i]);
+  for (const TextField& field : texts) {
+    const auto values = file.read_texts(field.dataset);
+    for (std::size_t i = 0; i < findings.size(); ++i) findings[i].*field.member = values.at(i);
+  }
+  for (const RealField& field : reals) {
+    const auto values = file.read_reals(field.dataset);
+    for (std::size_t i = 0; i < findings.size(); ++i)
+      if (std::isfinite(values.at(i))) findings[i].*field.member = values[i];
+  }
+  read_places(file, findings);
+  return findings;
+}
+
+}  // namespace dccast::results

@@ -1,0 +1,92 @@
+#include "client/render/findings.hpp"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client_run.hpp"
+#include "fake_service.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+
+v1::Finding thin_shell() {
+  v1::Finding finding;
+  finding.set_code("bleed_out_at_exit");
+  finding.set_severity(v1::Finding::DANGER);
+  finding.set_message("The shell is thin <here>.");
+  finding.set_time_s(15.0);
+  finding.add_place_m(0.28);
+  finding.add_place_m(0.045);
+  finding.set_value(0.0012);
+  finding.set_limit(0.005);
+  finding.set_unit("m");
+  finding.set_key("plausibility.minimum_shell");
+  return finding;
+}
+
+v1::Finding remark() {
+  v1::Finding finding;
+  finding.set_code("remark");
+  finding.set_severity(v1::Finding::NOTE);
+  finding.set_message("Well.");
+  return finding;
+}
+
+render::Findings list_of(std::initializer_list<v1::Finding> findings) {
+  return {findings.begin(), findings.end()};
+}
+
+TEST(FindingLine, SaysAllThatIsKnownAndNothingElse) {
+  EXPECT_EQ(render::finding_line(thin_shell()),
+            "danger: bleed_out_at_exit at 15.00 s: The shell is thin <here>. [1.2 mm, limit 5 mm; "
+            "x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]");
+  EXPECT_EQ(render::finding_line(remark()), "note: remark: Well.");
+}
+
+TEST(FindingsCount, NamesTheGravestFirst) {
+  EXPECT_EQ(render::findings_count({}), "");
+  EXPECT_EQ(render::findings_count(list_of({remark(), thin_shell(), remark()})),
+            "1 danger, 2 notes");
+}
+
+TEST(MoreThanNotes, IsWhatStrictFailsFor) {
+  EXPECT_FALSE(render::more_than_notes(list_of({remark()})));
+  EXPECT_TRUE(render::more_than_notes(list_of({remark(), thin_shell()})));
+}
+
+TEST(FindingsPart, HasTheGravestFirstAndNoMarkupOfTheirs) {
+  EXPECT_EQ(render::findings_part({}), "");
+  const std::string part = render::findings_part(list_of({remark(), thin_shell()}));
+  EXPECT_LT(part.find("bleed_out_at_exit"), part.find("remark"));
+  EXPECT_THAT(part, HasSubstr("thin &lt;here&gt;"));
+}
+
+TEST(Validate, ShowsFindingsAndFailsForThemOnlyIfStrict) {
+  FakeService service;
+  *service.verdict.add_findings() = thin_shell();
+  const auto path = std::filesystem::path(testing::TempDir()) /
+                    ("dccast_findings_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(path) << shipped::case_templates().back().text;
+  const std::string file = path.string();
+  const Result plain = dccast({"validate", file}, service.address());
+  EXPECT_EQ(plain.code, 0) << plain.err;
+  EXPECT_THAT(plain.out, HasSubstr("danger: bleed_out_at_exit"));
+  EXPECT_EQ(dccast({"validate", "--strict", file}, service.address()).code, 2);
+  EXPECT_THAT(dccast({"validate", "--json", file}, service.address()).out,
+              HasSubstr("\"findings\":[{\"code\":\"bleed_out_at_exit\""));
+  service.verdict.clear_findings();
+  *service.verdict.add_findings() = remark();
+  EXPECT_EQ(dccast({"validate", "--strict", file}, service.address()).code, 0);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace dccast::client
