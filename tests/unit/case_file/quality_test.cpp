@@ -96,6 +96,16 @@ TEST(Quality, StepsAreShortAfterEverySuddenEvent) {
   for (int i = 1; i < steps.at_size(); ++i) EXPECT_LT(steps.at(i - 1), steps.at(i));
 }
 
+/// Steps end at every point of their table: points close together would make steps of next to
+/// nothing, in which rounding outweighs the heat that moves.
+TEST(Quality, PointsOfTheStepTableAreAStepApart) {
+  for (const auto quality : {v1::DRAFT, v1::ENGINEERING, v1::FINE}) {
+    const v1::Curve steps = complete(casting(quality)).time().step_s();
+    for (int i = 1; i < steps.at_size(); ++i)
+      EXPECT_GE(steps.at(i) - steps.at(i - 1), steps.value(i - 1) * (1.0 - 1e-9)) << steps.at(i);
+  }
+}
+
 TEST(Quality, EventsOutsideTheRunLeaveNoTrace) {
   v1::Case c = casting(v1::ENGINEERING);
   c.mutable_schedule()->set_hold_s(0.0);
@@ -127,16 +137,26 @@ TEST(Quality, StaysInRangeForAnySection) {
   EXPECT_EQ(complete(at_fault).time().step_s().value_size(), 1);
 }
 
+TEST(DiscretisationError, IsKnownOfTheMeshesAndStepsThatAQualityPicks) {
+  const auto error = [](v1::Quality quality) {
+    return relative_discretisation_error(complete(casting(quality)));
+  };
+  ASSERT_TRUE(error(v1::DRAFT) && error(v1::ENGINEERING) && error(v1::FINE));
+  EXPECT_GT(*error(v1::DRAFT), *error(v1::ENGINEERING));
+  EXPECT_GE(*error(v1::ENGINEERING), *error(v1::FINE));
+}
+
 TEST(DiscretisationError, IsUnknownWhereItWasNotMeasured) {
   v1::Case other_mesh = casting(v1::ENGINEERING), other_steps = other_mesh, billet = other_mesh,
-           triangles = other_mesh, file = other_mesh;
+           triangles = other_mesh, wide = other_mesh, file = other_mesh;
   other_mesh.mutable_mesh()->set_rows(7);
   other_steps.mutable_time()->mutable_step_s()->add_at(0.0);
   other_steps.mutable_time()->mutable_step_s()->add_value(2.0);
   billet.mutable_section()->set_kind(v1::Section::AXISYMMETRIC);
   triangles.mutable_mesh()->set_element(v1::P1);
+  wide.mutable_section()->set_half_width_m(0.66);
   file.mutable_mesh()->set_file("slab.msh");
-  for (const auto& c : {other_mesh, other_steps, billet, triangles, file})
+  for (const auto& c : {other_mesh, other_steps, billet, triangles, wide, file})
     EXPECT_FALSE(relative_discretisation_error(complete(c)));
 }
 
