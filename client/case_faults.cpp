@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <iostream>
+#include <iterator>
+
+#include "proto/case_file/override.hpp"
 
 namespace dccast::client {
 namespace {
@@ -46,11 +49,26 @@ std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
   return std::nullopt;
 }
 
+/// Nothing of a file that could not be parsed is left to be judged.
+bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
+  return faults.size() == 1 && faults.front().field().empty();
+}
+
+case_file::ReadOutcome read_standard_input(v1::Case& description) {
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  return case_file::read_text(text, "standard input", description);
+}
+
 }  // namespace
 
-CaseUnderCheck read_case(const std::string& file) {
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
   CaseUnderCheck checked;
-  checked.read = case_file::read_file(file, checked.description);
+  checked.read = file == "-" ? read_standard_input(checked.description)
+                             : case_file::read_file(file, checked.description);
+  checked.changes = changes;
+  // A file that could not be parsed has nothing to be changed.
+  if (!cannot_be_judged(checked.read.faults))
+    case_file::apply_changes(checked.description, changes, checked.read);
   checked.faults = checked.read.faults;
   return checked;
 }
@@ -64,9 +82,7 @@ std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
 }
 
 void check_with_server(CaseUnderCheck& checked, Connection& connection) {
-  // Nothing of a file that could not be parsed is left to be judged.
-  const bool unreadable = checked.faults.size() == 1 && checked.faults.front().field().empty();
-  if (unreadable) return;
+  if (cannot_be_judged(checked.faults)) return;
   v1::ValidateCaseRequest request;
   *request.mutable_case_() = checked.description;
   for (const v1::Attachment& attachment : checked.read.attachments)

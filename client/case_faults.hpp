@@ -21,10 +21,12 @@ struct CaseUnderCheck {
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
+  std::vector<v1::CaseChange> changes;  ///< made in `description`
 };
 
-/// Reads a case file; faults are the local ones.
-CaseUnderCheck read_case(const std::string& file);
+/// Reads a case file, "-" is standard input, and makes the changes in it; faults are the local
+/// ones.
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes = {});
 
 /// Adds what the server's ValidateCase finds in what could be read. If the server cannot be asked,
 /// local faults are an answer already, which it says on standard error; without them it throws

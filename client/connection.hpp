@@ -52,6 +52,14 @@ public:
     return response;
   }
 
+  /// One attempt at a call. @return its status. Throws Interrupted.
+  template <typename Request, typename Response>
+  grpc::Status try_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                     Response*),
+                        const Request& request, Response& response) {
+    return attempt(method, request, response);
+  }
+
   /// A unary call with a deadline, made again with longer and longer pauses while the server is
   /// UNAVAILABLE, which is said on standard error. For calls that may come twice: all that only
   /// read, SubmitJob with its request id, CancelJob. @return the status of the last attempt.

@@ -17,8 +17,9 @@ ExitCode exit_code_of(grpc::StatusCode code) {
     case grpc::StatusCode::NOT_FOUND:
     case grpc::StatusCode::PERMISSION_DENIED:
     case grpc::StatusCode::UNAUTHENTICATED:
-    case grpc::StatusCode::FAILED_PRECONDITION:
       return ExitCode::not_found;
+    case grpc::StatusCode::FAILED_PRECONDITION:
+      return ExitCode::wrong_state;
     default:
       return ExitCode::unreachable;
   }

@@ -11,4 +11,11 @@ namespace dccast::client {
 /// @param request  its page size and token are set here
 std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
 
+/// The same, and whether the server has more than these.
+struct JobListing {
+  std::vector<v1::Job> jobs;
+  bool more = false;
+};
+JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
+
 }  // namespace dccast::client

@@ -1,11 +1,13 @@
 #include <cstdlib>
 
 #include "client/command_line.hpp"
+#include "client/configuration.hpp"
 
 int main(int argc, char** argv) {
   // gRPC reports to its own developers on standard error; what is for users the commands say.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
   dccast::client::commands::Program program;
+  program.configuration = dccast::client::configuration_file();
   dccast::client::interrupt_by_signals(program.interruption);
   return dccast::client::run_command_line({argv + 1, argv + argc}, program);
 }

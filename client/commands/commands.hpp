@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -13,8 +14,9 @@ namespace dccast::client::commands {
 
 /// The command line as a whole.
 struct Program {
-  std::string server;                ///< address of the daemon
-  std::function<ExitCode()> action;  ///< what the chosen subcommand does
+  std::string server;                     ///< address of the daemon
+  std::filesystem::path configuration{};  ///< the user's settings; empty: none
+  std::function<ExitCode()> action;       ///< what the chosen subcommand does
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   Connection connect() const { return Connection(server, interruption); }
 };
@@ -23,6 +25,10 @@ void add_new(CLI::App& app, Program& program);
 void add_validate(CLI::App& app, Program& program);
 void add_submit(CLI::App& app, Program& program);
 void add_watch(CLI::App& app, Program& program);
+void add_wait(CLI::App& app, Program& program);
+void add_query(CLI::App& app, Program& program);
+void add_compare(CLI::App& app, Program& program);
+void add_completion(CLI::App& app, Program& program);
 void add_list(CLI::App& app, Program& program);
 void add_show(CLI::App& app, Program& program);
 void add_curl(CLI::App& app, Program& program);

@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/case_faults.hpp"
+#include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/divided_case.hpp"
 #include "client/job_watch.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 struct Options {
   std::string file;
+  std::vector<std::string> set;
   std::string study;
   int levels = 3;
   bool as_it_is = false;
@@ -25,7 +27,7 @@ struct Options {
 
 /// Submits what of the study is not there yet. @return whether it is all there
 bool submit(const Options& options, const std::string& study, Connection& connection) {
-  CaseUnderCheck checked = read_case(options.file);
+  CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   if (!checked.faults.empty()) {
     check_with_server(checked, connection);
     print_faults(checked, std::cerr);
@@ -172,6 +174,7 @@ void add_convergence(CLI::App& app, Program& program) {
       "again, and extrapolates the curl of every monitor",
       examples);
   command->add_option("FILE", options->file, "Case file; needed to begin a study");
+  add_set_option(*command, options->set);
   command->add_option(
       "--study", options->study,
       "Take this study up again: submit levels that were lost again, wait for what has not ended, "

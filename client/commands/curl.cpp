@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/job_id.hpp"
 #include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/curl_history.hpp"
@@ -136,7 +137,8 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
 
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
-  const JobCurl curl = curl_of_job(options.id, options.csv || options.json, connection);
+  const JobCurl curl =
+      curl_of_job(resolve_job(connection, options.id), options.csv || options.json, connection);
   if (options.csv)
     print_csv(curl);
   else if (options.json)
@@ -156,7 +158,7 @@ void add_curl(CLI::App& app, Program& program) {
       "a study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
       "the model had stopped being valid are marked",
       "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
-  command->add_option("JOB", options->id, "Job id, in any state")->required();
+  command->add_option("JOB", options->id, job_help)->required();
   CLI::Option* const csv =
       command->add_flag("--csv", options->csv, "Comma-separated, in metres and seconds");
   command->add_flag("--json", options->json, "As JSON, in metres and seconds")->excludes(csv);

@@ -3,7 +3,9 @@
 #include <sstream>
 
 #include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
 #include "client/download.hpp"
+#include "client/job_id.hpp"
 #include "client/message_json.hpp"
 
 namespace dccast::client::commands {
@@ -14,6 +16,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string id;
   std::string output = "results.h5";
+  bool force = false;
   bool json = false;
 };
 
@@ -41,14 +44,16 @@ void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
 
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
+  const std::string id = resolve_job(connection, options.id);
   const fs::path file = options.output;
-  const Download results = download(connection, options.id, "results.h5", file, std::cerr);
   const fs::path sidecar = fs::path(file).replace_extension(".xdmf");
+  for (const fs::path& written : {file, sidecar}) require_free(written, options.force);
+  const Download results = download(connection, id, "results.h5", file, std::cerr);
   fs::remove(sidecar.string() + ".part");
-  download(connection, options.id, "results.xdmf", sidecar, std::cerr);
+  download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
   if (options.json)
-    std::cout << Json{{"job", options.id},
+    std::cout << Json{{"job", id},
                       {"file", file.string()},
                       {"bytes", results.bytes},
                       {"sha256", results.sha256},
@@ -71,11 +76,12 @@ void add_fetch(CLI::App& app, Program& program) {
                                        "Fetch the results of a job that has succeeded: the HDF5 "
                                        "file and its XDMF sidecar for ParaView",
                                        "dccast fetch JOB -o results.h5");
-  command->add_option("JOB", options->id, "Job id")->required();
+  command->add_option("JOB", options->id, job_help)->required();
   command
       ->add_option("-o,--output", options->output,
                    "File to write; an interrupted FILE.part is continued")
       ->capture_default_str();
+  add_force_flag(*command, options->force);
   command->add_flag("--json", options->json, "What was written, as JSON");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "client/commands/commands.hpp"
+#include "client/job_id.hpp"
 #include "client/message_json.hpp"
 
 namespace dccast::client::commands {
@@ -31,11 +32,12 @@ CLI::App* add_job_command(CLI::App& app, Program& program, const JobCommand& abo
                           std::string (*text)(const v1::Job&) = new_state) {
   CLI::App* const command = subcommand(app, about.name, about.description, about.example);
   const auto json = std::make_shared<bool>(false);
-  command->add_option("JOB", *request->mutable_id(), "Job id")->required();
+  command->add_option("JOB", *request->mutable_id(), job_help)->required();
   command->add_flag("--json", *json, "As JSON");
   command->callback([=, &program] {
     program.action = [=, &program] {
       Connection connection = program.connect();
+      request->set_id(resolve_job(connection, request->id()));
       const v1::Job job = about.repeatable ? connection.call(method, *request)
                                            : connection.call_once(method, *request);
       std::cout << (*json ? to_json(job).dump() + "\n" : text(job));

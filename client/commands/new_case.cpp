@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
 #include "client/message_json.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/text_checks.hpp"
@@ -12,6 +13,7 @@ namespace {
 struct Options {
   std::string name;
   std::string output;
+  bool force = false;
   bool list = false;
   bool json = false;
 };
@@ -42,6 +44,7 @@ ExitCode run(const Options& options) {
     return ExitCode::done;
   }
   const std::string& text = text_of(options.name);
+  if (!options.output.empty()) require_free(options.output, options.force);
   if (options.json) {
     std::cout << Json{{"name", options.name}, {"text", text}}.dump() << '\n';
   } else if (options.output.empty()) {
@@ -60,6 +63,7 @@ void add_new(CLI::App& app, Program& program) {
                                        "dccast new start-2d-thickness > my.toml");
   command->add_option("NAME", options->name, "Which one; without it their names are listed");
   command->add_option("-o,--output", options->output, "File to write instead of standard output");
+  add_force_flag(*command, options->force);
   command->add_flag("--list", options->list, "List the names");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &program] { program.action = [options] { return run(*options); }; });

@@ -2,6 +2,8 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
+#include "client/job_id.hpp"
 #include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/report_page.hpp"
@@ -13,6 +15,7 @@ namespace {
 struct Options {
   std::string id;
   std::string output = "report.html";
+  bool force = false;
   bool json = false;
 };
 
@@ -29,11 +32,12 @@ v1::QueryResultResponse query(Connection& connection, const std::string& id) {
 }
 
 ExitCode run(const Options& options, Program& program) {
+  if (options.output != "-") require_free(options.output, options.force);
   Connection connection = program.connect();
   v1::GetJobRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_job(connection, options.id));
   const v1::Job job = connection.call(&Stub::GetJob, request);
-  const v1::QueryResultResponse result = query(connection, options.id);
+  const v1::QueryResultResponse result = query(connection, job.id());
   const Study study = study_around(connection, job, result.case_());
   const std::string page = render::report_page(job, result, study);
   if (options.output == "-") {
@@ -44,7 +48,7 @@ ExitCode run(const Options& options, Program& program) {
   if (!(stream << page << std::flush))
     throw CommandFailed(ExitCode::not_found, "cannot write " + options.output);
   if (options.json)
-    std::cout << Json{{"job", options.id}, {"file", options.output}, {"bytes", page.size()}}.dump()
+    std::cout << Json{{"job", job.id()}, {"file", options.output}, {"bytes", page.size()}}.dump()
               << '\n';
   else
     std::cout << options.output << '\n';
@@ -59,9 +63,10 @@ void add_report(CLI::App& app, Program& program) {
       subcommand(app, "report",
                  "Write one HTML page about a job: curl, section with isotherms, contact, checks",
                  "dccast report JOB -o report.html");
-  command->add_option("JOB", options->id, "Job id, in any state")->required();
+  command->add_option("JOB", options->id, job_help)->required();
   command->add_option("-o,--output", options->output, "File to write; - for standard output")
       ->capture_default_str();
+  add_force_flag(*command, options->force);
   command->add_flag("--json", options->json, "What was written, as JSON");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };

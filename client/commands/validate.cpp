@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/case_faults.hpp"
+#include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/render/findings.hpp"
 #include "client/render/progress.hpp"
@@ -10,6 +11,7 @@ namespace {
 
 struct Options {
   std::string file;
+  std::vector<std::string> set;
   bool local = false;
   bool json = false;
   bool strict = false;
@@ -28,7 +30,7 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
 }
 
 ExitCode run(const Options& options, Program& program) {
-  CaseUnderCheck checked = read_case(options.file);
+  CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   if (!options.local) {
     Connection connection = program.connect();
     check_with_server(checked, connection);
@@ -53,8 +55,9 @@ void add_validate(CLI::App& app, Program& program) {
       subcommand(app, "validate",
                  "Check a case file: list everything that is wrong with it, and findings on "
                  "whether a plant could cast it",
-                 "dccast validate my.toml");
-  command->add_option("FILE", options->file, "Case file")->required();
+                 "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
+  command->add_option("FILE", options->file, "Case file; - for standard input")->required();
+  add_set_option(*command, options->set);
   command->add_flag("--local", options->local, "Ask no server: keys, units and ranges only");
   command->add_flag("--strict", options->strict,
                     "Exit code 2 for findings beyond notes too (docs/findings.md)");

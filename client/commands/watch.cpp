@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/job_id.hpp"
 #include "client/job_watch.hpp"
 #include "client/render/findings.hpp"
 #include "client/render/job_text.hpp"
@@ -93,7 +94,7 @@ void add_watch(CLI::App& app, Program& program) {
                  "Follow a job to its end: every event so far, then as they happen. A dropped "
                  "connection is taken up again; leaving with Ctrl-C does not touch the job",
                  "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
-  command->add_option("JOB", options->id, "Job id")->required();
+  command->add_option("JOB", options->id, job_help)->required();
   command->add_option("--from", options->from, "First event wanted, by its sequence number")
       ->check(CLI::PositiveNumber);
   command->add_flag("--strict", options->strict,
@@ -102,8 +103,8 @@ void add_watch(CLI::App& app, Program& program) {
   command->callback([options, &program] {
     program.action = [options, &program] {
       Connection connection = program.connect();
-      return watch_job(connection, options->id, options->from, options->json, false,
-                       options->strict);
+      return watch_job(connection, resolve_job(connection, options->id), options->from,
+                       options->json, false, options->strict);
     };
   });
 }

@@ -129,6 +129,9 @@ std::string job_sheet(const v1::Job& job) {
   text += row("attempts", std::to_string(job.attempts())) + row("request id", job.request_id());
   if (!job.owner().empty()) text += row("owner", job.owner());
   if (!job.study().empty()) text += row("study", job.study());
+  for (const std::string& label : job.labels()) text += row("label", label);
+  for (const v1::CaseChange& change : job.changes())
+    text += row("changed", change.key() + " = " + change.value());
   text += row("case sha256", job.case_sha256());
   if (job.has_last_step()) {
     const v1::StepReport& step = job.last_step();

@@ -28,6 +28,20 @@ std::string beyond_note(const CurlHistory& history) {
          " s on";
 }
 
+std::string eta_text(const v1::StepReport& step) {
+  const double rest = remaining_s(step);
+  return rest >= 0.0 && step.progress() < 1.0 ? "eta " + duration_text(rest) : "";
+}
+
+std::string step_facts(const v1::StepReport& step) {
+  std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
+                     " s  " + (step.beyond_validity() ? std::string(beyond_validity) + "  " : "") +
+                     "cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
+  for (const v1::MonitorValue& monitor : step.monitors())
+    text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
+  return text + "  " + std::to_string(step.iterations()) + " it";
+}
+
 }  // namespace
 
 double remaining_s(const v1::StepReport& step) {
@@ -50,15 +64,8 @@ std::string duration_text(double seconds) {
 }
 
 std::string step_line(const v1::StepReport& step) {
-  std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
-                     " s  " + (step.beyond_validity() ? std::string(beyond_validity) + "  " : "") +
-                     "cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
-  for (const v1::MonitorValue& monitor : step.monitors())
-    text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
-  text += "  " + std::to_string(step.iterations()) + " it";
-  if (const double rest = remaining_s(step); rest >= 0.0 && step.progress() < 1.0)
-    text += "  eta " + duration_text(rest);
-  return text;
+  const std::string eta = eta_text(step);
+  return step_facts(step) + (eta.empty() ? "" : "  " + eta);
 }
 
 void Progress::line(const std::string& text) {
@@ -71,7 +78,7 @@ void Progress::renew(const std::string& text, bool force) {
   const auto now = std::chrono::steady_clock::now();
   if (!force && now - renewed_ < pause) return;
   renewed_ = now;
-  stream_ << "\r\033[K" << cut_to(text, terminal_.columns - 1) << std::flush;
+  stream_ << "\r\033[K" << cut_to(text, columns_now(terminal_) - 1) << std::flush;
   line_open_ = true;
 }
 
@@ -80,14 +87,16 @@ void Progress::show(const v1::JobEvent& event) {
   if (event.has_validity_lost()) history_.mark_beyond(event.validity_lost().time_s());
   if (!event.has_step()) return line(event_line(event));
   history_.add(event.step());
-  const std::string text = step_line(event.step());
-  if (!terminal_.interactive) return line(text);
+  if (!terminal_.interactive) return line(step_line(event.step()));
   std::string curve;
   if (const auto* series = history_.largest())
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
   char percent[16];
   std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
-  renew(percent + curve + " " + text, event.step().progress() >= 1.0);
+  // What is waited for comes first: the end of the line is cut where the window is narrow.
+  const std::string eta = eta_text(event.step());
+  renew(percent + eta + (eta.empty() ? "" : " ") + curve + " " + step_facts(event.step()),
+        event.step().progress() >= 1.0);
 }
 
 void Progress::end_line() {
@@ -99,7 +108,7 @@ void Progress::finish() {
   end_line();
   const auto* const series = history_.largest();
   if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
-  const int columns = std::min(60, terminal_.columns - 12);
+  const int columns = std::min(60, columns_now(terminal_) - 12);
   stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
           << fixed(history_.time_s.back(), 0) << " s" << beyond_note(history_) << '\n';
   double low = 0.0, high = 0.0;

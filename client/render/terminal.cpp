@@ -34,7 +34,12 @@ Terminal terminal_of(int descriptor) {
   const char* const no_colour = std::getenv("NO_COLOR");
   terminal.colour = terminal.interactive && (no_colour == nullptr || *no_colour == '\0');
   terminal.columns = columns_of(descriptor);
+  terminal.descriptor = descriptor;
   return terminal;
+}
+
+int columns_now(const Terminal& terminal) {
+  return terminal.descriptor < 0 ? terminal.columns : columns_of(terminal.descriptor);
 }
 
 int display_width(const std::string& text) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <google/protobuf/descriptor.h>
@@ -57,6 +58,11 @@ std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 
 /// Writes the keys that are present as a TOML file that reads back to the same message.
 std::string to_toml(const google::protobuf::Message& message);
+
+/// Every key that is present with its value as in a file, tables flattened: "monitor[0].x", "0.28 m".
+/// In the order of the schema.
+std::vector<std::pair<std::string, std::string>> key_values(
+    const google::protobuf::Message& message);
 
 /// One row of the reference of all keys.
 struct KeyReference {

@@ -76,7 +76,33 @@ void write_table(const Message& message, const std::string& path, std::string& t
     }
 }
 
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+void collect(const Message& message, const std::string& path, KeyValues& values) {
+  const Descriptor& descriptor = *message.GetDescriptor();
+  const Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < descriptor.field_count(); ++i) {
+    const FieldDescriptor& field = *descriptor.field(i);
+    const std::string key = join_path(path, toml_key(field));
+    if (!is_present(message, field)) continue;
+    if (!is_table(field))
+      values.emplace_back(key, value_text(message, field));
+    else if (!field.is_repeated())
+      collect(reflection.GetMessage(message, &field), key, values);
+    else
+      for (int j = 0; j < reflection.FieldSize(message, &field); ++j)
+        collect(reflection.GetRepeatedMessage(message, &field, j),
+                key + "[" + std::to_string(j) + "]", values);
+  }
+}
+
 }  // namespace
+
+KeyValues key_values(const Message& message) {
+  KeyValues values;
+  collect(message, "", values);
+  return values;
+}
 
 std::string to_toml(const Message& message) {
   std::string text;

@@ -62,7 +62,8 @@ std::chrono::milliseconds milliseconds(double seconds) {
 }
 
 jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
-                                         const DataDirectory& directory) {
+                                         const DataDirectory& directory,
+                                         const std::string& solver) {
   return {.attempts = {.jobs_directory = directory.jobs(),
                        .worker_restarts = config.worker_restarts(),
                        .stop_grace = milliseconds(config.stop_grace_s()),
@@ -70,7 +71,8 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .watchdog = {.hello = milliseconds(config.worker_hello_timeout_s()),
                                     .heartbeat = milliseconds(config.heartbeat_timeout_s()),
                                     .stall = milliseconds(config.stall_timeout_s())},
-                       .other_version = config.other_version()},
+                       .other_version = config.other_version(),
+                       .solver = solver},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
@@ -87,6 +89,21 @@ service::Ceilings ceilings(const v1::DaemonConfig& config) {
                             : service::memory_per_worker(worker_count(config));
   return {config.maximum_nodes(), config.maximum_steps(), memory};
 }
+
+/// What the workers compute with, for answers that are found again; empty when none can be asked.
+std::string solver_of(jobs::CheckerPool& workers) {
+  constexpr std::chrono::seconds longest{10};
+  try {
+    return workers.ask(jobs::Question::solver, "",
+                       {.deadline = std::chrono::steady_clock::now() + longest});
+  } catch (const jobs::WorkerDidNotAnswer& error) {
+    spdlog::warn("queries are answered by a run each time: {}", error.what());
+    return {};
+  }
+}
+
+/// A run is held against the ceiling on its estimate before it begins; it is no check on its way.
+constexpr std::int64_t most_memory = INT64_MAX;
 
 /// As many file descriptors as the system permits.
 rlim_t raise_descriptor_limit() {
@@ -137,19 +154,31 @@ int serve(const v1::DaemonConfig& config) {
   const fs::path worker = worker_program(config);
   const std::size_t connections = connection_count(config);
   jobs::CheckerPool checkers(worker, {.kept = checker_count(config)});
+  // They check the cases of queries too: nothing that others do keeps a query waiting.
+  jobs::CheckerPool query_workers(worker, {.option = "--serve-queries",
+                                           .kept = checker_count(config),
+                                           .answers = 200,
+                                           .largest_bytes = most_memory});
+  const std::string solver = solver_of(query_workers);
   const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
                                     ceilings(config));
+  const service::CaseIntake query_intake(query_workers, config.alloy_directory(),
+                                         directory.check(), ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
   const service::LinkAddress link_address(directory.path());
   jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
-  jobs::Scheduler scheduler(scheduler_options(config, directory), store, logs, executor);
+  jobs::Scheduler scheduler(scheduler_options(config, directory, solver), store, logs, executor);
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,
       .store = store,
       .intake = intake,
+      .query_intake = query_intake,
+      .query_workers = query_workers,
+      .solver = solver,
+      .query_directory = directory.check(),
       .jobs_directory = directory.jobs(),
       .version = DCCAST_VERSION,
       .workers = worker_count(config),
@@ -163,6 +192,7 @@ int serve(const v1::DaemonConfig& config) {
   service::LinkServer link(scheduler, link_address);
   service::PublicServer server(context, config.listen());
   checkers.warm_up();
+  query_workers.warm_up();
   scheduler.start();
   if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
   spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),

@@ -219,6 +219,7 @@ void Attempts::finish(Attempt& attempt, const Finished& finished) {
     facts.missing_artifact = missing_artifact(attempt, finished);
   if (finished.outcome() == Finished::OTHER_VERSION_FOUND)
     set_checkpoint_aside(options_.jobs_directory / attempt.job_id);
+  if (finished.outcome() == Finished::SUCCEEDED) attempt.record.solver = options_.solver;
   settle(attempt, settle_finished(attempt.record, finished, facts));
   attempt.kill_at = Clock::now() + leaving_time;
   v1::WorkerOrder acknowledged;

@@ -25,6 +25,7 @@ struct AttemptOptions {
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
+  std::string solver{};  ///< identity of the solver that the workers run; empty: not known
 };
 
 /// What happened to a job in its attempt that the queue must know of.

@@ -52,13 +52,14 @@ std::optional<int> collect(pid_t process) {
 }
 
 /// Its end of the socket is the program's standard input; what libraries print goes to our log.
-int spawn_checker(const std::filesystem::path& program, int socket, pid_t* process) {
+int spawn_checker(const std::filesystem::path& program, const std::string& option, int socket,
+                  pid_t* process) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   const int error =
-      spawn(program, {program, "--serve-checks"}, worker_environment(), actions, process);
+      spawn(program, {program, option}, worker_environment(), actions, process);
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }
@@ -74,14 +75,15 @@ std::string megabytes(std::int64_t bytes) {
 
 }  // namespace
 
-Checker::Checker(const std::filesystem::path& worker_program, std::int64_t largest_bytes)
-    : name_(worker_program.filename().string() + " --serve-checks"), largest_bytes_(largest_bytes) {
+Checker::Checker(const std::filesystem::path& worker_program, const std::string& option,
+                 std::int64_t largest_bytes)
+    : name_(worker_program.filename().string() + " " + option), largest_bytes_(largest_bytes) {
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     fail_to_start(worker_program, errno);
   socket_ = FileDescriptor(ends[0]);
   const FileDescriptor theirs(ends[1]);
-  if (const int error = spawn_checker(worker_program, theirs.get(), &process_)) {
+  if (const int error = spawn_checker(worker_program, option, theirs.get(), &process_)) {
     process_ = 0;
     fail_to_start(worker_program, error);
   }
@@ -93,21 +95,31 @@ Checker::~Checker() {
   collect(process_);
 }
 
-std::string Checker::ask(Question question, std::string_view text, const Patience& patience) {
-  std::array<std::uint32_t, 2> head{static_cast<std::uint32_t>(question),
-                                    static_cast<std::uint32_t>(text.size())};
+std::string Checker::ask(Question question, std::string_view text, const Patience& patience,
+                         const OnPart& on_part) {
+  const std::array<std::uint32_t, 2> head{static_cast<std::uint32_t>(question),
+                                          static_cast<std::uint32_t>(text.size())};
   send({reinterpret_cast<const char*>(head.data()), sizeof head}, patience);
   send(text, patience);
-  std::string bytes(sizeof head, '\0');
-  receive(bytes, patience);
-  ::memcpy(head.data(), bytes.data(), sizeof head);
-  if (head[0] > 1 || head[1] > largest_answer)
-    throw WorkerDidNotAnswer(Why::died, name_ + " sent an answer that cannot be read");
-  bytes.resize(head[1]);
-  receive(bytes, patience);
+  std::string said;
+  std::uint32_t kind = receive_piece(said, patience);
+  for (; kind == answer_part; kind = receive_piece(said, patience)) on_part(said);
   ++answers_;
-  if (head[0] != 0) throw WorkerDidNotAnswer(Why::refused, bytes);
-  return bytes;
+  if (kind == answer_refused) throw WorkerDidNotAnswer(Why::refused, said);
+  return said;
+}
+
+/// The next part of an answer, or its end. @return which
+std::uint32_t Checker::receive_piece(std::string& text, const Patience& patience) {
+  std::array<std::uint32_t, 2> head;
+  text.resize(sizeof head);
+  receive(text, patience);
+  ::memcpy(head.data(), text.data(), sizeof head);
+  if (head[0] > answer_part || head[1] > largest_answer)
+    throw WorkerDidNotAnswer(Why::died, name_ + " sent an answer that cannot be read");
+  text.resize(head[1]);
+  receive(text, patience);
+  return head[0];
 }
 
 bool Checker::waits() const {

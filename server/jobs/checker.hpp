@@ -20,7 +20,19 @@ enum class Question : std::uint32_t {
   check = 1,  ///< a ValidateCaseResponse on its case
   judge = 3,  ///< the same with the findings of a case without faults, which takes longer
   frame = 2,  ///< the last Frame of the results in its directory
+  /// A run of its case: a WorkerMessage of each step as a part, the answer is its Finished.
+  query = 3,
+  kept_query = 4,  ///< the same; Finished names the results in its directory
+  solver = 5,      ///< no case; the solver's identity, as text
 };
+
+/// What an answer has before its end: a serialised message.
+using OnPart = std::function<void(std::string_view)>;
+
+// What a piece of an answer is.
+inline constexpr std::uint32_t answer_end = 0;
+inline constexpr std::uint32_t answer_refused = 1;
+inline constexpr std::uint32_t answer_part = 2;
 
 /// A question got no answer.
 class WorkerDidNotAnswer : public std::runtime_error {
@@ -51,19 +63,23 @@ struct Patience {
 /// that brings it down or keeps it busy forever costs one answer, not the daemon.
 ///
 /// Both ends speak over a socket: a question is its number and its length, 4 bytes each in the
-/// machine's order, then as many bytes; an answer is 0 (answered) or 1 (the text says why not) and
-/// its length, then as many bytes.
+/// machine's order, then as many bytes; an answer is any number of parts and an end, each a number
+/// (0 answered, 1 the text says why not, 2 a part) and its length, then as many bytes.
 class Checker {
 public:
+  /// @param option         of the program; what it is asked is the same, people tell them apart by it
   /// @param largest_bytes  of memory that it may take for one answer
   /// @throws WorkerDidNotAnswer  it cannot be started
-  Checker(const std::filesystem::path& worker_program, std::int64_t largest_bytes);
+  Checker(const std::filesystem::path& worker_program, const std::string& option,
+          std::int64_t largest_bytes);
   Checker(const Checker&) = delete;
   /// Kills the process.
   ~Checker();
 
   /// @throws WorkerDidNotAnswer  save for `refused`, this checker must not be asked again then
-  std::string ask(Question question, std::string_view text, const Patience& patience);
+  std::string ask(
+      Question question, std::string_view text, const Patience& patience,
+      const OnPart& on_part = [](std::string_view) {});
 
   /// Whether nothing has happened to it while it waited.
   bool waits() const;
@@ -73,6 +89,7 @@ public:
 private:
   void wait_until(short events, const Patience& patience) const;
   void send(std::string_view bytes, const Patience& patience);
+  std::uint32_t receive_piece(std::string& text, const Patience& patience);
   void receive(std::string& bytes, const Patience& patience);
   [[noreturn]] void report_death();
 

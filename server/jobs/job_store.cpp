@@ -59,12 +59,21 @@ ALTER TABLE job DROP COLUMN worker_process;
 ALTER TABLE job DROP COLUMN worker_start_ticks;
 CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
 PRAGMA user_version = 3;
+)sql",
+    // Labels stand one a line, each between two line ends; `changes` is a Job with only these.
+    R"sql(
+ALTER TABLE job ADD COLUMN labels TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN changes BLOB;
+ALTER TABLE job ADD COLUMN answer_key TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN solver TEXT NOT NULL DEFAULT '';
+CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
+PRAGMA user_version = 4;
 )sql"};
 
 constexpr std::string_view columns =
     "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
     "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
-    "worker_handle, study, owner, bytes";
+    "worker_handle, study, owner, bytes, labels, changes, answer_key, solver";
 
 void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
   *time = timestamp(milliseconds);
@@ -81,10 +90,31 @@ std::string outcome_of(const v1::Job& job) {
   return outcome.SerializeAsString();
 }
 
+std::string label_lines(const v1::Job& job) {
+  std::string lines;
+  for (const std::string& label : job.labels()) lines += (lines.empty() ? "\n" : "") + label + "\n";
+  return lines;
+}
+
+void read_labels(const std::string& lines, v1::Job& job) {
+  for (std::size_t begin = 1; begin < lines.size();) {
+    const std::size_t end = lines.find('\n', begin);
+    job.add_labels(lines.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+std::string changes_of(const v1::Job& job) {
+  v1::Job changes;
+  *changes.mutable_changes() = job.changes();
+  return changes.SerializeAsString();
+}
+
 JobRecord row(const Statement& statement) {
   JobRecord record;
   v1::Job& job = record.job;
   job.ParseFromString(statement.text(11));
+  job.MergeFromString(statement.text(22));
   job.set_id(statement.text(0));
   job.set_request_id(statement.text(1));
   job.set_case_sha256(statement.text(2));
@@ -106,6 +136,9 @@ JobRecord row(const Statement& statement) {
   job.set_study(statement.text(18));
   job.set_owner(statement.text(19));
   record.bytes = statement.integer(20);
+  read_labels(statement.text(21), job);
+  record.answer_key = statement.text(23);
+  record.solver = statement.text(24);
   return record;
 }
 
@@ -126,7 +159,24 @@ void bind_changing(Statement& statement, const JobRecord& record) {
       .bind(record.losses)
       .bind(record.lost_step)
       .bind(record.first_loss)
-      .bind(record.worker_handle);
+      .bind(record.worker_handle)
+      .bind(record.solver);
+}
+
+/// What a job of the page has to fulfil; its question marks are bound in list().
+std::string condition_of(const JobStore::Page& page) {
+  std::string sql = "(created_ms < ? OR (created_ms = ? AND id < ?))";
+  if (!page.states.empty()) {
+    sql += " AND state IN (";
+    for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
+    sql.back() = ')';
+  }
+  // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
+  if (!page.study.empty()) sql += " AND study = ? AND study <> ''";
+  if (!page.owner.empty()) sql += " AND owner = ?";
+  if (!page.id_prefix.empty()) sql += " AND id >= ? AND id < ?";
+  for (std::size_t i = 0; i < page.labels.size(); ++i) sql += " AND instr(labels, ?) > 0";
+  return sql;
 }
 
 }  // namespace
@@ -173,7 +223,7 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
     Statement statement(database_,
                         "INSERT INTO job (" + std::string(columns) +
                             ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "'', ?, ?, ?)");
+                            "'', ?, ?, ?, ?, ?, ?, '')");
     statement.bind(job.id());
     if (job.request_id().empty())
       statement.bind_null();
@@ -187,6 +237,9 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
         .bind(job.study())
         .bind(job.owner())
         .bind(record.bytes)
+        .bind(label_lines(job))
+        .bind_blob(changes_of(job))
+        .bind(record.answer_key)
         .step();
   }
   {
@@ -204,7 +257,7 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
                       "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
-                      "lost_step = ?, first_loss = ?, worker_handle = ? WHERE id = ?");
+                      "lost_step = ?, first_loss = ?, worker_handle = ?, solver = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
 }
@@ -304,21 +357,29 @@ std::set<std::string> JobStore::ids() {
   return ids;
 }
 
+std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
+                                                 const std::string& solver) {
+  if (answer_key.empty() || solver.empty()) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  // 4: SUCCEEDED of job.proto. The condition on the key lets SQLite use the index.
+  Statement statement(database_,
+                      "SELECT id FROM job WHERE answer_key = ? AND answer_key <> '' AND solver = ? "
+                      "AND state = 4 ORDER BY created_ms DESC LIMIT 1");
+  if (!statement.bind(answer_key).bind(solver).step()) return std::nullopt;
+  return statement.text(0);
+}
+
 std::vector<JobRecord> JobStore::list(const Page& page) {
-  std::string sql = "SELECT " + std::string(columns) +
-                    " FROM job WHERE (created_ms < ? OR (created_ms = ? AND id < ?))";
-  if (!page.states.empty()) {
-    sql += " AND state IN (";
-    for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
-    sql.back() = ')';
-  }
-  // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
-  if (!page.study.empty()) sql += " AND study = ? AND study <> ''";
-  sql += " ORDER BY created_ms DESC, id DESC LIMIT ?";
+  const std::string sql = "SELECT " + std::string(columns) + " FROM job WHERE " +
+                          condition_of(page) + " ORDER BY created_ms DESC, id DESC LIMIT ?";
   const std::lock_guard lock(mutex_);
   Statement statement(database_, sql);
   statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id);
-  if (!page.study.empty()) statement.bind(page.study);
+  for (const std::string& wanted : {page.study, page.owner})
+    if (!wanted.empty()) statement.bind(wanted);
+  // Behind every character of an id: they are hexadecimal digits and '-'.
+  if (!page.id_prefix.empty()) statement.bind(page.id_prefix).bind(page.id_prefix + "~");
+  for (const std::string& label : page.labels) statement.bind("\n" + label + "\n");
   statement.bind(page.size);
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(row(statement));

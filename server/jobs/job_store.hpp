@@ -27,6 +27,8 @@ struct JobRecord {
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
   std::string worker_handle{};  ///< of the last start, in the words of its executor
   std::int64_t bytes = 0;       ///< of the case and its attachments
+  std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
+  std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
 };
 
 /// normal: survives a crash of the daemon. full: survives one of the machine.
@@ -54,6 +56,8 @@ public:
 
   virtual std::optional<JobRecord> find(const std::string& id);
   std::optional<JobRecord> find_request(const std::string& request_id);
+  /// The newest job that has succeeded with this key by this solver. @return its id
+  std::optional<std::string> find_answer(const std::string& answer_key, const std::string& solver);
   /// The serialised Case that runs. @return nothing for an unknown job
   virtual std::optional<std::string> complete_case(const std::string& id);
   /// The serialised Case as it was submitted. @return nothing for an unknown job
@@ -73,6 +77,9 @@ public:
     std::string before_id{};
     std::vector<v1::JobState> states{};  ///< empty: all
     std::string study{};                 ///< empty: all jobs, of a study or not
+    std::string owner{};                 ///< empty: all
+    std::string id_prefix{};             ///< empty: all
+    std::vector<std::string> labels{};   ///< a job has all of them
     int size = 50;
   };
   /// Newest first.

@@ -20,6 +20,7 @@
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/ledger.hpp"
+#include "server/jobs/new_job.hpp"
 #include "server/jobs/queue_hold.hpp"
 
 namespace dccast::jobs {
@@ -31,16 +32,13 @@ struct SchedulerOptions {
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
 };
 
-/// A case that was found good, ready to become a job.
-struct NewJob {
-  std::string request_id;  ///< empty: none
-  std::string study{};     ///< empty: none
-  std::string title;
-  v1::Priority priority = v1::NORMAL;
-  std::string owner{};         ///< who submits it
-  std::string case_sha256;     ///< of the case as it was submitted, with its attachments
-  std::string submitted_case;  ///< serialised
-  std::string complete_case;   ///< serialised, with defaults and alloy card
+/// A run that was computed outside of the queue.
+struct FinishedRun {
+  std::string id;                          ///< of the job it becomes
+  std::filesystem::path folder;            ///< where its results are
+  std::vector<v1::JobEvent> events;        ///< what it reported
+  v1::WorkerMessage::Finished finished{};  ///< succeeded or failed
+  google::protobuf::Timestamp begun;
 };
 
 class QueueFull : public std::runtime_error {
@@ -63,7 +61,12 @@ public:
 
 /// Outcome of a request about one job.
 struct Reply {
-  enum class Kind { done, not_found, wrong_state };
+  enum class Kind {
+    done,
+    not_found,
+    wrong_state,
+    being_cancelled,  ///< it will be in the right state as soon as its worker has left
+  };
   Kind kind = Kind::done;
   v1::Job job;  ///< as it is now, unless not_found
 };
@@ -92,6 +95,9 @@ public:
   /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
   /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments);
+  /// Makes a job, which has ended, of a run that was computed elsewhere; its results move into the
+  /// job's folder. Durable when this returns. @throws as submit(); nothing is left of the job then
+  v1::Job keep(const NewJob& new_job, const Attachments& attachments, const FinishedRun& run);
   std::optional<v1::Job> find(const std::string& id);
   /// The event log of a job that exists.
   std::shared_ptr<EventLog> log(const std::string& id);
@@ -142,6 +148,8 @@ private:
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
+  void write_history(const JobRecord& record, const FinishedRun& run);
+  void forget(const std::string& id);
   std::shared_ptr<EventLog> log_if_any(const std::string& id);
 
   const SchedulerOptions options_;

@@ -7,34 +7,13 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
+#include "server/jobs/new_job.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {
 
 namespace {
-
-v1::Job new_job_message(const NewJob& new_job) {
-  v1::Job job;
-  job.set_id(values::random_uuid());
-  job.set_title(new_job.title);
-  job.set_state(v1::QUEUED);
-  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
-  job.set_request_id(new_job.request_id);
-  job.set_study(new_job.study);
-  job.set_owner(new_job.owner);
-  job.set_case_sha256(new_job.case_sha256);
-  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
-  return job;
-}
-
-std::int64_t size_of(const NewJob& new_job, const Attachments& attachments) {
-  auto bytes =
-      static_cast<std::int64_t>(new_job.submitted_case.size() + new_job.complete_case.size());
-  for (const v1::Attachment& attachment : attachments)
-    bytes += static_cast<std::int64_t>(attachment.content().size());
-  return bytes;
-}
 
 /// A job that was to join a study must not be answered with one outside of it.
 void require_same_submission(const v1::Job& there, const NewJob& new_job) {
@@ -88,9 +67,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
       return find(there->job.id()).value_or(there->job);
     }
   }
-  JobRecord record;
-  record.job = new_job_message(new_job);
-  record.bytes = size_of(new_job, attachments);
+  JobRecord record = record_of_new(new_job, attachments);
   require_room(record.bytes);
   std::optional<Reservation> reservation;
   {
@@ -280,6 +257,8 @@ Reply Scheduler::remove(const std::string& id) {
     const std::lock_guard lock(mutex_);
     const auto record = record_of(id);
     if (!record) return {Reply::Kind::not_found, {}};
+    if (record->requested_action == RequestedAction::cancel && !is_terminal(record->job.state()))
+      return {Reply::Kind::being_cancelled, view(*record)};
     if (!is_terminal(record->job.state()) || ledger_.pending(id) != nullptr)
       return {Reply::Kind::wrong_state, view(*record)};
     removed = begin_removal(jobs_directory_, id);

@@ -9,6 +9,7 @@
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
 #include "server/service/case_intake.hpp"
+#include "server/service/query_answers.hpp"
 
 namespace dccast::service {
 
@@ -18,7 +19,12 @@ struct Context {
   jobs::EventLogs& logs;
   jobs::JobStore& store;
   const CaseIntake& intake;
+  const CaseIntake& query_intake;
+  jobs::CheckerPool& query_workers;
+  std::string solver;  ///< identity of the solver that the workers run; empty: not known
+  std::filesystem::path query_directory;  ///< where the runs of queries have their folders
   jobs::StepIndexes step_indexes{};
+  QueryAnswers query_answers{};
   std::filesystem::path jobs_directory;
   std::string version;
   int workers = 1;

@@ -8,11 +8,11 @@ namespace dccast::service {
 /// nobody else.
 class Lanes {
 public:
-  /// @param checkers                checks at once
-  /// @param maximum_waiting_checks  beyond those; further ones are refused
+  /// @param checkers                checks at once, and queries at once
+  /// @param maximum_waiting_checks  beyond those, of each; further ones are refused
   Lanes(int checkers, int maximum_waiting_checks)
-      : checks(checkers, {.number = static_cast<std::size_t>(maximum_waiting_checks),
-                          .bytes = waiting_bytes}) {}
+      : checks(checkers, bound(maximum_waiting_checks)),
+        queries(checkers, bound(maximum_waiting_checks)) {}
 
   static constexpr std::size_t waiting_bytes = 512'000'000;  ///< of requests, for each lane
   static constexpr WaitingBound many{.number = 10000, .bytes = waiting_bytes};
@@ -21,6 +21,12 @@ public:
   WorkPool histories{2, many};  ///< reads event logs
   WorkPool durable{4, many};    ///< syncs new jobs to disk
   WorkPool checks;              ///< asks a checker; one thread for each that may be at work
+  WorkPool queries;             ///< from the check of a case to the end of its run; likewise
+
+private:
+  static WaitingBound bound(int waiting) {
+    return {.number = static_cast<std::size_t>(waiting), .bytes = waiting_bytes};
+  }
 };
 
 }  // namespace dccast::service

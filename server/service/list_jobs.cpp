@@ -4,6 +4,7 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/service/handlers.hpp"
+#include "server/service/labels.hpp"
 #include "server/service/message_size.hpp"
 #include "server/service/status.hpp"
 
@@ -61,12 +62,16 @@ grpc::Status list_jobs(Context& context, const Call&, const v1::ListJobsRequest&
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "the page_token is not one of ListJobs; begin again without it"};
   if (const auto status = check_study(request.study()); !status.ok()) return status;
+  if (const auto status = check_labels(request.labels()); !status.ok()) return status;
   if (request.page_size() < 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
   const int size =
       request.page_size() == 0 ? default_page : std::min(request.page_size(), largest_page);
   for (const int state : request.states()) page.states.push_back(static_cast<v1::JobState>(state));
   page.study = request.study();
+  page.owner = request.owner();
+  page.id_prefix = request.id_prefix();
+  page.labels.assign(request.labels().begin(), request.labels().end());
   fill(context, std::move(page), size, response);
   return grpc::Status::OK;
 }

@@ -131,4 +131,10 @@ grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchResul
   return fetch_result(context_, lanes_.status, *request);
 }
 
+grpc::ServerWriteReactor<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
+    Wire* wire, const v1::QueryButtCurlRequest* request) {
+  return query_butt_curl(
+      context_, lanes_.queries, [this, wire] { return call_of(*wire, users_); }, *request);
+}
+
 }  // namespace dccast::service

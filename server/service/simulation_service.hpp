@@ -34,6 +34,8 @@ public:
   grpc::ServerWriteReactor<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
   grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchResult(
       Wire*, const v1::FetchResultRequest*) override;
+  grpc::ServerWriteReactor<v1::QueryButtCurlResponse>* QueryButtCurl(
+      Wire*, const v1::QueryButtCurlRequest*) override;
 
 private:
   /// A call on its way to a lane.

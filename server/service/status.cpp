@@ -185,6 +185,9 @@ grpc::Status answer(const jobs::Reply& reply, const std::string& id, const std::
                     v1::Job* job) {
   if (reply.kind == jobs::Reply::Kind::not_found) return job_not_found(id);
   if (reply.kind == jobs::Reply::Kind::wrong_state) return wrong_state(reply.job, remedy);
+  if (reply.kind == jobs::Reply::Kind::being_cancelled)
+    return {grpc::StatusCode::ABORTED,
+            "job " + id + " is being cancelled; try again when its worker has left it"};
   if (job != nullptr) *job = reply.job;
   return grpc::Status::OK;
 }

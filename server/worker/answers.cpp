@@ -1,6 +1,7 @@
 #include "server/worker/answers.hpp"
 
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -12,6 +13,7 @@
 
 #include "core/casting/case_check.hpp"
 #include "core/casting/plausibility/plausibility.hpp"
+#include "core/casting/solver_identity.hpp"
 #include "core/results/result_reader.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/checker.hpp"
@@ -20,6 +22,7 @@
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/frame_to_proto.hpp"
 #include "server/translate/step_to_proto.hpp"
+#include "server/worker/run_job.hpp"
 
 namespace dccast::worker {
 
@@ -50,6 +53,32 @@ v1::ValidateCaseResponse checked(const v1::WorkerOrder::Start& start, const cast
       casting::check(c, {start.faulty_keys().begin(), start.faulty_keys().end()}));
 }
 
+bool send_piece(int socket, std::uint32_t kind, const std::string& text) {
+  const std::array<std::uint32_t, 2> head{kind, static_cast<std::uint32_t>(text.size())};
+  std::string piece(reinterpret_cast<const char*>(head.data()), sizeof head);
+  piece += text;
+  return send(socket, piece);
+}
+
+/// A query's run: every message is a part of the answer. Who wants no more of it kills this process.
+class PartsOfAnswer : public RunLink {
+public:
+  explicit PartsOfAnswer(int socket) : socket_(socket) {}
+  void send(v1::WorkerMessage message) override {
+    if (!send_piece(socket_, jobs::answer_part, message.SerializeAsString()))
+      ::_exit(exit_link_broken);
+  }
+  casting::Order order() const override { return casting::Order::go_on; }
+
+private:
+  int socket_;
+};
+
+std::string run_query(int socket, const v1::WorkerOrder::Start& start, Results results) {
+  PartsOfAnswer parts(socket);
+  return run_job(start, parts, results).SerializeAsString();
+}
+
 casting::Case case_of(const v1::WorkerOrder::Start& start) {
   const std::filesystem::path folder = start.directory();
   return translate::to_core(start.case_(), folder / jobs::attachments_folder);
@@ -78,28 +107,33 @@ std::string last_frame(const v1::WorkerOrder::Start& start) {
   return translate::to_proto(*frame, reader.header()).SerializeAsString();
 }
 
-std::string answer(jobs::Question question, const std::string& text) {
+std::string answer(int socket, jobs::Question question, const std::string& text) {
   v1::WorkerOrder::Start start;
   if (!start.ParseFromString(text)) throw std::runtime_error("the question cannot be read");
-  if (question == jobs::Question::check) return check(start);
-  if (question == jobs::Question::judge) return judge(start);
-  if (question == jobs::Question::frame) return last_frame(start);
+  switch (question) {
+    case jobs::Question::check:
+      return check(start);
+    case jobs::Question::judge:
+      return judge(start);
+    case jobs::Question::frame:
+      return last_frame(start);
+    case jobs::Question::query:
+      return run_query(socket, start, Results::discarded);
+    case jobs::Question::kept_query:
+      return run_query(socket, start, Results::kept);
+    case jobs::Question::solver:
+      return casting::solver_identity();
+  }
   throw std::runtime_error("there is no such question");
 }
 
 /// @return whether the answer, or why there is none, could be sent
 bool answer_next(int socket, jobs::Question question, const std::string& text) {
-  std::uint32_t outcome = 0;
-  std::string said;
   try {
-    said = answer(question, text);
+    return send_piece(socket, jobs::answer_end, answer(socket, question, text));
   } catch (const std::exception& error) {
-    outcome = 1;
-    said = error.what();
+    return send_piece(socket, jobs::answer_refused, error.what());
   }
-  const std::array<std::uint32_t, 2> head{outcome, static_cast<std::uint32_t>(said.size())};
-  return send(socket, {reinterpret_cast<const char*>(head.data()), sizeof head}) &&
-         send(socket, said);
 }
 
 }  // namespace

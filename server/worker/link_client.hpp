@@ -12,27 +12,27 @@
 #include <string>
 #include <thread>
 
-#include "core/casting/step_observer.hpp"
 #include "dccast/v1/worker.grpc.pb.h"
+#include "server/worker/run_link.hpp"
 
 namespace dccast::worker {
 
 /// The worker's end of the link to its daemon. A thread sends, a thread receives; the run itself
 /// only leaves messages here and looks at an atomic. The thread that sends also says at intervals
 /// that the process is alive, however long a step takes.
-class LinkClient {
+class LinkClient : public RunLink {
 public:
   explicit LinkClient(const std::string& address);
   /// Drops what is not sent yet: a daemon that does not read must not keep a worker. finish() is
   /// what waits for it.
-  ~LinkClient();
+  ~LinkClient() override;
 
   /// Calls the daemon. @return what to run; nothing when the daemon is gone or refuses
   std::optional<v1::WorkerOrder::Start> begin(const v1::WorkerMessage::Hello& hello);
   /// Leaves a message to be sent. Waits only when the daemon is thousands of messages behind.
-  void send(v1::WorkerMessage message);
+  void send(v1::WorkerMessage message) override;
   /// What the run is told to do; also after SIGTERM.
-  casting::Order order() const;
+  casting::Order order() const override;
   /// Sends the last message. @return whether the daemon has acknowledged it
   bool finish(v1::WorkerMessage::Finished finished);
 

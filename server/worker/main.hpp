@@ -8,8 +8,8 @@ namespace dccast::worker {
 /// (DCCAST_WORKER_LINK) and whose child it is (_PARENT), and, once there is a job for it, on the
 /// standard input its id, its token and the file for what it says, a line each.
 ///   0  the daemon has what the run ended with        70  the daemon is gone
-/// With `--serve-checks` it answers questions about cases and results on the socket that is its
-/// standard input, see server/jobs/checker.hpp.
+/// With `--serve-checks` or `--serve-queries` it answers questions about cases and results on the
+/// socket that is its standard input, see server/jobs/checker.hpp.
 ///   0  the daemon has closed the socket              1  the socket broke in the middle of a
 ///   question
 int main(int argc, char** argv);

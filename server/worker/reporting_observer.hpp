@@ -4,14 +4,14 @@
 
 #include "core/casting/case.hpp"
 #include "core/casting/step_observer.hpp"
-#include "server/worker/link_client.hpp"
+#include "server/worker/run_link.hpp"
 
 namespace dccast::worker {
 
 /// Sends what the run reports to the daemon, and brings back its orders.
 class ReportingObserver : public casting::StepObserver {
 public:
-  ReportingObserver(LinkClient& link, const std::vector<casting::Monitor>& monitors)
+  ReportingObserver(RunLink& link, const std::vector<casting::Monitor>& monitors)
       : link_(link), monitors_(monitors) {}
   casting::Order on_step(const results::StepReport& report) override;
   void on_missed_step(const results::StepReport& report) override;
@@ -23,7 +23,7 @@ public:
 private:
   void send(const results::StepReport& report);
 
-  LinkClient& link_;
+  RunLink& link_;
   const std::vector<casting::Monitor>& monitors_;
 };
 

@@ -62,13 +62,15 @@ void note_storage_failure(const std::system_error& error, Finished& finished) {
     finished = failed(v1::Failure::STORAGE, error.what());
 }
 
-Finished to_finished(const casting::RunOutcome& outcome, const fs::path& directory) {
+Finished to_finished(const casting::RunOutcome& outcome, const fs::path& directory,
+                     Results results) {
   Finished finished;
   finished.set_outcome(to_proto(outcome.end));
   if (!outcome.failures.empty())
     *finished.mutable_failure() = translate::to_proto(outcome.failures);
-  if (outcome.end != casting::RunEnd::succeeded && outcome.end != casting::RunEnd::failed)
-    return finished;
+  const bool ended =
+      outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::failed;
+  if (!ended || results == Results::discarded) return finished;
   try {
     add_artifacts(directory, finished);
   } catch (const std::system_error& error) {
@@ -89,18 +91,18 @@ casting::RunDirectory directory_of(const v1::WorkerOrder::Start& start) {
           .last_reported_step = start.last_reported_step()};
 }
 
-Finished run(const v1::WorkerOrder::Start& start, LinkClient& link) {
+Finished run(const v1::WorkerOrder::Start& start, RunLink& link, Results results) {
   const fs::path directory = start.directory();
   const auto casting_case = translate::to_core(start.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case.monitors);
-  return to_finished(casting::run(casting_case, directory_of(start), observer), directory);
+  return to_finished(casting::run(casting_case, directory_of(start), observer), directory, results);
 }
 
 }  // namespace
 
-Finished run_job(const v1::WorkerOrder::Start& start, LinkClient& link) {
+Finished run_job(const v1::WorkerOrder::Start& start, RunLink& link, Results results) {
   try {
-    return run(start, link);
+    return run(start, link, results);
   } catch (const InvalidCase& error) {
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {

@@ -20,7 +20,7 @@ TIED = ("setpriv", "--pdeathsig", "KILL")
 
 
 # Words of a worker that checks cases or reads frames.
-ANSWERING = ("--check", "--serve-checks", "--frame")
+ANSWERING = ("--check", "--serve-checks", "--serve-queries", "--frame")
 
 
 class Daemons(Daemon):

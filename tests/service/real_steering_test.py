@@ -27,9 +27,9 @@ class RealSteering(ServiceTest):
         return ended.stdout
 
     def wrong_state(self, *words, state, remedy):
-        """Refused with exit code 5, the state it is in, and what to do instead."""
+        """Refused with exit code 6, the state it is in, and what to do instead."""
         ended = self.dccast(*words)
-        self.assertEqual(ended.returncode, 5, ended)
+        self.assertEqual(ended.returncode, 6, ended)
         self.assertEqual(ended.stdout, "")
         self.assertRegex(ended.stderr, rf"^dccast: job {words[1]} is {state}; .*{remedy}")
 

@@ -17,6 +17,7 @@
 #include "core/casting/case_check.hpp"
 #include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/simulation.hpp"
+#include "core/casting/solver_identity.hpp"
 
 namespace dccast::casting {
 
@@ -238,6 +239,11 @@ std::optional<RunOutcome> FakeRun::step() {
 }
 
 }  // namespace
+
+const std::string& solver_identity() {
+  static const std::string identity = "no solver at all";
+  return identity;
+}
 
 RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer) {
   const Script script(casting_case.title);

@@ -6,9 +6,11 @@
 
 namespace dccast::client {
 
-Result dccast(std::vector<std::string> arguments, const std::string& server) {
+Result dccast(std::vector<std::string> arguments, const std::string& server,
+              const std::filesystem::path& configuration) {
   commands::Program program;
   program.server = server;
+  program.configuration = configuration;
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   const int code = run_command_line(std::move(arguments), program);

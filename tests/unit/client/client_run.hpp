@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ struct Result {
 };
 
 /// Runs `dccast` with these arguments against the daemon at `server`.
-Result dccast(std::vector<std::string> arguments, const std::string& server);
+/// @param configuration  the user's settings; empty: none
+Result dccast(std::vector<std::string> arguments, const std::string& server,
+              const std::filesystem::path& configuration = {});
 
 }  // namespace dccast::client

@@ -40,8 +40,8 @@ struct Commands : testing::Test {
 
 TEST_F(Commands, EveryCommandHasAnExample) {
   for (const char* const name :
-       {"new", "validate", "submit", "watch", "list", "show", "curl", "fetch", "report",
-        "convergence", "cancel", "pause", "resume", "delete", "schema", "alloys", "info"}) {
+       {"new", "validate", "query", "submit", "watch", "wait", "list", "show", "curl", "compare",
+        "fetch", "report", "convergence", "cancel", "pause", "resume", "delete", "schema", "alloys", "info"}) {
     const Result result = run({name, "--help"});
     EXPECT_EQ(result.code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example:\n  dccast " + std::string(name)));
@@ -123,6 +123,100 @@ TEST_F(Commands, ExitCodesTellWhatWentWrong) {
   const Result away = dccast({"info"}, "127.0.0.1:1");
   EXPECT_EQ(away.code, 4);
   EXPECT_THAT(away.err, HasSubstr("is dccastd running"));
+}
+
+TEST_F(Commands, AWordThatIsNoneIsAnsweredWithTheNearest) {
+  EXPECT_THAT(run({"sumbit", file}).err, HasSubstr("did you mean 'submit'?"));
+  EXPECT_THAT(run({"submit", "--prioritty", "low", file}).err,
+              HasSubstr("did you mean '--priority'?"));
+  EXPECT_THAT(run({"xyzzy"}).err, testing::Not(HasSubstr("did you mean")));
+}
+
+TEST_F(Commands, SeveralFilesAreSubmittedOrNone) {
+  const Result all = run({"submit", "--label", "a", "--label", "b", file, file});
+  EXPECT_EQ(all.out, "job\njob\n") << all.err;
+  EXPECT_THAT(service.submitted.labels(), testing::ElementsAre("a", "b"));
+  service.submitted.Clear();
+  const Result none = run({"submit", file, "no-such-file.toml"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_EQ(none.out, "");
+  EXPECT_FALSE(service.submitted.has_case_());
+  EXPECT_EQ(run({"submit", "--request-id", "x", file, file}).code, 2);
+}
+
+TEST_F(Commands, ChangesGoWithTheCaseAndAreCheckedAsTheFileIs) {
+  const Result result = run({"submit", "--set", "mesh.rows=30", "--set",
+                             "schedule.water_flow.scale=0.8 until 100 mm", file});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(service.submitted.case_().mesh().rows(), 30);
+  EXPECT_EQ(service.submitted.case_().schedule().water_flow_factor().value(0), 0.8);
+  ASSERT_EQ(service.submitted.changes_size(), 2);
+  EXPECT_EQ(service.submitted.changes(1).value(), "0.8 until 100 mm");
+  const Result fault = run({"validate", "--set", "mesh.rows=many", file});
+  EXPECT_EQ(fault.code, 2);
+  EXPECT_THAT(fault.out, HasSubstr("--set mesh.rows, column 11: mesh.rows = \"many\""));
+  EXPECT_EQ(run({"validate", "--set", "mesh.rows", file}).code, 2);
+}
+
+TEST_F(Commands, TheBeginningOfAnIdIsEnoughWhereItIsTheOnlyOne) {
+  for (const char* const id : {"0f2b9a4e-0000-4000-8000-000000000000",
+                               "0f2b1111-0000-4000-8000-000000000000"})
+    service.listed_jobs.emplace_back(service.job).set_id(id);
+  service.job.set_id("0f2b9a4e-0000-4000-8000-000000000000");
+  EXPECT_EQ(run({"show", "0f2b9"}).code, 0);
+  const Result two = run({"show", "0f2b"});
+  EXPECT_EQ(two.code, 2);
+  EXPECT_THAT(two.err, HasSubstr("more than one job:\n  0f2b9a4e-"));
+  const Result none = run({"show", "aa"});
+  EXPECT_EQ(none.code, 5);
+  EXPECT_THAT(none.err, HasSubstr("begins with 'aa'"));
+  EXPECT_THAT(run({"list"}).out, HasSubstr("0f2b9a4e  succeeded"));
+}
+
+TEST_F(Commands, TheLastJobIsTheNewestOfThisUser) {
+  EXPECT_EQ(run({"show", "last"}).code, 0);
+  EXPECT_FALSE(service.listed.owner().empty());
+  EXPECT_EQ(service.listed.page_size(), 1);
+}
+
+TEST_F(Commands, AListHasTheColumnsThatSaySomething) {
+  EXPECT_THAT(run({"list"}).out, testing::Not(HasSubstr("LABELS")));
+  service.job.add_labels("trial-7");
+  service.job.add_findings()->set_severity(v1::Finding::DANGER);
+  *service.job.mutable_last_step() = service.events[4].step();
+  const Result result = run({"list", "--label", "trial-7"});
+  EXPECT_THAT(service.listed.labels(), testing::ElementsAre("trial-7"));
+  EXPECT_THAT(result.out, HasSubstr("CURL mm"));
+  EXPECT_THAT(result.out, HasSubstr("3.00"));
+  EXPECT_THAT(result.out, HasSubstr("1 danger"));
+  EXPECT_THAT(result.out, HasSubstr("trial-7"));
+  EXPECT_THAT(run({"list", "--columns", "job,owner"}).out, testing::StartsWith("JOB  OWNER\n"));
+  EXPECT_EQ(run({"list", "--ids"}).out, "job\n");
+}
+
+TEST_F(Commands, WaitSaysHowEachJobEnded) {
+  service.job.mutable_end_time()->set_seconds(1);
+  const Result done = run({"wait", "job", "job"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.out, "job succeeded\njob succeeded\n");
+  service.job.set_state(v1::FAILED);
+  EXPECT_EQ(run({"wait", "job"}).code, 3);
+}
+
+TEST_F(Commands, DeleteWaitsForAJobThatIsBeingCancelled) {
+  service.deletions_aborted = 2;
+  EXPECT_EQ(run({"delete", "--cancel", "job"}).code, 0);
+  EXPECT_EQ(service.cancelled.id(), "job");
+  EXPECT_THAT(service.deleted, testing::ElementsAre("job"));
+}
+
+TEST_F(Commands, NoFileIsOverwrittenUnasked) {
+  const Result refused = run({"report", "job", "-o", file});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--force"));
+  EXPECT_EQ(run({"fetch", "job", "-o", file}).code, 2);
+  EXPECT_EQ(run({"new", shipped::case_templates().back().name, "-o", file}).code, 2);
+  EXPECT_EQ(run({"report", "--force", "job", "-o", file}).code, 0);
 }
 
 TEST_F(Commands, JobsOfAStudyAreListedAndShownAsSuch) {

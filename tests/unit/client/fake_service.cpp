@@ -58,6 +58,37 @@ grpc::Status FakeService::CancelJob(grpc::ServerContext*, const v1::CancelJobReq
   return grpc::Status::OK;
 }
 
+/// A query of this case is answered with the steps of `result`.
+grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
+                                        const v1::QueryButtCurlRequest* request,
+                                        grpc::ServerWriter<v1::QueryButtCurlResponse>* writer) {
+  queried = *request;
+  if (verdict.faults_size() > 0)
+    return {grpc::StatusCode::INVALID_ARGUMENT, "the case has faults", verdict.SerializeAsString()};
+  v1::QueryButtCurlResponse response;
+  *response.mutable_accepted()->mutable_case_() = request->case_();
+  writer->Write(response);
+  for (const v1::StepReport& step : result.steps()) {
+    *response.mutable_step() = step;
+    writer->Write(response);
+  }
+  for (const v1::Finding& finding : result.findings()) {
+    *response.mutable_finding() = finding;
+    writer->Write(response);
+  }
+  response.mutable_ended()->set_state(job.state());
+  response.mutable_ended()->set_solver_s(0.25);
+  writer->Write(response);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeService::DeleteJob(grpc::ServerContext*, const v1::DeleteJobRequest* request,
+                                    v1::DeleteJobResponse*) {
+  if (deletions_aborted-- > 0) return {grpc::StatusCode::ABORTED, "it is being cancelled"};
+  deleted.push_back(request->id());
+  return grpc::Status::OK;
+}
+
 grpc::Status FakeService::ResumeJob(grpc::ServerContext*, const v1::ResumeJobRequest*,
                                     v1::Job* response) {
   if (const grpc::Status status = enter(); !status.ok()) return status;
@@ -97,7 +128,9 @@ grpc::Status FakeService::GetJob(grpc::ServerContext*, const v1::GetJobRequest* 
 grpc::Status FakeService::ListJobs(grpc::ServerContext*, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
   listed = *request;
-  *response->add_jobs() = job;
+  if (listed_jobs.empty()) *response->add_jobs() = job;
+  for (const v1::Job& one : listed_jobs)
+    if (one.id().starts_with(request->id_prefix())) *response->add_jobs() = one;
   return grpc::Status::OK;
 }
 

@@ -30,6 +30,8 @@ public:
   v1::ValidateCaseResponse verdict;
   v1::Job job;
   v1::QueryResultResponse result;
+  std::vector<v1::Job> listed_jobs;  ///< in place of `job`, where there are some
+  int deletions_aborted = 0;         ///< so many DeleteJob are answered ABORTED first
 
   // How it misbehaves.
   std::size_t events_per_stream = 1000;  ///< a stream is cut after so many
@@ -45,6 +47,8 @@ public:
   v1::CancelJobRequest cancelled;
   v1::SubmitJobRequest submitted;
   v1::ListJobsRequest listed;
+  v1::QueryButtCurlRequest queried;
+  std::vector<std::string> deleted;
 
   grpc::Status WatchJob(grpc::ServerContext*, const v1::WatchJobRequest*,
                         grpc::ServerWriter<v1::JobEvent>*) override;
@@ -59,6 +63,10 @@ public:
   grpc::Status QueryResult(grpc::ServerContext*, const v1::QueryResultRequest*,
                            v1::QueryResultResponse*) override;
 
+  grpc::Status QueryButtCurl(grpc::ServerContext*, const v1::QueryButtCurlRequest*,
+                             grpc::ServerWriter<v1::QueryButtCurlResponse>*) override;
+  grpc::Status DeleteJob(grpc::ServerContext*, const v1::DeleteJobRequest*,
+                         v1::DeleteJobResponse*) override;
   grpc::Status CancelJob(grpc::ServerContext*, const v1::CancelJobRequest*, v1::Job*) override;
   grpc::Status ResumeJob(grpc::ServerContext*, const v1::ResumeJobRequest*, v1::Job*) override;
   grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <cstring>
 #include <fstream>
 #include <string>
 
@@ -37,7 +38,9 @@ while True:
     if text == b"grow": held.append(b"x" * 300000000); time.sleep(1000)
     if text == b"nonsense": link.sendall(b"nonsense" * 2)
     if text == b"refuse": outcome = 1
-    if kind != 1: text = b"frame"
+    if kind == 3:
+        for part in range(1000): link.sendall(struct.pack("=II", 2, 4) + struct.pack("=I", part))
+    if kind == 2: text = b"frame"
     answer = b"%d " % os.getpid() + text
     link.sendall(struct.pack("=II", outcome, len(answer)) + answer)
 )";
@@ -79,6 +82,28 @@ TEST_F(CheckerPoolTest, OneCheckerAnswersManyQuestionsWhateverTheirSize) {
   const std::string large(3000000, 'q');
   EXPECT_EQ(ask(pool, large), std::pair(process, large));
   EXPECT_EQ(ask(pool, ""), std::pair(process, std::string()));
+}
+
+TEST_F(CheckerPoolTest, PartsOfAnAnswerComeInOrderBeforeItsEnd) {
+  CheckerPool pool(program_);
+  std::vector<std::uint32_t> parts;
+  const std::string answer = pool.ask(
+      Question::query, "run", {std::chrono::steady_clock::now() + std::chrono::seconds(20)},
+      [&](std::string_view part) {
+        ASSERT_EQ(part.size(), sizeof(std::uint32_t));
+        std::memcpy(&parts.emplace_back(), part.data(), part.size());
+      });
+  ASSERT_EQ(parts.size(), 1000);
+  for (std::uint32_t i = 0; i < 1000; ++i) EXPECT_EQ(parts[i], i);
+  EXPECT_TRUE(answer.ends_with(" run"));
+}
+
+/// The next question must not wait for the start of a program.
+TEST_F(CheckerPoolTest, OneThatWasKilledIsReplacedAtOnce) {
+  CheckerPool pool(program_);
+  EXPECT_EQ(reason(pool, "abort"), Why::died);
+  std::ofstream(program_) << "no program any more";
+  EXPECT_EQ(ask(pool, "again").second, "again");
 }
 
 TEST_F(CheckerPoolTest, AReplacementTakesOverAfterADeath) {

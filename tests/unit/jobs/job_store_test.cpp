@@ -217,6 +217,45 @@ TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
   EXPECT_TRUE(same(listed.front().job, member.job));
 }
 
+TEST_F(JobStoreTest, FindsJobsByLabelsOwnerAndTheBeginningOfTheirIds) {
+  JobRecord both = new_record(), one = new_record(), none = new_record();
+  both.job.add_labels("a b");
+  both.job.add_labels("trial");
+  both.job.set_owner("jo");
+  one.job.add_labels("trial");
+  v1::CaseChange& change = *one.job.add_changes();
+  change.set_key("mesh.rows");
+  change.set_value("30");
+  for (const JobRecord* record : {&both, &one, &none}) store_.insert(*record, "", "");
+  EXPECT_TRUE(same(store_.find(both.job.id())->job, both.job));
+  EXPECT_TRUE(same(store_.find(one.job.id())->job, one.job));
+  EXPECT_EQ(store_.list({.labels = {"trial"}}).size(), 2u);
+  EXPECT_EQ(store_.list({.labels = {"trial", "a b"}}).size(), 1u);
+  EXPECT_TRUE(store_.list({.labels = {"tri"}}).empty());
+  EXPECT_EQ(store_.list({.owner = "jo"}).front().job.id(), both.job.id());
+  const auto found = store_.list({.id_prefix = one.job.id().substr(0, 13)});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.front().job.id(), one.job.id());
+  EXPECT_TRUE(store_.list({.id_prefix = "x"}).empty());
+}
+
+TEST_F(JobStoreTest, FindsTheNewestAnswerOfTheSameSolver) {
+  JobRecord older = new_record(), newer = new_record("", 1700000000999);
+  for (JobRecord* record : {&older, &newer}) {
+    record->answer_key = "key";
+    store_.insert(*record, "", "");
+    record->job.set_state(v1::SUCCEEDED);
+    record->solver = "solver";
+    EXPECT_FALSE(record == &older && store_.find_answer("key", "solver")) << "it has not ended";
+    store_.update(*record, Durability::full);
+  }
+  EXPECT_EQ(store_.find_answer("key", "solver"), newer.job.id());
+  EXPECT_EQ(store_.find(newer.job.id())->solver, "solver");
+  EXPECT_FALSE(store_.find_answer("key", "another solver"));
+  EXPECT_FALSE(store_.find_answer("another key", "solver"));
+  EXPECT_FALSE(store_.find_answer("", "")) << "nobody knows what computed such a job";
+}
+
 TEST_F(JobStoreTest, ForgetsAJobWithItsCase) {
   const JobRecord record = new_record();
   store_.insert(record, "a", "b");

@@ -1,0 +1,115 @@
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "client/case_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
+#include "client/comparison.hpp"
+#include "client/job_id.hpp"
+#include "client/render/comparison_text.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::vector<std::string> runs;
+  std::vector<std::string> set;
+  std::string output;
+  bool force = false;
+  bool json = false;
+};
+
+bool is_case_file(const std::string& text) {
+  std::error_code error;
+  return text == "-" || std::filesystem::exists(text, error);
+}
+
+/// Computes a case, unless it was computed before.
+Answer answer_of_file(Connection& connection, const std::string& text,
+                      const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked = read_case(text, changes);
+  auto answer =
+      checked.faults.empty() ? ask_query(connection, checked, false) : std::optional<Answer>();
+  if (!answer) {
+    print_faults(checked, std::cerr);
+    throw CommandFailed(ExitCode::invalid, text + " has faults");
+  }
+  answer->name = text + (changes.empty() ? "" : ", changed");
+  return std::move(*answer);
+}
+
+/// What is no file means a job.
+Answer answer_to(Connection& connection, const std::string& text) {
+  if (is_case_file(text)) return answer_of_file(connection, text, {});
+  const std::string id = resolve_job(connection, text);
+  Answer answer = answer_of_job(connection, id);
+  answer.name = text == "last" ? id.substr(0, 8) : text;
+  return answer;
+}
+
+void require_runs(const Options& options) {
+  if (options.set.empty() && options.runs.size() < 2)
+    throw CommandFailed(ExitCode::invalid,
+                        "give two runs, or a case file and what to change in it with --set");
+  if (!options.set.empty() && (!is_case_file(options.runs.front()) || options.runs.front() == "-"))
+    throw CommandFailed(ExitCode::invalid,
+                        "--set changes the first RUN, which must be a case file; " +
+                            options.runs.front() + " is none");
+}
+
+void write_file(const std::vector<Answer>& answers, const std::string& file) {
+  const auto monitors = render::monitors_of(answers);
+  const bool svg = file.ends_with(".svg");
+  if (svg && monitors.size() != 1)
+    throw CommandFailed(ExitCode::invalid, "an SVG holds one monitor and these runs have " +
+                                               std::to_string(monitors.size()) +
+                                               "; give an HTML file: -o comparison.html");
+  std::ofstream stream(file, std::ios::binary);
+  const std::string text = svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
+                               : render::comparison_page(answers);
+  if (!(stream << text << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + file);
+  std::cerr << "written: " << file << '\n';
+}
+
+ExitCode run(const Options& options, Program& program) {
+  require_runs(options);
+  if (!options.output.empty()) require_free(options.output, options.force);
+  Connection connection = program.connect();
+  std::vector<Answer> answers;
+  for (const std::string& text : options.runs) answers.push_back(answer_to(connection, text));
+  if (!options.set.empty())
+    answers.push_back(answer_of_file(connection, options.runs.front(), changes_of(options.set)));
+  if (!options.output.empty()) write_file(answers, options.output);
+  if (options.json)
+    std::cout << render::comparison_json(answers).dump() << '\n';
+  else
+    std::cout << render::comparison_text(answers, render::terminal_of(1));
+  std::cout << std::flush;
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "compare",
+                 "Compare runs with the first one: what differs in their cases, their curls, and "
+                 "whether the difference is more than discretisation error. Case files are "
+                 "computed, as by query",
+                 "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
+                 "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
+  command->add_option("RUN", options->runs, "Jobs or case files")->required()->expected(1, 100);
+  add_set_option(*command, options->set)
+      ->description("Also compare with the first RUN, a case file, with this change");
+  command->add_option("-o,--output", options->output, "Also write this HTML or SVG file");
+  add_force_flag(*command, options->force);
+  command->add_flag("--json", options->json, "As JSON, in metres and seconds");
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

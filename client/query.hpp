@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "client/case_faults.hpp"
+#include "client/render/curl_history.hpp"
+
+namespace dccast::client {
+
+/// What a query was answered with, or what a job says: a case with its curl.
+struct Answer {
+  std::string name;         ///< of the file or the job, for tables
+  std::string job;          ///< its id; empty: it is in no store
+  bool from_store = false;  ///< no solver ran
+  v1::Case description;     ///< complete
+  std::vector<v1::CaseChange> changes;
+  render::CurlHistory history;
+  std::vector<v1::Finding> findings;
+  std::optional<v1::ValidityLoss> validity_loss;
+  v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
+  std::optional<v1::Failure> failure;
+  double solver_s = 0.0;
+  double first_point_s = 0.0;  ///< from the call to its first step, on this side of the wire
+  double elapsed_s = 0.0;      ///< from the call to its end
+};
+
+/// Asks QueryButtCurl. @param on_response  sees everything as it comes
+/// @return  nothing when the case has faults, which are in `checked` then
+/// Throws CommandFailed, Interrupted: the run ends with the call.
+std::optional<Answer> ask_query(
+    Connection& connection, CaseUnderCheck& checked, bool keep,
+    const std::function<void(const v1::QueryButtCurlResponse&)>& on_response = {});
+
+/// The same of a job that is there.
+Answer answer_of_job(Connection& connection, const std::string& id);
+
+}  // namespace dccast::client

@@ -1,0 +1,218 @@
+#include "server/service/query_run.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "proto/values/uuid.hpp"
+#include "server/jobs/events.hpp"
+#include "server/service/answer_key.hpp"
+#include "server/service/labels.hpp"
+#include "server/service/status.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+using Finished = v1::WorkerMessage::Finished;
+using Response = v1::QueryButtCurlResponse;
+
+constexpr std::chrono::hours longest_query{24};
+constexpr std::size_t most_steps_at_once = 1000;
+constexpr std::size_t most_bytes_at_once = 1'000'000;
+
+Response accepted(const ExaminedCase& examined, bool from_store, const std::string& job) {
+  Response response;
+  response.mutable_accepted()->set_from_store(from_store);
+  response.mutable_accepted()->set_job(job);
+  *response.mutable_accepted()->mutable_case_() = examined.complete;
+  return response;
+}
+
+v1::JobState state_of(Finished::Outcome outcome) {
+  if (outcome == Finished::SUCCEEDED) return v1::SUCCEEDED;
+  return outcome == Finished::FAILED ? v1::FAILED : v1::CANCELLED;
+}
+
+/// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
+std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
+  QueryAnswer answer;
+  try {
+    const auto log = context.scheduler.log(job.id());
+    for (std::optional<jobs::StepPlace> place(jobs::StepPlace{}); place;) {
+      const auto page = context.step_indexes.of(job.id())->page(*log, *place, most_steps_at_once,
+                                                                most_bytes_at_once);
+      if (!page) return std::nullopt;
+      for (const v1::StepReport& step : page->steps) *answer.emplace_back().mutable_step() = step;
+      place = page->next;
+    }
+  } catch (const std::exception& error) {
+    spdlog::warn("job {} cannot answer a query: {}", job.id(), error.what());
+    return std::nullopt;
+  }
+  for (const v1::Finding& finding : job.findings())
+    *answer.emplace_back().mutable_finding() = finding;
+  if (job.has_validity_loss()) *answer.emplace_back().mutable_validity_lost() = job.validity_loss();
+  Response::Ended& ended = *answer.emplace_back().mutable_ended();
+  ended.set_state(v1::SUCCEEDED);
+  ended.set_solver_s(job.last_step().solver_s());
+  return answer;
+}
+
+/// One query whose case is sound.
+class Query {
+public:
+  Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
+        const ExaminedCase& examined, const SendQueryResponse& send)
+      : context_(context),
+        request_(request),
+        examined_(examined),
+        caller_(call.caller),
+        send_(send),
+        key_(answer_key(examined.complete, request.attachments())) {}
+
+  /// @return whether the answer was there already
+  bool answer_from_store() {
+    if (const auto id = context_.store.find_answer(key_, context_.solver)) {
+      const auto job = context_.scheduler.find(*id);
+      const auto answer = job ? answer_of_job(context_, *job) : std::nullopt;
+      if (answer) return replay(*answer, *id);
+    }
+    if (request_.keep()) return false;
+    const auto answer = context_.query_answers.find(key_);
+    return answer && replay(*answer, "");
+  }
+
+  grpc::Status run(const jobs::Patience& patience) {
+    const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
+    run_.folder = folder.path();
+    run_.begun = jobs::now();
+    if (request_.keep()) run_.id = values::random_uuid();
+    send_(accepted(examined_, false, run_.id));
+    for (const v1::Finding& finding : examined_.verdict.findings()) say(finding);
+    const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
+    const std::string last = context_.query_workers.ask(
+        question, start().SerializeAsString(), patience, [this](auto part) { take(part); });
+    if (!run_.finished.ParseFromString(last))
+      throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                     "the end of a query's run cannot be read");
+    return end();
+  }
+
+private:
+  bool replay(const QueryAnswer& answer, const std::string& job) {
+    send_(accepted(examined_, true, job));
+    for (const Response& response : answer) send_(response);
+    return true;
+  }
+
+  v1::WorkerOrder::Start start() const {
+    v1::WorkerOrder::Start start;
+    *start.mutable_case_() = examined_.complete;
+    start.set_directory(run_.folder);
+    if (request_.keep()) return start;
+    v1::CheckpointPolicy& checkpoint = *start.mutable_case_()->mutable_checkpoint();
+    checkpoint.set_every_steps(0);  // nobody resumes it
+    checkpoint.set_every_s(0.0);
+    return start;
+  }
+
+  void say(Response response) {
+    answer_.push_back(response);
+    send_(std::move(response));
+  }
+
+  void say(const v1::Finding& finding) {
+    if (!codes_.insert(finding.code()).second) return;
+    Response response;
+    *response.mutable_finding() = finding;
+    say(std::move(response));
+  }
+
+  void take(std::string_view part) {
+    v1::WorkerMessage message;
+    if (!message.ParseFromString(std::string(part))) return;
+    if (request_.keep()) keep_event(message);
+    if (message.has_finding()) return say(message.finding());
+    Response response;
+    if (message.has_step()) {
+      solver_s_ = message.step().solver_s();
+      *response.mutable_step() = std::move(*message.mutable_step());
+    } else if (message.has_validity_lost()) {
+      *response.mutable_validity_lost() = message.validity_lost();
+    } else {
+      return;
+    }
+    say(std::move(response));
+  }
+
+  void keep_event(const v1::WorkerMessage& message) {
+    v1::JobEvent event;
+    if (message.has_step())
+      *event.mutable_step() = message.step();
+    else if (message.has_finding())
+      *event.mutable_finding() = message.finding();
+    else if (message.has_validity_lost())
+      *event.mutable_validity_lost() = message.validity_lost();
+    else if (message.has_message())
+      *event.mutable_message() = message.message();
+    else
+      return;
+    *event.mutable_time() = jobs::now();
+    run_.events.push_back(std::move(event));
+  }
+
+  grpc::Status end() {
+    const bool succeeded = run_.finished.outcome() == Finished::SUCCEEDED;
+    if (request_.keep()) keep_job();
+    Response response;
+    response.mutable_ended()->set_state(state_of(run_.finished.outcome()));
+    if (run_.finished.has_failure())
+      *response.mutable_ended()->mutable_failure() = run_.finished.failure();
+    response.mutable_ended()->set_solver_s(solver_s_);
+    say(std::move(response));
+    if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));
+    return grpc::Status::OK;
+  }
+
+  void keep_job() {
+    context_.scheduler.keep({.request_id = "",
+                             .title = request_.case_().title(),
+                             .owner = caller_,
+                             .case_sha256 = fingerprint(request_.case_(), request_.attachments()),
+                             .submitted_case = request_.case_().SerializeAsString(),
+                             .complete_case = examined_.complete.SerializeAsString(),
+                             .changes = {request_.changes().begin(), request_.changes().end()},
+                             .answer_key = key_},
+                            request_.attachments(), run_);
+  }
+
+  Context& context_;
+  const v1::QueryButtCurlRequest& request_;
+  const ExaminedCase& examined_;
+  const std::string& caller_;
+  const SendQueryResponse& send_;
+  const std::string key_;
+  jobs::FinishedRun run_;
+  QueryAnswer answer_;
+  std::set<std::string> codes_;  // of findings that were said
+  double solver_s_ = 0.0;
+};
+
+}  // namespace
+
+grpc::Status answer_query(Context& context, const Call& call,
+                          const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
+  if (const auto status = check_changes(request.changes()); !status.ok()) return status;
+  const ExaminedCase examined = context.query_intake.examine(
+      request.case_(), request.attachments(), {}, patience(call, context.check_timeout));
+  if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
+  Query query(context, call, request, examined, send);
+  if (query.answer_from_store()) return grpc::Status::OK;
+  return query.run(patience(call, longest_query));
+}
+
+}  // namespace dccast::service

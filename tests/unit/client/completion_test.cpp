@@ -1,0 +1,51 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client_run.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+
+std::string script_for(const std::string& shell) {
+  const Result result = dccast({"completion", shell}, "127.0.0.1:1");
+  EXPECT_EQ(result.code, 0) << result.err;
+  return result.out;
+}
+
+TEST(Completion, EveryShellKnowsCommandsAndOptions) {
+  for (const char* const shell : {"bash", "zsh", "fish"}) {
+    const std::string script = script_for(shell);
+    for (const char* const word : {"submit", "query", "priority", "dccast list --ids"})
+      EXPECT_THAT(script, HasSubstr(word)) << shell;
+  }
+  EXPECT_EQ(dccast({"completion", "tcsh"}, "127.0.0.1:1").code, 2);
+}
+
+/// What bash itself makes of a command line with the cursor at its end.
+std::string completed(const std::string& words) {
+  const auto folder = std::filesystem::path(testing::TempDir());
+  std::ofstream(folder / "completion.bash") << script_for("bash");
+  const std::string command =
+      "bash -c 'source " + (folder / "completion.bash").string() + "; COMP_WORDS=(" + words +
+      "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _dccast; echo ${COMPREPLY[*]}' > " +
+      (folder / "completed").string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  std::string line;
+  std::getline(std::ifstream(folder / "completed") >> std::ws, line);
+  return line;
+}
+
+TEST(Completion, BashCompletesCommandsAndOptions) {
+  EXPECT_EQ(completed("dccast sub"), "submit");
+  EXPECT_EQ(completed("dccast submit --prio"), "--priority");
+  EXPECT_EQ(completed("dccast comp"), "compare completion");
+}
+
+}  // namespace
+}  // namespace dccast::client

@@ -1,0 +1,166 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/comparison.hpp"
+#include "client/message_json.hpp"
+#include "client/render/braille.hpp"
+#include "client_run.hpp"
+#include "fake_service.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+
+struct Query : testing::Test {
+  FakeService service;
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("dccast_query_" + std::to_string(::getpid()));
+  std::string file = (folder / "my.toml").string();
+
+  void SetUp() override {
+    std::filesystem::create_directory(folder);
+    std::ofstream(file) << shipped::case_templates().back().text;
+    service.job.set_id("job");
+    service.job.set_state(v1::SUCCEEDED);
+    for (const v1::JobEvent& event : run_of(3))
+      if (event.has_step()) *service.result.add_steps() = event.step();
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  Result run(std::vector<std::string> arguments) {
+    return dccast(std::move(arguments), service.address());
+  }
+};
+
+TEST_F(Query, AnswersWithTheCurlOfEveryMonitor) {
+  const Result result = run({"query", file, "--set", "mesh.rows=30", "--keep"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out,
+            "changed: mesh.rows = 30\ncorner: curl 3.00 mm at 3.0 s, cast length 3.0 mm\n");
+  EXPECT_THAT(result.err, HasSubstr("solver 0.25 s"));
+  EXPECT_TRUE(service.queried.keep());
+  EXPECT_EQ(service.queried.case_().mesh().rows(), 30);
+  EXPECT_EQ(service.queried.changes(0).key(), "mesh.rows");
+}
+
+TEST_F(Query, FindingsComeFirst) {
+  v1::Finding& finding = *service.result.add_findings();
+  finding.set_severity(v1::Finding::WARNING);
+  finding.set_code("no_superheat");
+  finding.set_message("the metal is poured at its liquidus");
+  EXPECT_THAT(
+      run({"query", file}).out,
+      testing::StartsWith("warning: the metal is poured at its liquidus (no_superheat)\ncorner"));
+}
+
+TEST_F(Query, JsonHasTheHistory) {
+  const Json json = Json::parse(run({"query", "--json", file}).out);
+  EXPECT_EQ(json["monitors"][0]["curl_m"].size(), 3u);
+  EXPECT_TRUE(json["monitors"][0]["uncertainty_m"].is_null());
+  EXPECT_EQ(json["state"], "SUCCEEDED");
+}
+
+TEST_F(Query, FaultsOfTheServerStandInTheFile) {
+  v1::Fault& fault = *service.verdict.add_faults();
+  fault.set_field("mesh.rows");
+  fault.set_message("too many");
+  const Result result = run({"query", "--set", "mesh.rows=30", file});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--set mesh.rows, column 11: mesh.rows: too many"));
+}
+
+TEST_F(Query, ARunThatFailedHasItsOwnExitCode) {
+  service.job.set_state(v1::FAILED);
+  EXPECT_EQ(run({"query", file}).code, 3);
+}
+
+TEST_F(Query, AComparisonNamesKeysAndDifferences) {
+  std::ofstream(folder / "other.toml")
+      << shipped::case_templates().back().text << "\n[validity]\nmaximum_slip = \"7 mm\"\n";
+  const Result result = run({"compare", file, (folder / "other.toml").string()});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("curl of corner"));
+  EXPECT_THAT(result.out, HasSubstr("no discretisation error is known of such a case"));
+  EXPECT_THAT(run({"compare", file, file}).out, HasSubstr("the cases do not differ"));
+  const std::string page = (folder / "page.html").string();
+  EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 0);
+  std::ostringstream text;
+  text << std::ifstream(page).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("<svg class='chart'"));
+  EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 2) << "it would be overwritten";
+  const Json json = Json::parse(run({"compare", "--json", file, "job"}).out);
+  EXPECT_EQ(json["runs"].size(), 2u);
+  EXPECT_EQ(json["differences"][0]["end_m"], 0.0);
+}
+
+Answer with_curl(const std::vector<double>& time_s, const std::vector<double>& curl_m) {
+  Answer answer;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    v1::StepReport step;
+    step.set_step(static_cast<std::int64_t>(i) + 1);
+    step.set_time_s(time_s[i]);
+    v1::MonitorValue& corner = *step.add_monitors();
+    corner.set_name("corner");
+    corner.add_displacement_m(0.0);
+    corner.add_displacement_m(curl_m[i]);
+    answer.history.add(step);
+  }
+  return answer;
+}
+
+TEST(Comparison, DifferencesAreTakenAtTheSameTime) {
+  const auto rows = curl_differences(
+      {with_curl({0, 2, 4}, {0.0, 0.2, 0.4}), with_curl({0, 1, 2, 3, 4}, {0, 0.1, 0.9, 0.3, 0.5})});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(rows[0].end_m, 0.1, 1e-12);
+  EXPECT_NEAR(rows[0].largest_m, 0.7, 1e-12);
+  EXPECT_EQ(rows[0].largest_time_s, 2.0);
+}
+
+TEST(Comparison, ADifferenceIsWeighedAgainstTheErrorsOfBoth) {
+  CurlDifference row{"corner", 1, 0.3};
+  EXPECT_EQ(weight_of(row), Weight::unknown);
+  row.first_uncertainty_m = 0.5;
+  row.uncertainty_m = 0.4;
+  EXPECT_EQ(weight_of(row), Weight::below_either);
+  row.end_m = -0.7;
+  EXPECT_EQ(weight_of(row), Weight::below_both);
+  row.end_m = 1.0;
+  EXPECT_EQ(weight_of(row), Weight::beyond_errors);
+}
+
+TEST(Comparison, KeysThatDifferAreNamedOnce) {
+  std::vector<Answer> answers(2);
+  answers[0].description.set_title("one");
+  answers[1].description.set_title("two");
+  answers[0].description.mutable_mesh()->set_rows(20);
+  answers[1].description.mutable_mesh()->set_rows(30);
+  answers[1].description.add_monitor()->set_x_m(0.25);
+  const auto keys = differing_keys(answers);
+  ASSERT_EQ(keys.size(), 2u);
+  EXPECT_EQ(keys[0].key, "mesh.rows");
+  EXPECT_THAT(keys[0].values, testing::ElementsAre("20", "30"));
+  EXPECT_EQ(keys[1].key, "monitor[0].x");
+  EXPECT_THAT(keys[1].values, testing::ElementsAre("-", "\"0.25 m\""));
+}
+
+TEST(Braille, LinesOverEachOtherKeepTheirOwnLength) {
+  const auto chart = render::braille_chart({{{0, 10}, {0, 1}}, {{0, 5}, {1, 1}}}, 10, 2);
+  EXPECT_EQ(chart.low, 0.0);
+  EXPECT_EQ(chart.high, 1.0);
+  ASSERT_EQ(chart.cells.size(), 2u);
+  EXPECT_EQ(chart.cells[0][0].line, 1u);
+  EXPECT_EQ(chart.cells[1][0].line, 0u);
+  EXPECT_EQ(chart.cells[0][9].line, 0u);
+  EXPECT_FALSE(chart.cells[1][9].line.has_value());
+}
+
+}  // namespace
+}  // namespace dccast::client
