@@ -21,7 +21,7 @@ enum class Question : std::uint32_t {
   judge = 3,  ///< the same with the findings of a case without faults, which takes longer
   frame = 2,  ///< the last Frame of the results in its directory
   /// A run of its case: a WorkerMessage of each step as a part, the answer is its Finished.
-  query = 3,
+  query = 6,
   kept_query = 4,  ///< the same; Finished names the results in its directory
   solver = 5,      ///< no case; the solver's identity, as text
 };
