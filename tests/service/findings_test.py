@@ -53,6 +53,7 @@ class Findings(ServiceTest):
         self.restart()
         self.assertEqual(len(self.client.job(job_id).findings), 1, "known before it goes on")
         self.told_once(job_id)
+        self.daemon.terminate()
         self.restart()
         self.assertEqual(len(self.client.job(job_id).findings), 1, "kept in the store")
 

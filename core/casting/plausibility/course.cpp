@@ -51,10 +51,11 @@ std::vector<double> values_in(const Curve& curve, const Course& course) {
   return values;
 }
 
-bool never_reached(const Curve& curve, const Course& course) {
+bool never_reached(const Curve& curve, const Course& course, double shift) {
   if (!follows_course(curve)) return false;
   const Range range = range_of(curve, course);
-  return curve.at().front() >= range.to || curve.at().back() <= range.from;
+  if (curve.abscissa() != Abscissa::time) shift = 0.0;
+  return curve.at().front() + shift >= range.to || curve.at().back() + shift <= range.from;
 }
 
 std::string listed(const std::vector<std::string>& texts) {

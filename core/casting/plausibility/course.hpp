@@ -24,7 +24,8 @@ std::vector<double> values_in(const Curve& curve, const Course& course);
 /// Whether a table is never entered: all of its points lie on one side of what the course comes
 /// through, so that one value holds from beginning to end. Not so of constants and of tables
 /// against anything but time and cast length.
-bool never_reached(const Curve& curve, const Course& course);
+/// @param shift  [s] by which a table against time comes later
+bool never_reached(const Curve& curve, const Course& course, double shift = 0.0);
 
 /// Joins texts, of many the first ones: "a, b, c and 12 more".
 std::string listed(const std::vector<std::string>& texts);

@@ -16,14 +16,22 @@ constexpr int rows = 10;
 constexpr int growth_rows = 20;
 constexpr int steps = 70;
 
+/// Of a quarter slab its section through the thickness, in the middle of the wide face.
+void take_thickness_section(Case& c) {
+  c.section.kind = mesh::SectionKind::plane_strain;
+  c.section.half_width = c.section.half_thickness(0.0);
+  c.cooling.bottom_block.profile_x = c.cooling.bottom_block.profile_y = {};
+  c.cooling.narrow_water.reset();
+  std::erase_if(c.cooling.zones,
+                [](const thermal::SideZone& zone) { return zone.face == thermal::Face::narrow; });
+  for (thermal::SideZone& zone : c.cooling.zones) zone.face.reset();
+}
+
 /// The case's heat alone, on a coarse mesh with few steps.
 Case coarse(Case c) {
   const Course course = course_of(c);
   mesh::SectionSpec& s = c.section;
-  if (s.kind == mesh::SectionKind::quarter_slab) {
-    s.half_width = s.half_thickness(0.0);
-    s.kind = mesh::SectionKind::plane_strain;
-  }
+  if (s.kind == mesh::SectionKind::quarter_slab) take_thickness_section(c);
   s.element = mesh::ElementKind::q1;
   s.refinement = 1;
   s.columns = columns;

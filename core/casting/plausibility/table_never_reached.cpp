@@ -7,15 +7,19 @@ namespace {
 struct Table {
   std::string key;
   const Curve* curve;
+  double shift = 0.0;  ///< [s]
 };
 
 /// Every table that may stand against time or cast length, but the time step's.
 std::vector<Table> tables_of(const Case& c) {
   const thermal::BottomBlock& block = c.cooling.bottom_block;
   std::vector<Table> tables{
-      {"schedule.casting_speed", &c.schedule.casting_speed},
+      {"schedule.casting_speed", &c.schedule.casting_speed, c.schedule.casting_speed_shift},
+      {"schedule.casting_speed_factor", &c.schedule.casting_speed_factor},
       {"schedule.casting_temperature", &c.schedule.casting_temperature},
-      {"schedule.water_flow", &c.schedule.water_flow},
+      {"schedule.water_flow", &c.schedule.water_flow, c.schedule.water_flow_shift},
+      {"schedule.narrow_water_flow", &c.schedule.narrow_water_flow, c.schedule.water_flow_shift},
+      {"schedule.water_flow_factor", &c.schedule.water_flow_factor},
       {"cooling.water.temperature", &c.cooling.water.temperature},
       {"cooling.water.coefficient", &c.cooling.water.coefficient},
       {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient},
@@ -36,7 +40,7 @@ std::vector<Table> tables_of(const Case& c) {
 std::optional<Finding> table_never_reached(const Case& c, const Course& course) {
   std::vector<std::string> keys;
   for (const Table& table : tables_of(c))
-    if (never_reached(*table.curve, course)) keys.push_back(table.key);
+    if (never_reached(*table.curve, course, table.shift)) keys.push_back(table.key);
   if (keys.empty()) return std::nullopt;
   Finding finding;
   finding.code = "table_never_reached";

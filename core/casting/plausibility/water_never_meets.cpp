@@ -13,6 +13,7 @@ struct Cause {
 };
 
 Cause cause_of(const Case& c, const Course& course) {
+  const auto positive = [](double value) { return value > 0.0; };
   const thermal::Water& water = c.cooling.water;
   if (!water.enabled) return {"No water runs", "cooling.water.enabled"};
   if (water.start >= course.end)
@@ -25,7 +26,8 @@ Cause cause_of(const Case& c, const Course& course) {
                      in_mm * water.from, in_mm * course.depth),
             "cooling.water.from"};
   const std::vector<double> flows = values_in(c.schedule.water_flow, course);
-  if (std::ranges::none_of(flows, [](double flow) { return flow > 0.0; }))
+  const std::vector<double> factors = values_in(c.schedule.water_flow_factor, course);
+  if (std::ranges::none_of(flows, positive) || std::ranges::none_of(factors, positive))
     return {"The water flow is zero throughout", "schedule.water_flow"};
   return {};
 }

@@ -108,6 +108,22 @@ const CaseRow of_case_rows[] = {
      [](Case& c) {
        c.schedule.casting_speed = {Abscissa::time, {19.0, 30.0}, {1e-3, 2e-3}};
      }},
+    {"ShiftedSpeedTable", "table_never_reached",
+     [](Case& c) {
+       c.schedule.casting_speed = {Abscissa::time, {10.0, 30.0}, {1e-3, 2e-3}};
+       c.schedule.casting_speed_shift = 10.0;
+     },
+     [](Case& c) {
+       c.schedule.casting_speed = {Abscissa::time, {10.0, 30.0}, {1e-3, 2e-3}};
+       c.schedule.casting_speed_shift = 9.0;
+     }},
+    {"WaterFactor", "table_never_reached",
+     [](Case& c) {
+       c.schedule.water_flow_factor = {Abscissa::cast_length, {0.021, 0.1}, {0.8, 1.0}};
+     },
+     [](Case& c) {
+       c.schedule.water_flow_factor = {Abscissa::cast_length, {0.019, 0.1}, {0.8, 1.0}};
+     }},
     {"WaterTableAgainstLength", "table_never_reached",
      [](Case& c) {
        c.schedule.water_flow = {Abscissa::cast_length, {0.021, 0.1}, {1e-3, 2e-3}};
