@@ -1,11 +1,15 @@
 #include "client/discretisation_error.hpp"
 
+#include <cmath>
+
+#include "proto/case_file/quality.hpp"
+
 namespace dccast::client {
 
-// The bands that are known were measured for meshes and steps picked by hand. A case with a quality
-// has one band for each; until those are measured nothing is promised.
-std::optional<double> discretisation_error(const v1::Case&, double) {
-  return std::nullopt;
+std::optional<double> discretisation_error(const v1::Case& complete, double curl_m) {
+  const auto relative = case_file::relative_discretisation_error(complete);
+  if (!relative) return std::nullopt;
+  return *relative * std::abs(curl_m);
 }
 
 }  // namespace dccast::client
