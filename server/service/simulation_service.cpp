@@ -109,6 +109,65 @@ grpc::ServerUnaryReactor* SimulationService::QueryResult(Wire* wire,
   return answer(lane, wire, request, response, &query_result);
 }
 
+grpc::ServerUnaryReactor* SimulationService::CreateStudy(Wire* wire,
+                                                         const v1::CreateStudyRequest* request,
+                                                         v1::Study* response) {
+  const Pending pending{wire, wire->DefaultReactor(), request->ByteSizeLong()};
+  const auto examine = [=, this](const Call& call) {
+    return examine_study(context_, call, *request);
+  };
+  const auto create = [=, this](const Call& call) {
+    return create_study(context_, call, *request, *response);
+  };
+  in_lane(lanes_.checks, pending, examine, [=, this] {
+    in_lane(lanes_.durable, pending, create,
+            [pending] { pending.reactor->Finish(grpc::Status::OK); });
+  });
+  return pending.reactor;
+}
+
+grpc::ServerUnaryReactor* SimulationService::GetStudy(Wire* wire,
+                                                      const v1::GetStudyRequest* request,
+                                                      v1::Study* response) {
+  return answer(lanes_.status, wire, request, response, &get_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::ListStudies(Wire* wire,
+                                                         const v1::ListStudiesRequest* request,
+                                                         v1::ListStudiesResponse* response) {
+  return answer(lanes_.status, wire, request, response, &list_studies);
+}
+
+grpc::ServerUnaryReactor* SimulationService::CancelStudy(Wire* wire,
+                                                         const v1::CancelStudyRequest* request,
+                                                         v1::Study* response) {
+  return answer(lanes_.durable, wire, request, response, &cancel_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::ResumeStudy(Wire* wire,
+                                                         const v1::ResumeStudyRequest* request,
+                                                         v1::Study* response) {
+  return answer(lanes_.durable, wire, request, response, &resume_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::DeleteStudy(Wire* wire,
+                                                         const v1::DeleteStudyRequest* request,
+                                                         v1::DeleteStudyResponse* response) {
+  return answer(lanes_.durable, wire, request, response, &delete_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::EvaluateStudy(Wire* wire,
+                                                           const v1::EvaluateStudyRequest* request,
+                                                           v1::StudyResult* response) {
+  return answer(lanes_.histories, wire, request, response, &evaluate_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::PredictStudy(Wire* wire,
+                                                          const v1::PredictStudyRequest* request,
+                                                          v1::Prediction* response) {
+  return answer(lanes_.histories, wire, request, response, &predict_study);
+}
+
 grpc::ServerUnaryReactor* SimulationService::ListAlloys(Wire* wire,
                                                         const v1::ListAlloysRequest* request,
                                                         v1::ListAlloysResponse* response) {
@@ -122,13 +181,18 @@ grpc::ServerUnaryReactor* SimulationService::GetServerInfo(Wire* wire,
 }
 
 grpc::ServerWriteReactor<v1::JobEvent>* SimulationService::WatchJob(
-    Wire*, const v1::WatchJobRequest* request) {
-  return watch_job(context_, lanes_.status, *request);
+    Wire* wire, const v1::WatchJobRequest* request) {
+  return watch_job(context_, lanes_.status, StreamCall(*wire, users_), *request);
 }
 
 grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchResult(
-    Wire*, const v1::FetchResultRequest* request) {
-  return fetch_result(context_, lanes_.status, *request);
+    Wire* wire, const v1::FetchResultRequest* request) {
+  return fetch_result(context_, lanes_.status, StreamCall(*wire, users_), *request);
+}
+
+grpc::ServerWriteReactor<v1::Study>* SimulationService::WatchStudy(
+    Wire* wire, const v1::WatchStudyRequest* request) {
+  return watch_study(context_, lanes_.status, StreamCall(*wire, users_), *request);
 }
 
 }  // namespace dccast::service

@@ -29,11 +29,20 @@ public:
   Unary* ResumeJob(Wire*, const v1::ResumeJobRequest*, v1::Job*) override;
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
+  Unary* CreateStudy(Wire*, const v1::CreateStudyRequest*, v1::Study*) override;
+  Unary* GetStudy(Wire*, const v1::GetStudyRequest*, v1::Study*) override;
+  Unary* ListStudies(Wire*, const v1::ListStudiesRequest*, v1::ListStudiesResponse*) override;
+  Unary* CancelStudy(Wire*, const v1::CancelStudyRequest*, v1::Study*) override;
+  Unary* ResumeStudy(Wire*, const v1::ResumeStudyRequest*, v1::Study*) override;
+  Unary* DeleteStudy(Wire*, const v1::DeleteStudyRequest*, v1::DeleteStudyResponse*) override;
+  Unary* EvaluateStudy(Wire*, const v1::EvaluateStudyRequest*, v1::StudyResult*) override;
+  Unary* PredictStudy(Wire*, const v1::PredictStudyRequest*, v1::Prediction*) override;
   Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
   Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
   grpc::ServerWriteReactor<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
   grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchResult(
       Wire*, const v1::FetchResultRequest*) override;
+  grpc::ServerWriteReactor<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:
   /// A call on its way to a lane.
