@@ -173,7 +173,6 @@ int serve(const v1::DaemonConfig& config) {
       .scheduler = scheduler,
       .logs = logs,
       .store = store,
-      .studies = studies,
       .intake = intake,
       .jobs_directory = directory.jobs(),
       .version = DCCAST_VERSION,
@@ -187,7 +186,7 @@ int serve(const v1::DaemonConfig& config) {
   scheduler.recover();
   studies.recover();
   service::LinkServer link(scheduler, link_address);
-  service::PublicServer server(context, config.listen());
+  service::PublicServer server(context, studies, config.listen());
   checkers.warm_up();
   scheduler.start();
   studies.start();

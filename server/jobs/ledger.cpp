@@ -58,7 +58,6 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
     pending_[job.id()] = {record, cause, true};
     trouble_ = error.what();
   }
-  told_(job);
 }
 
 void Ledger::transition(JobRecord& record, v1::JobState to, const std::string& cause) {
@@ -99,7 +98,6 @@ bool Ledger::write(Pending& pending) {
     if (!pending.event_written) write_event(pending.record, pending.cause);
     pending.event_written = true;
     store_.update(pending.record, durability_of(pending.record.job.state()));
-    told_(pending.record.job);
     return true;
   } catch (const std::exception& error) {
     if (daemon_lacks(error) || pending.event_written) return false;  // said when it failed first

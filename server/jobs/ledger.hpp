@@ -1,10 +1,8 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/job_store.hpp"
@@ -30,9 +28,6 @@ public:
   /// @return why it could not be written; empty when it was
   std::string settle(JobRecord& record, v1::JobState to, const std::string& cause);
 
-  /// Called after every transition, with the job as it is now. Must not wait, nor call back.
-  void on_transition(std::function<void(const v1::Job&)> call) { told_ = std::move(call); }
-
   /// Writes what is kept. @return whether nothing is left
   bool retry();
   /// What the disk refused last, while something is kept; empty when nothing is.
@@ -56,7 +51,6 @@ private:
 
   JobStore& store_;
   EventLogs& logs_;
-  std::function<void(const v1::Job&)> told_ = [](const v1::Job&) {};
   std::map<std::string, Pending> pending_;  ///< by job
   std::string trouble_;
 };

@@ -3,14 +3,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
@@ -85,11 +83,6 @@ public:
   /// of an earlier attempt is left, puts running jobs back into the queue, quarantines unknown
   /// folders.
   void recover();
-  /// Called whenever a job has come into another state. Must neither wait nor call the scheduler.
-  void on_transition(std::function<void(const v1::Job&)> call) {
-    const std::lock_guard lock(mutex_);
-    ledger_.on_transition(std::move(call));
-  }
   /// Begins to run jobs.
   void start();
   /// Stops running jobs at a checkpoint and puts them back into the queue; returns when all workers

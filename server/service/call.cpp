@@ -3,7 +3,6 @@
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace dccast::service {
 
@@ -12,16 +11,6 @@ Call call_of(grpc::CallbackServerContext& context, LocalUsers& users) {
           .role = Role::admin,
           .deadline = context.deadline(),
           .cancelled = [&context] { return context.IsCancelled(); }};
-}
-
-StreamCall::StreamCall(grpc::CallbackServerContext& context, LocalUsers& users)
-    : peer_(context.peer()), deadline_(context.deadline()), users_(&users) {}
-
-Call StreamCall::call(std::function<bool()> cancelled) const {
-  return {.caller = users_->name_of(peer_),
-          .role = Role::admin,
-          .deadline = deadline_,
-          .cancelled = std::move(cancelled)};
 }
 
 std::optional<grpc::Status> no_longer_wanted(const Call& call) {

@@ -32,19 +32,6 @@ struct Call {
 /// @param context  of a call that has not been answered yet; must outlive the Call
 Call call_of(grpc::CallbackServerContext& context, LocalUsers& users);
 
-/// What a stream keeps of its call for its turn in a lane, when its context may be gone already.
-class StreamCall {
-public:
-  StreamCall(grpc::CallbackServerContext& context, LocalUsers& users);
-  /// @param cancelled  of the stream itself
-  Call call(std::function<bool()> cancelled) const;
-
-private:
-  std::string peer_;
-  std::chrono::system_clock::time_point deadline_;
-  LocalUsers* users_;
-};
-
 /// The status of a call that nobody waits for any more; nothing while its caller does.
 std::optional<grpc::Status> no_longer_wanted(const Call& call);
 

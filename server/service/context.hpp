@@ -9,7 +9,6 @@
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
 #include "server/service/case_intake.hpp"
-#include "server/studies/studies.hpp"
 
 namespace dccast::service {
 
@@ -18,7 +17,6 @@ struct Context {
   jobs::Scheduler& scheduler;
   jobs::EventLogs& logs;
   jobs::JobStore& store;
-  studies::Studies& studies;
   const CaseIntake& intake;
   jobs::StepIndexes step_indexes{};
   std::filesystem::path jobs_directory;

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/service/handlers.hpp"
 #include "server/service/status.hpp"
+#include "server/service/study_handlers.hpp"
 
 namespace dccast::service {
 
@@ -34,17 +34,17 @@ grpc::Status faulty_run(const std::string& name, const v1::ValidateCaseResponse&
   return {status.error_code(), name + ": " + status.error_message(), status.error_details()};
 }
 
-grpc::Status check_run(Context& context, const Call& call, const v1::CreateStudyRequest& request,
-                       const studies::PlannedRun& run) {
-  const auto examined = context.intake.examine(run.description, request.attachments(), {},
-                                               patience(call, context.check_timeout));
+grpc::Status check_run(StudyContext& context, const Call& call,
+                       const v1::CreateStudyRequest& request, const studies::PlannedRun& run) {
+  const auto examined = context.service.intake.examine(
+      run.description, request.attachments(), {}, patience(call, context.service.check_timeout));
   if (examined.verdict.faults_size() == 0) return grpc::Status::OK;
   return faulty_run(run.name, examined.verdict);
 }
 
 }  // namespace
 
-grpc::Status examine_study(Context& context, const Call& call,
+grpc::Status examine_study(StudyContext& context, const Call& call,
                            const v1::CreateStudyRequest& request) {
   if (const auto status = check_texts(request); !status.ok()) return status;
   if (const auto status = check_plan(request); !status.ok()) return status;
@@ -59,8 +59,8 @@ grpc::Status examine_study(Context& context, const Call& call,
   return grpc::Status::OK;
 }
 
-grpc::Status create_study(Context& context, const Call& call, const v1::CreateStudyRequest& request,
-                          v1::Study& response) {
+grpc::Status create_study(StudyContext& context, const Call& call,
+                          const v1::CreateStudyRequest& request, v1::Study& response) {
   response = context.studies.create(request, call.caller);
   return grpc::Status::OK;
 }

@@ -1,9 +1,9 @@
-#include "server/service/handlers.hpp"
+#include "server/service/study_handlers.hpp"
 #include "server/service/study_status.hpp"
 
 namespace dccast::service {
 
-grpc::Status delete_study(Context& context, const Call&, const v1::DeleteStudyRequest& request,
+grpc::Status delete_study(StudyContext& context, const Call&, const v1::DeleteStudyRequest& request,
                           v1::DeleteStudyResponse&) {
   if (const auto status = check_study_id(request.id()); !status.ok()) return status;
   return answer(context.studies.remove(request.id()), request.id(),

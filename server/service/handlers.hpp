@@ -34,26 +34,6 @@ grpc::Status delete_job(Context& context, const Call& call, const v1::DeleteJobR
                         v1::DeleteJobResponse& response);
 grpc::Status query_result(Context& context, const Call& call, const v1::QueryResultRequest& request,
                           v1::QueryResultResponse& response);
-/// CreateStudy's first half: everything that can be wrong with the plan and its cases.
-grpc::Status examine_study(Context& context, const Call& call,
-                           const v1::CreateStudyRequest& request);
-/// Its second half: the study on the disk.
-grpc::Status create_study(Context& context, const Call& call, const v1::CreateStudyRequest& request,
-                          v1::Study& response);
-grpc::Status get_study(Context& context, const Call& call, const v1::GetStudyRequest& request,
-                       v1::Study& response);
-grpc::Status list_studies(Context& context, const Call& call, const v1::ListStudiesRequest& request,
-                          v1::ListStudiesResponse& response);
-grpc::Status cancel_study(Context& context, const Call& call, const v1::CancelStudyRequest& request,
-                          v1::Study& response);
-grpc::Status resume_study(Context& context, const Call& call, const v1::ResumeStudyRequest& request,
-                          v1::Study& response);
-grpc::Status delete_study(Context& context, const Call& call, const v1::DeleteStudyRequest& request,
-                          v1::DeleteStudyResponse& response);
-grpc::Status evaluate_study(Context& context, const Call& call,
-                            const v1::EvaluateStudyRequest& request, v1::StudyResult& response);
-grpc::Status predict_study(Context& context, const Call& call,
-                           const v1::PredictStudyRequest& request, v1::Prediction& response);
 grpc::Status list_alloys(Context& context, const Call& call, const v1::ListAlloysRequest& request,
                          v1::ListAlloysResponse& response);
 grpc::Status get_server_info(Context& context, const Call& call,

@@ -2,7 +2,7 @@
 
 #include "server/jobs/events.hpp"
 #include "server/service/age_token.hpp"
-#include "server/service/handlers.hpp"
+#include "server/service/study_handlers.hpp"
 
 namespace dccast::service {
 
@@ -13,7 +13,7 @@ constexpr int largest_page = 1000;
 
 }  // namespace
 
-grpc::Status list_studies(Context& context, const Call&, const v1::ListStudiesRequest& request,
+grpc::Status list_studies(StudyContext& context, const Call&, const v1::ListStudiesRequest& request,
                           v1::ListStudiesResponse& response) {
   studies::StudyStore::Page page;
   if (!read_age_token(request.page_token(), page.before_ms, page.before_id))

@@ -1,10 +1,10 @@
-#include "server/service/handlers.hpp"
+#include "server/service/study_handlers.hpp"
 #include "server/service/study_status.hpp"
 
 namespace dccast::service {
 
-grpc::Status predict_study(Context& context, const Call&, const v1::PredictStudyRequest& request,
-                           v1::Prediction& response) {
+grpc::Status predict_study(StudyContext& context, const Call&,
+                           const v1::PredictStudyRequest& request, v1::Prediction& response) {
   if (const auto status = check_study_id(request.id()); !status.ok()) return status;
   try {
     auto prediction = context.studies.predict(request);

@@ -8,6 +8,7 @@
 #include "server/service/call.hpp"
 #include "server/service/context.hpp"
 #include "server/service/lanes.hpp"
+#include "server/service/study_handlers.hpp"
 
 namespace dccast::service {
 
@@ -16,7 +17,7 @@ namespace dccast::service {
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
   /// @param address  where it listens
-  SimulationService(Context& context, const std::string& address);
+  SimulationService(Context& context, studies::Studies& studies, const std::string& address);
 
   using Unary = grpc::ServerUnaryReactor;
   using Wire = grpc::CallbackServerContext;
@@ -57,11 +58,17 @@ private:
   void in_lane(WorkPool& lane, const Pending& pending,
                std::function<grpc::Status(const Call&)> work, std::function<void()> then);
   /// Answers by a handler in a lane.
+  template <class Of, class Request, class Response>
+  Unary* answer(WorkPool& lane, Wire* wire, Of& context, const Request* request, Response* response,
+                grpc::Status (*handler)(Of&, const Call&, const Request&, Response&));
   template <class Request, class Response>
   Unary* answer(WorkPool& lane, Wire* wire, const Request* request, Response* response,
-                grpc::Status (*handler)(Context&, const Call&, const Request&, Response&));
+                grpc::Status (*handler)(Context&, const Call&, const Request&, Response&)) {
+    return answer(lane, wire, context_, request, response, handler);
+  }
 
   Context& context_;
+  StudyContext studies_;
   LocalUsers users_;
   Lanes lanes_;
 };

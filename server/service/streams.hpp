@@ -3,8 +3,8 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "dccast/v1/service.pb.h"
-#include "server/service/call.hpp"
 #include "server/service/context.hpp"
+#include "server/service/stream_call.hpp"
 #include "server/service/work_pool.hpp"
 
 namespace dccast::service {
@@ -15,7 +15,5 @@ grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& la
                                                   const v1::WatchJobRequest& request);
 grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_result(
     Context& context, WorkPool& lane, StreamCall call, const v1::FetchResultRequest& request);
-grpc::ServerWriteReactor<v1::Study>* watch_study(Context& context, WorkPool& lane, StreamCall call,
-                                                 const v1::WatchStudyRequest& request);
 
 }  // namespace dccast::service

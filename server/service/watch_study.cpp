@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/service/status.hpp"
-#include "server/service/streams.hpp"
+#include "server/service/study_handlers.hpp"
 #include "server/service/study_status.hpp"
 
 namespace dccast::service {
@@ -19,7 +19,7 @@ class StudyStream final : public grpc::ServerWriteReactor<v1::Study>,
                           public studies::StudyWatcher,
                           public std::enable_shared_from_this<StudyStream> {
 public:
-  StudyStream(Context& context, WorkPool& lane, StreamCall call, std::string id)
+  StudyStream(StudyContext& context, WorkPool& lane, StreamCall call, std::string id)
       : context_(context), lane_(lane), call_(std::move(call)), id_(std::move(id)) {}
 
   void begin() {
@@ -112,7 +112,7 @@ private:
     });
     if (cancelled()) status = grpc::Status::CANCELLED;
     const bool over = study && study->state() != v1::STUDY_RUNNING;
-    const bool leaving = context_.leaving;
+    const bool leaving = context_.service.leaving;
     bool write = false;
     {
       const std::lock_guard lock(mutex_);
@@ -135,7 +135,7 @@ private:
     look();  // what came meanwhile
   }
 
-  Context& context_;
+  StudyContext& context_;
   WorkPool& lane_;
   const StreamCall call_;
   const std::string id_;
@@ -153,7 +153,8 @@ private:
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::Study>* watch_study(Context& context, WorkPool& lane, StreamCall call,
+grpc::ServerWriteReactor<v1::Study>* watch_study(StudyContext& context, WorkPool& lane,
+                                                 StreamCall call,
                                                  const v1::WatchStudyRequest& request) {
   const auto stream = std::make_shared<StudyStream>(context, lane, std::move(call), request.id());
   stream->begin();

@@ -42,12 +42,6 @@ SweptKey swept_key(const v1::Case& base, const v1::SweepPlan::Axis& axis) {
   return key;
 }
 
-std::vector<SweptKey> swept_keys(const v1::CreateStudyRequest& request) {
-  std::vector<SweptKey> keys;
-  for (const auto& axis : request.sweep().axes()) keys.push_back(swept_key(request.case_(), axis));
-  return keys;
-}
-
 /// Where a prediction is asked for.
 struct Place {
   std::vector<double> inputs;  ///< of the numeric keys
@@ -125,6 +119,12 @@ bool counts(const EvaluatedRun& run) {
 
 }  // namespace
 
+/// The axes of a sweep. To read all values of a long list takes longer than to predict.
+struct SweptKeys {
+  v1::Case base;  ///< with its defaults
+  std::vector<SweptKey> all;
+};
+
 /// A surface with the names of its inputs.
 class SweepSurface {
 public:
@@ -193,6 +193,16 @@ private:
 Predictions::Predictions() = default;
 Predictions::~Predictions() = default;
 
+std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
+  const std::lock_guard lock(mutex_);
+  if (const auto kept = keys_.find(study.id); kept != keys_.end()) return kept->second;
+  SweptKeys keys{study.request.case_(), {}};
+  case_file::apply_defaults(keys.base);
+  for (const auto& axis : study.request.sweep().axes())
+    keys.all.push_back(swept_key(study.request.case_(), axis));
+  return keys_[study.id] = std::make_shared<const SweptKeys>(std::move(keys));
+}
+
 std::shared_ptr<const SweepSurface> Predictions::surface_of(
     const StudyRecord& study, int succeeded, bool running, const std::string& kind,
     const std::function<std::shared_ptr<const SweepSurface>()>& build) {
@@ -215,12 +225,10 @@ v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, boo
                                     const std::function<std::vector<EvaluatedRun>()>& runs) {
   if (!study.request.has_sweep())
     throw CannotPredict("study " + study.id + " is no sweep: nothing lies between its runs");
-  v1::Case base = study.request.case_();
-  case_file::apply_defaults(base);
-  const auto keys = swept_keys(study.request);
-  const Place place = place_of(base, keys, request);
+  const auto keys = keys_of(study);
+  const Place place = place_of(keys->base, keys->all, request);
   const auto surface = surface_of(study, succeeded, running, place.kind, [&] {
-    return std::make_shared<const SweepSurface>(study, keys, place.kind, runs());
+    return std::make_shared<const SweepSurface>(study, keys->all, place.kind, runs());
   });
   return surface->predict(place.inputs);
 }
@@ -228,6 +236,7 @@ v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, boo
 void Predictions::forget(const std::string& study) {
   const std::lock_guard lock(mutex_);
   kept_.erase(study);
+  keys_.erase(study);
 }
 
 }  // namespace dccast::studies

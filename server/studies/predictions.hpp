@@ -32,6 +32,7 @@ public:
 };
 
 class SweepSurface;
+struct SweptKeys;
 
 /// Response surfaces of sweeps, built when one is asked for and kept until runs arrive. Safe to use
 /// from several threads.
@@ -61,8 +62,11 @@ private:
       const StudyRecord& study, int succeeded, bool running, const std::string& kind,
       const std::function<std::shared_ptr<const SweepSurface>()>& build);
 
-  std::mutex mutex_;                                         ///< one surface is built at a time
-  std::map<std::string, std::map<std::string, Kept>> kept_;  ///< by study and kind
+  std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);
+
+  std::mutex mutex_;  ///< one surface is built at a time
+  std::map<std::string, std::shared_ptr<const SweptKeys>> keys_;  ///< by study
+  std::map<std::string, std::map<std::string, Kept>> kept_;       ///< by study and kind
 };
 
 }  // namespace dccast::studies

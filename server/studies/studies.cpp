@@ -85,12 +85,13 @@ std::vector<RunRecord> runs_to_queue(int count) {
 }
 
 Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk)
-    : options_(std::move(options)), store_(store), scheduler_(scheduler), desk_(std::move(desk)) {
-  scheduler_.on_transition([this](const v1::Job& job) { note_transition(job); });
-}
+    : options_(std::move(options)),
+      store_(store),
+      scheduler_(scheduler),
+      desk_(std::move(desk)),
+      notifier_([&store] { return store.version(); }) {}
 
 Studies::~Studies() {
-  scheduler_.on_transition([](const v1::Job&) {});
   stop();
 }
 
@@ -110,12 +111,6 @@ void Studies::stop() {
   if (!feeder_.joinable()) return;
   feeder_.request_stop();
   feeder_.join();
-}
-
-void Studies::note_transition(const v1::Job& job) {
-  if (job.study().empty()) return;
-  notifier_.note(job.study());
-  wake_feeder();
 }
 
 v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::string& owner) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
@@ -56,7 +57,6 @@ struct StudyReply {
 /// nothing then.
 class Studies {
 public:
-  /// @param scheduler  its transitions are listened to
   Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk);
   ~Studies();
 
@@ -89,7 +89,6 @@ private:
   /// What became of an attempt to queue a run.
   enum class Fed { yes, refused, later };
 
-  void note_transition(const v1::Job& job);
   void feed(const std::stop_token& stop);
   bool feed_round();
   bool feed_study(const std::string& id);
@@ -98,6 +97,7 @@ private:
                    const jobs::WorkerDidNotAnswer& error);
   void refuse(const StudyRecord& study, const RunRecord& run, const std::string& why);
   void wake_feeder();
+  bool rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most);
 
   v1::Study view(const StudyRecord& record);
   std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);

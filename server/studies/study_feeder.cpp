@@ -4,7 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <system_error>
+#include <optional>
+#include <utility>
 
 #include "server/jobs/events.hpp"
 #include "server/studies/studies.hpp"
@@ -13,8 +14,9 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr std::chrono::seconds try_again{1};  // after the queue or the disk took nothing
-constexpr int most_unanswered = 3;            // checks of one run
+constexpr std::chrono::seconds try_again{1};            // after the queue or the disk took nothing
+constexpr std::chrono::milliseconds look_interval{50};  // for jobs that have left the queue
+constexpr int most_unanswered = 3;                      // checks of one run
 
 std::string text_of(const v1::Fault& fault) {
   std::string text =
@@ -23,9 +25,8 @@ std::string text_of(const v1::Fault& fault) {
   return text;
 }
 
-jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned, int attempt) {
+jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
   jobs::NewJob job;
-  job.request_id = job_request_id(study.id, planned.key, attempt);
   job.study = study.id;
   job.title = planned.description.title();
   // A study must not stand in the way of a question, unless it is told to.
@@ -44,22 +45,32 @@ void Studies::wake_feeder() {
   feeder_wake_.notify_all();
 }
 
+/// Waits for news, at most so long. @return whether there is some, or the end
+bool Studies::rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most) {
+  std::unique_lock lock(feeder_mutex_);
+  const auto has_news = [this] { return feeder_has_news_; };
+  if (most)
+    feeder_wake_.wait_for(lock, stop, *most, has_news);
+  else
+    feeder_wake_.wait(lock, stop, has_news);
+  return std::exchange(feeder_has_news_, false) || stop.stop_requested();
+}
+
 void Studies::feed(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    bool all_done = true;
     try {
+      const std::int64_t seen = store_.version();
       while (feed_round() && !stop.stop_requested()) {
       }
+      // Runs are left that wait for room: until a job has left the queue nothing can be done.
+      const bool some_left = !store_.to_feed().empty();
+      while (some_left && !rest(stop, look_interval) && store_.version() == seen) {
+      }
+      if (!some_left) rest(stop, std::nullopt);
     } catch (const std::exception& error) {
       spdlog::warn("studies wait to be queued: {}", error.what());
-      all_done = false;
+      rest(stop, try_again);
     }
-    std::unique_lock lock(feeder_mutex_);
-    if (all_done)
-      feeder_wake_.wait(lock, stop, [this] { return feeder_has_news_; });
-    else
-      feeder_wake_.wait_for(lock, stop, try_again, [] { return false; });
-    feeder_has_news_ = false;
   }
 }
 
@@ -95,11 +106,17 @@ Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run) {
     refuse(study, run, planned.name + " is refused: " + text_of(examined.faults.front()));
     return Fed::refused;
   }
-  jobs::NewJob job = new_job(study, planned, ++run.attempt);
+  jobs::NewJob job = new_job(study, planned);
   job.case_sha256 = desk_.fingerprint(planned.description, study.request.attachments());
   job.complete_case = examined.complete.SerializeAsString();
   try {
-    run.job = scheduler_.submit(job, study.request.attachments()).id();
+    v1::Job queued;
+    // A job that was made before a crash and cancelled after it is not this attempt's.
+    do {
+      job.request_id = job_request_id(study.id, planned.key, ++run.attempt);
+      queued = scheduler_.submit(job, study.request.attachments());
+    } while (queued.state() == v1::CANCELLED);
+    run.job = queued.id();
   } catch (const jobs::RequestIdTaken& error) {
     refuse(study, run, error.what());
     return Fed::refused;

@@ -7,13 +7,15 @@ namespace dccast::studies {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::chrono::seconds progress_interval{1};
-// Many jobs of a sweep may end within this: one look at the study tells of all of them.
-constexpr std::chrono::milliseconds gathering{20};
+constexpr std::chrono::milliseconds look_interval{50};
 
 }  // namespace
 
-StudyNotifier::StudyNotifier() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
+StudyNotifier::StudyNotifier(std::function<std::int64_t()> version)
+    : version_(std::move(version)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 StudyNotifier::~StudyNotifier() = default;
 
@@ -50,15 +52,29 @@ std::vector<std::shared_ptr<StudyWatcher>> StudyNotifier::due(bool all) {
   return found;
 }
 
+/// A store that cannot be read now says nothing; watchers are woken every second all the same.
+bool StudyNotifier::jobs_have_changed() {
+  try {
+    const std::int64_t version = version_();
+    return std::exchange(seen_version_, version) != version;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 void StudyNotifier::run(const std::stop_token& stop) {
+  auto told = Clock::now();
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    const bool woken =
-        changed_.wait_for(lock, stop, progress_interval, [this] { return !news_.empty(); });
-    if (woken) changed_.wait_for(lock, stop, gathering, [] { return false; });
-    const auto watchers = due(!woken);
+    changed_.wait(lock, stop, [this] { return !watchers_.empty(); });
+    changed_.wait_for(lock, stop, look_interval, [this] { return !news_.empty(); });
+    lock.unlock();
+    const bool all = jobs_have_changed() || Clock::now() - told > progress_interval;
+    lock.lock();
+    const auto watchers = due(all);
     lock.unlock();
     for (const auto& watcher : watchers) watcher->on_changed();
+    if (all) told = Clock::now();
     lock.lock();
   }
 }

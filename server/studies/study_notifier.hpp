@@ -1,6 +1,8 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,11 +20,12 @@ public:
   virtual void on_changed() = 0;
 };
 
-/// Wakes the watchers of studies on a thread of its own: soon after a change, and every second
-/// while there are watchers, as progress is no change of state.
+/// Wakes the watchers of studies on a thread of its own: soon after a study or any job has changed,
+/// and every second while there are watchers, as progress is no change of state.
 class StudyNotifier {
 public:
-  StudyNotifier();
+  /// @param version  changes whenever jobs have; asked while there are watchers
+  explicit StudyNotifier(std::function<std::int64_t()> version);
   ~StudyNotifier();
 
   /// Calls the watcher soon, and after every change from now on, as long as it lives.
@@ -33,8 +36,12 @@ public:
 
 private:
   void run(const std::stop_token& stop);
+  bool jobs_have_changed();
   /// Those to be called now. Forgets those that are gone.
   std::vector<std::shared_ptr<StudyWatcher>> due(bool all);
+
+  const std::function<std::int64_t()> version_;
+  std::int64_t seen_version_ = -1;  ///< of the thread
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

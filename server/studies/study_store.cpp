@@ -151,6 +151,13 @@ std::vector<std::string> StudyStore::select_ids(const std::string& sql) {
   return ids;
 }
 
+std::int64_t StudyStore::version() {
+  const std::lock_guard lock(mutex_);
+  Statement statement(database_, "PRAGMA data_version");
+  statement.step();
+  return statement.integer(0);
+}
+
 std::vector<std::string> StudyStore::ids() {
   return select_ids("SELECT id FROM study WHERE removing = 0");
 }
@@ -176,9 +183,9 @@ RunCounts StudyStore::counts(const std::string& id) {
   // A run without a job is QUEUED until it has an outcome. A job that was deleted has no state.
   Statement statement(database_,
                       "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
-                      "ELSE run.outcome END AS state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
+                      "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
                       "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
-                      "WHERE run.study = ? GROUP BY 1 HAVING state IS NOT NULL");
+                      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL");
   statement.bind(id);
   RunCounts counts;
   while (statement.step()) {

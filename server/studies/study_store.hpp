@@ -42,6 +42,8 @@ public:
 
   std::optional<StudyRecord> find(const std::string& id);
   std::optional<StudyRecord> find_request(const std::string& request_id);
+  /// Changes whenever somebody else has written to the file: when jobs have changed.
+  std::int64_t version();
   std::vector<std::string> ids();
   std::vector<std::string> removing();
 
