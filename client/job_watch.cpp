@@ -7,23 +7,6 @@
 namespace dccast::client {
 namespace {
 
-/// Statuses after which asking again makes sense.
-bool passing(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::OK:
-    case grpc::StatusCode::UNAVAILABLE:
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-    case grpc::StatusCode::CANCELLED:
-    case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::UNKNOWN:
-    case grpc::StatusCode::INTERNAL:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return true;
-    default:
-      return false;
-  }
-}
-
 /// One stream: reads until it ends. `next` is the sequence number that is due.
 struct Stream {
   std::optional<v1::JobEvent::StateChange> terminal;
@@ -73,7 +56,8 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     const Stream stream = read_stream(connection, id, next, on_event);
     if (stream.terminal) return *stream.terminal;
     if (connection.interruption().came()) throw Interrupted("");
-    if (!passing(stream.status.error_code())) throw failure_of(stream.status, connection.server());
+    if (!is_passing(stream.status.error_code()))
+      throw failure_of(stream.status, connection.server());
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
@@ -100,6 +84,22 @@ v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& 
     return follow(connection, id, next, on_event, talk, policy);
   } catch (const Interrupted&) {
     throw Interrupted("job " + id + " goes on. Come back: " + way_back(id, next));
+  }
+}
+
+bool is_passing(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::OK:
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+    case grpc::StatusCode::CANCELLED:
+    case grpc::StatusCode::ABORTED:
+    case grpc::StatusCode::UNKNOWN:
+    case grpc::StatusCode::INTERNAL:
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return true;
+    default:
+      return false;
   }
 }
 

@@ -26,6 +26,9 @@ v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& 
                                      const std::function<void(const v1::JobEvent&)>& on_event,
                                      std::ostream& talk, const RetryPolicy& policy = {});
 
+/// Whether a stream that ended with this status can be taken up again.
+bool is_passing(grpc::StatusCode code);
+
 /// Exit code that a job's end means.
 ExitCode exit_code_of(v1::JobState state);
 

@@ -1,53 +1,49 @@
 #include "client/study.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <tuple>
-
-#include <google/protobuf/util/time_util.h>
+#include <utility>
 
 namespace dccast::client {
 namespace {
 
-/// Coarsest first; of one refinement the one that counts first.
-bool before(const StudyLevel& a, const StudyLevel& b) {
-  using google::protobuf::util::TimeUtil;
-  const auto key = [](const StudyLevel& level) {
-    return std::tuple(level.refinement, !level.succeeded(),
-                      -TimeUtil::TimestampToMilliseconds(level.job.create_time()));
-  };
-  return key(a) < key(b);
+std::vector<double> values_of(const google::protobuf::RepeatedField<double>& field) {
+  return {field.begin(), field.end()};
 }
 
-const render::CurlHistory::Series* series_of(const StudyLevel& level, const std::string& name) {
-  for (const auto& series : level.history.monitors)
-    if (series.name == name) return &series;
-  return nullptr;
-}
-
-void judge_monitor(Study& study, const std::string& name) {
-  MonitorStudy monitor{name, {}, {}};
-  std::vector<RefinedCurve> curves;
-  for (const StudyLevel* level : study.succeeded()) {
-    const auto* series = series_of(*level, name);
-    if (series == nullptr) continue;
-    monitor.end_curl_m.push_back(series->curl_m.back());
-    curves.push_back(
-        {level->refinement, at_instants(study.time_s, level->history.time_s, series->curl_m)});
+StudyLevel level_of(const v1::StudyRun& run, std::map<std::string, v1::Job>& jobs) {
+  StudyLevel level;
+  level.refinement = run.refinement();
+  level.end_curl_m = values_of(run.end_curl_m());
+  level.job.set_state(run.state());
+  if (run.has_failure()) *level.job.mutable_failure() = run.failure();
+  if (const auto job = jobs.find(run.job()); job != jobs.end()) {
+    level.job = std::move(job->second);
+    jobs.erase(job);
   }
-  if (curves.size() < 2) return;
-  monitor.limit = extrapolate(study.time_s, curves);
-  study.monitors.push_back(std::move(monitor));
+  return level;
 }
 
-std::optional<double> earliest_loss(const std::vector<const StudyLevel*>& levels) {
-  std::optional<double> earliest_s;
-  for (const StudyLevel* level : levels)
-    if (const auto first = level->history.first_beyond()) {
-      const double lost_s = level->history.time_s[*first];
-      if (!earliest_s || lost_s < *earliest_s) earliest_s = lost_s;
-    }
-  return earliest_s;
+MonitorStudy monitor_of(const v1::StudyResult::Limit& limit, std::size_t place,
+                        const std::vector<StudyLevel>& levels) {
+  MonitorStudy monitor;
+  monitor.name = limit.curve().monitor();
+  if (limit.has_order()) monitor.limit.order = limit.order();
+  monitor.limit.value_m = values_of(limit.curve().curl_m());
+  monitor.limit.uncertainty_m = values_of(limit.curve().uncertainty_m());
+  for (const StudyLevel& level : levels)
+    if (level.succeeded() && place < level.end_curl_m.size())
+      monitor.end_curl_m.push_back(level.end_curl_m[place]);
+  return monitor;
+}
+
+void add_limits(const v1::StudyResult& result, Study& study) {
+  for (const v1::StudyResult::Limit& limit : result.limits())
+    for (std::size_t place = 0; place < study.monitor_names.size(); ++place)
+      if (study.monitor_names[place] == limit.curve().monitor())
+        study.monitors.push_back(monitor_of(limit, place, study.levels));
+  if (result.limits().empty()) return;
+  study.time_s = values_of(result.limits(0).curve().time_s());
+  study.cast_length_m = values_of(result.limits(0).curve().cast_length_m());
 }
 
 }  // namespace
@@ -64,7 +60,7 @@ std::size_t MonitorStudy::least_certain() const {
 std::vector<const StudyLevel*> Study::succeeded() const {
   std::vector<const StudyLevel*> found;
   for (const StudyLevel& level : levels)
-    if (level.succeeded() && !level.history.time_s.empty()) found.push_back(&level);
+    if (level.succeeded()) found.push_back(&level);
   return found;
 }
 
@@ -74,22 +70,16 @@ const MonitorStudy* Study::monitor(const std::string& name) const {
   return nullptr;
 }
 
-Study study_of(std::string id, std::vector<StudyLevel> runs) {
-  std::sort(runs.begin(), runs.end(), before);
+Study study_of(const v1::StudyResult& result, const std::vector<v1::Job>& jobs) {
+  std::map<std::string, v1::Job> by_id;
+  for (const v1::Job& job : jobs) by_id[job.id()] = job;
   Study study;
-  study.id = std::move(id);
-  for (StudyLevel& run : runs) {
-    if (!study.levels.empty() && study.levels.back().refinement == run.refinement)
-      study.others.push_back(run.job);
-    else
-      study.levels.push_back(std::move(run));
-  }
-  const auto succeeded = study.succeeded();
-  study.valid_until_s = earliest_loss(succeeded);
-  if (succeeded.size() < 2) return study;
-  study.time_s = succeeded.front()->history.time_s;
-  study.cast_length_m = succeeded.front()->history.cast_length_m;
-  for (const auto& series : succeeded.front()->history.monitors) judge_monitor(study, series.name);
+  study.id = result.study().id();
+  study.monitor_names = {result.monitors().begin(), result.monitors().end()};
+  for (const v1::StudyRun& run : result.runs()) study.levels.push_back(level_of(run, by_id));
+  for (auto& [id, job] : by_id) study.others.push_back(std::move(job));
+  if (result.has_valid_until_s()) study.valid_until_s = result.valid_until_s();
+  add_limits(result, study);
   return study;
 }
 

@@ -1,23 +1,29 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "client/refinement_study.hpp"
-#include "client/render/curl_history.hpp"
-#include "dccast/v1/job.pb.h"
+#include "dccast/v1/study.pb.h"
 
 namespace dccast::client {
 
-/// One run of a study.
+/// One run of a refinement study.
 struct StudyLevel {
   int refinement = 1;
-  v1::Job job;
-  render::CurlHistory history;  ///< whole when the job has succeeded
+  v1::Job job;                     ///< without an id while the run is not queued yet
+  std::vector<double> end_curl_m;  ///< by monitor of the study; NaN unless it succeeded
 
   bool succeeded() const { return job.state() == v1::SUCCEEDED; }
-  bool ends_beyond_validity() const { return !history.beyond.empty() && history.beyond.back(); }
+  bool ends_beyond_validity() const { return job.has_validity_loss(); }
+};
+
+/// What curves on finer and finer meshes say of the curve they tend to.
+struct CurveLimit {
+  std::optional<double> order;        ///< observed; nothing where the curves do not settle
+  std::vector<double> value_m;        ///< extrapolated; the finest curve where there is no order
+  std::vector<double> uncertainty_m;  ///< half width of the interval around `value_m`
 };
 
 /// What a study says of one monitor.
@@ -29,12 +35,14 @@ struct MonitorStudy {
   std::size_t least_certain() const;  ///< the instant with the largest uncertainty
 };
 
-/// A case run on several meshes, and what its curl tends to.
+/// A case run on several meshes, and what its curl tends to: EvaluateStudy's answer, arranged for
+/// tables and charts.
 struct Study {
   std::string id;                  ///< empty: there is none
-  std::vector<StudyLevel> levels;  ///< coarsest first, one of each refinement, ended well or not
+  std::vector<StudyLevel> levels;  ///< coarsest first
   std::vector<v1::Job> others;     ///< jobs of the study that are not one of its levels
-  std::vector<double> time_s;      ///< instants: the steps of the coarsest level that succeeded
+  std::vector<std::string> monitor_names;
+  std::vector<double> time_s;  ///< instants of the limits
   std::vector<double> cast_length_m;
   /// From here on one of the levels that succeeded is beyond validity, and the limit with it;
   /// nothing when all are valid to their end [s].
@@ -46,8 +54,7 @@ struct Study {
   const MonitorStudy* monitor(const std::string& name) const;  ///< null: not in the study
 };
 
-/// Orders the runs of one case and extrapolates their curves. Of two runs with one refinement the
-/// one that succeeded counts, of two such the newer one.
-Study study_of(std::string id, std::vector<StudyLevel> runs);
+/// @param jobs  those of the study, oldest first
+Study study_of(const v1::StudyResult& result, const std::vector<v1::Job>& jobs);
 
 }  // namespace dccast::client

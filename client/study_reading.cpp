@@ -2,14 +2,21 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <utility>
 
-#include "client/divided_case.hpp"
 #include "client/job_listing.hpp"
-#include "client/job_result.hpp"
 
 namespace dccast::client {
+namespace {
+
+v1::EvaluateStudyRequest question(const std::string& id, bool curves) {
+  v1::EvaluateStudyRequest request;
+  request.set_id(id);
+  request.set_curves(curves);
+  return request;
+}
+
+}  // namespace
 
 std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id) {
   v1::ListJobsRequest request;
@@ -20,33 +27,28 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
   return jobs;
 }
 
-Study read_study(Connection& connection, const std::string& id, const v1::Case* like) {
-  std::vector<StudyLevel> runs;
-  std::vector<v1::Job> foreign_jobs;
-  std::optional<v1::Case> first;
-  for (const v1::Job& job : jobs_of_study(connection, id)) {
-    v1::QueryResultResponse result;
-    const grpc::Status status = try_query_result(connection, job.id(), false, result);
-    if (status.error_code() == grpc::StatusCode::NOT_FOUND)
-      continue;  // deleted since it was listed
-    check(status, connection.server());
-    if (!first) first = like != nullptr ? *like : result.case_();
-    if (!is_refined_case(*first, result.case_())) {
-      foreign_jobs.push_back(job);
-      continue;
-    }
-    StudyLevel& run = runs.emplace_back();
-    run.refinement = result.case_().mesh().refinement();
-    run.job = job;
-    run.history = render::curl_history(job, result);
-  }
-  Study study = study_of(id, std::move(runs));
-  study.others.insert(study.others.end(), foreign_jobs.begin(), foreign_jobs.end());
-  return study;
+v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves) {
+  return connection.call(&Stub::EvaluateStudy, question(id, curves));
 }
 
-Study study_around(Connection& connection, const v1::Job& job, const v1::Case& casting) {
-  return job.study().empty() ? Study{} : read_study(connection, job.study(), &casting);
+Study read_study(Connection& connection, const std::string& id) {
+  const v1::StudyResult result = evaluate_study(connection, id);
+  if (!result.study().has_refinement())
+    throw CommandFailed(ExitCode::invalid, "study " + id + " compares no meshes; dccast studies " +
+                                               id + " shows what it is");
+  return study_of(result, jobs_of_study(connection, id));
+}
+
+Study study_around(Connection& connection, const v1::Job& job) {
+  if (job.study().empty()) return {};
+  v1::StudyResult result;
+  const grpc::Status status =
+      connection.try_call(&Stub::EvaluateStudy, question(job.study(), false), result);
+  // Jobs may have a study id in common that no study of the server has.
+  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
+  check(status, connection.server());
+  if (!result.study().has_refinement()) return {};
+  return study_of(result, jobs_of_study(connection, job.study()));
 }
 
 }  // namespace dccast::client

@@ -1,16 +1,19 @@
+#include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <iostream>
+#include <map>
+#include <string_view>
 
 #include "client/case_faults.hpp"
 #include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/divided_case.hpp"
-#include "client/job_watch.hpp"
 #include "client/message_json.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/study_table.hpp"
 #include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
-#include "client/study_submission.hpp"
+#include "client/study_watch.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
@@ -25,46 +28,151 @@ struct Options {
   bool json = false;
 };
 
-/// Submits what of the study is not there yet. @return whether it is all there
+std::string way_back(const Options& options, const std::string& study) {
+  std::string command = "dccast convergence --study " + study;
+  if (!options.file.empty())
+    command += " --levels " + std::to_string(options.levels) + " " + options.file;
+  return command;
+}
+
+/// The refinement in "refinement 4: the case has ..."; 0 where a message begins otherwise.
+int refused_refinement(const std::string& message) {
+  constexpr std::string_view word = "refinement ";
+  int refinement = 0;
+  if (message.starts_with(word))
+    std::from_chars(message.data() + word.size(), message.data() + message.size(), refinement);
+  return refinement;
+}
+
+/// Says why the server takes no study of this case.
+void print_refusal(const CaseUnderCheck& checked, const grpc::Status& status) {
+  const int refinement = refused_refinement(status.error_message());
+  const auto& mesh = checked.description.mesh();
+  const int base = mesh.has_refinement() ? mesh.refinement() : 1;
+  const bool finer = refinement > base;
+  for (const v1::Fault& fault : faults_of(status))
+    std::cerr << (finer ? "refinement " + std::to_string(refinement) + ": " : "")
+              << describe(fault, checked.read.source) << '\n';
+  if (!finer) return;
+  std::cerr << "dccast: nothing submitted, refinement " << refinement << " would be refused";
+  int levels = 0;
+  for (int coarser = base; coarser < refinement; coarser *= 2) ++levels;
+  if (levels >= 2) std::cerr << "; the coarser ones go with --levels " << levels;
+  std::cerr << '\n';
+}
+
+grpc::Status create(const Options& options, const std::string& study, const CaseUnderCheck& checked,
+                    Connection& connection) {
+  v1::CreateStudyRequest request;
+  request.set_request_id(study);
+  *request.mutable_case_() = checked.description;
+  *request.mutable_attachments() = {checked.read.attachments.begin(),
+                                    checked.read.attachments.end()};
+  request.mutable_refinement()->set_levels(options.levels);
+  v1::Study created;
+  try {
+    return connection.try_call(&Stub::CreateStudy, request, created);
+  } catch (const Interrupted&) {
+    throw Interrupted("the study may be on the server. Come back: " + way_back(options, study));
+  }
+}
+
+/// Creates the study, or adds what of it is missing. @return whether the server has it
 bool submit(const Options& options, const std::string& study, Connection& connection) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
-  if (!checked.faults.empty()) {
-    check_with_server(checked, connection);
-    print_faults(checked, std::cerr);
+  check_with_server(checked, connection);
+  print_faults(checked, std::cerr);
+  if (!checked.faults.empty()) return false;
+  const grpc::Status status = create(options, study, checked, connection);
+  if (status.error_code() == grpc::StatusCode::ALREADY_EXISTS)
+    throw CommandFailed(ExitCode::invalid,
+                        "study " + study + " is of another case" +
+                            ". Take it up without FILE, or begin a new one without --study");
+  if (!faults_of(status).empty()) {
+    print_refusal(checked, status);
     return false;
   }
-  if (const std::string reason = reason_against_dividing(checked.description); !reason.empty())
-    throw CommandFailed(ExitCode::invalid, reason);
-  return submit_study(connection, checked, study, options.levels);
+  check(status, connection.server());
+  return true;
 }
 
-/// Replaces levels that were lost. Throws Interrupted with the command to come back by.
+/// Has levels queued again that were lost.
 void repair(Connection& connection, const std::string& study) {
-  try {
-    repair_study(connection, study);
-  } catch (const Interrupted&) {
-    throw Interrupted("Come back: dccast convergence --study " + study);
-  }
+  v1::ResumeStudyRequest request;
+  request.set_id(study);
+  v1::Study resumed;
+  const grpc::Status status = connection.try_call(&Stub::ResumeStudy, request, resumed);
+  if (status.error_code() == grpc::StatusCode::NOT_FOUND)
+    throw CommandFailed(ExitCode::not_found, "no job belongs to study " + study + " here");
+  check(status, connection.server());
 }
 
-void wait_for_all(Connection& connection, const std::string& study) {
-  const std::vector<v1::Job> jobs = jobs_of_study(connection, study);
-  if (jobs.empty())
-    throw CommandFailed(ExitCode::not_found, "no job belongs to study " + study + " here");
-  for (const v1::Job& job : jobs) {
-    if (job.has_end_time()) continue;
+/// Names the job of each level as soon as it has one.
+class LevelNames {
+public:
+  /// @param before  the study as it was before levels were queued again
+  explicit LevelNames(const v1::StudyResult& before) {
+    for (const v1::StudyRun& run : before.runs()) known_[run.refinement()] = run;
+  }
+
+  void name(const v1::StudyResult& now) {
+    for (const v1::StudyRun& run : now.runs()) {
+      v1::StudyRun& known = known_[run.refinement()];
+      if (run.job().empty() || run.job() == known.job()) continue;
+      std::cerr << "refinement " << run.refinement() << ": job " << run.job();
+      if (!known.job().empty())
+        std::cerr << " replaces job " << known.job() << ", which is "
+                  << render::state_text(known.state());
+      std::cerr << std::endl;
+      known = run;
+    }
+  }
+
+private:
+  std::map<int, v1::StudyRun> known_;
+};
+
+/// The study as it is; empty when there is none yet.
+v1::StudyResult as_it_is(Connection& connection, const std::string& id) {
+  v1::EvaluateStudyRequest request;
+  request.set_id(id);
+  v1::StudyResult result;
+  const grpc::Status status = connection.try_call(&Stub::EvaluateStudy, request, result);
+  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
+  check(status, connection.server());
+  return result;
+}
+
+void say_what_is_paused(Connection& connection, const std::string& id) {
+  for (const v1::Job& job : jobs_of_study(connection, id))
     if (job.state() == v1::PAUSED)
       std::cerr << "waiting for job " << job.id() << ", which is paused: dccast resume " << job.id()
                 << '\n';
-    follow_job(
-        connection, job.id(), 1, [](const v1::JobEvent&) {}, std::cerr);
+}
+
+bool waits_for_its_job(const v1::StudyRun& run) {
+  return run.job().empty() && run.state() == v1::QUEUED;
+}
+
+/// Names the jobs of all levels; the server queues them within a moment, unless its disk is full.
+void name_jobs(Connection& connection, const std::string& id, LevelNames& names) {
+  constexpr std::chrono::milliseconds pause{50};
+  constexpr int most_looks = 100;
+  for (int looks = 0; looks < most_looks; ++looks) {
+    const v1::StudyResult now = evaluate_study(connection, id);
+    names.name(now);
+    if (std::none_of(now.runs().begin(), now.runs().end(), waits_for_its_job)) return;
+    connection.interruption().sleep(pause);
   }
 }
 
 /// The study with every job ended. Throws Interrupted with the command to come back by.
-Study finished_study(Connection& connection, const std::string& id) {
+Study finished_study(Connection& connection, const std::string& id, LevelNames& names) {
   try {
-    wait_for_all(connection, id);
+    name_jobs(connection, id, names);
+    say_what_is_paused(connection, id);
+    follow_study(
+        connection, id, [](const v1::Study&) {}, std::cerr);
     return read_study(connection, id);
   } catch (const Interrupted&) {
     throw Interrupted("the jobs go on. Come back: dccast convergence --study " + id);
@@ -75,8 +183,7 @@ Study finished_study(Connection& connection, const std::string& id) {
 bool report_losses(const Study& study) {
   bool whole = true;
   for (const v1::Job& job : study.others)
-    std::cerr << "job " << job.id()
-              << " is left out: another case, or a refinement that another job stands for\n";
+    std::cerr << "job " << job.id() << " is left out: another job stands for its level\n";
   for (const StudyLevel& level : study.levels) {
     if (level.job.has_validity_loss())
       std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id()
@@ -134,13 +241,13 @@ ExitCode run(const Options& options, Program& program) {
                         "give a case FILE to begin a study, or --study ID to take one up again");
   Connection connection = program.connect();
   const std::string id = options.study.empty() ? values::random_uuid() : options.study;
+  LevelNames names(options.study.empty() ? v1::StudyResult{} : as_it_is(connection, id));
   if (!options.file.empty()) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
     if (!submit(options, id, connection)) return ExitCode::invalid;
-  } else if (!options.as_it_is) {
-    repair(connection, id);
   }
-  const Study study = finished_study(connection, id);
+  if (!options.as_it_is && !options.study.empty()) repair(connection, id);
+  const Study study = finished_study(connection, id, names);
   if (options.json)
     print_json(study);
   else

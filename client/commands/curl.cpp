@@ -10,6 +10,7 @@
 #include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/values/interpolation.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -44,8 +45,8 @@ struct Error {
 Error error_of(const CurlHistory& history, const std::string& monitor, const Study& study) {
   const MonitorStudy* said = study.monitor(monitor);
   if (said == nullptr) return {};
-  return {at_instants(history.time_s, study.time_s, said->limit.value_m),
-          at_instants(history.time_s, study.time_s, said->limit.uncertainty_m)};
+  return {values::at_instants(history.time_s, study.time_s, said->limit.value_m),
+          values::at_instants(history.time_s, study.time_s, said->limit.uncertainty_m)};
 }
 
 /// Columns of the CSV behind time and cast length, by name.
@@ -131,7 +132,7 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
   curl.job = connection.call(&Stub::GetJob, request);
   const auto result = query_result(connection, id);
   curl.history = render::curl_history(curl.job, result);
-  if (with_study) curl.study = study_around(connection, curl.job, result.case_());
+  if (with_study) curl.study = study_around(connection, curl.job);
   return curl;
 }
 

@@ -38,7 +38,7 @@ ExitCode run(const Options& options, Program& program) {
   request.set_id(resolve_job(connection, options.id));
   const v1::Job job = connection.call(&Stub::GetJob, request);
   const v1::QueryResultResponse result = query(connection, job.id());
-  const Study study = study_around(connection, job, result.case_());
+  const Study study = study_around(connection, job);
   const std::string page = render::report_page(job, result, study);
   if (options.output == "-") {
     std::cout << page;

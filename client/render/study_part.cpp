@@ -5,6 +5,7 @@
 
 #include "client/render/job_text.hpp"
 #include "client/render/study_table.hpp"
+#include "proto/values/interpolation.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -91,7 +92,7 @@ constexpr const char* explanation =
 
 std::string no_error_known(const Study& study, const v1::Job& job) {
   const std::string begin = "<p class='note'>How much of the curl is discretisation is not known: ";
-  if (job.study().empty())
+  if (study.id.empty())
     return begin + "this run stands alone. <code>dccast convergence CASE</code> tells it.</p>";
   return begin + "of the runs of its study " + std::to_string(study.succeeded().size()) +
          " succeeded, two are needed. <code>dccast convergence --study " +
@@ -105,8 +106,9 @@ std::optional<CurlError> curl_error(const Study& study, const std::string& monit
   const MonitorStudy* said = study.monitor(monitor);
   if (said == nullptr) return std::nullopt;
   CurlError error;
-  error.limit_m = at_instants({time_s}, study.time_s, said->limit.value_m).front();
-  error.uncertainty_m = at_instants({time_s}, study.time_s, said->limit.uncertainty_m).front();
+  error.limit_m = values::at_instants({time_s}, study.time_s, said->limit.value_m).front();
+  error.uncertainty_m =
+      values::at_instants({time_s}, study.time_s, said->limit.uncertainty_m).front();
   error.this_run_m = std::abs(curl_m - error.limit_m) + error.uncertainty_m;
   error.extrapolated = said->limit.order.has_value();
   if (!std::isfinite(error.this_run_m)) return std::nullopt;

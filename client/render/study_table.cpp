@@ -18,25 +18,16 @@ std::string marked(std::string figure, bool valid) {
   return valid ? figure : figure + " !";
 }
 
-/// Curl of a level's last step; "-" where it has none.
-std::string end_curl(const StudyLevel& level, const std::string& monitor) {
-  if (!level.succeeded()) return "-";
-  for (const auto& series : level.history.monitors)
-    if (series.name == monitor)
-      return marked(millimetres(series.curl_m.back()), !level.ends_beyond_validity());
-  return "-";
+/// Curl at the end of a level; "-" where it has none.
+std::string end_curl(const StudyLevel& level, std::size_t monitor) {
+  if (!level.succeeded() || monitor >= level.end_curl_m.size()) return "-";
+  return marked(millimetres(level.end_curl_m[monitor]), !level.ends_beyond_validity());
 }
 
 }  // namespace
 
 std::vector<std::string> monitor_names(const Study& study) {
-  for (const StudyLevel& level : study.levels) {
-    if (!level.succeeded()) continue;
-    std::vector<std::string> names;
-    for (const auto& series : level.history.monitors) names.push_back(series.name);
-    return names;
-  }
-  return {};
+  return study.succeeded().empty() ? std::vector<std::string>{} : study.monitor_names;
 }
 
 Rows level_rows(const Study& study) {
@@ -46,7 +37,7 @@ Rows level_rows(const Study& study) {
     auto& row = rows.emplace_back();
     row = {std::to_string(level.refinement), std::to_string(last.nodes()),
            fixed(last.solver_s(), 1), full_state_text(level.job)};
-    for (const std::string& name : monitor_names(study)) row.push_back(end_curl(level, name));
+    for (std::size_t k = 0; k < monitor_names(study).size(); ++k) row.push_back(end_curl(level, k));
   }
   return rows;
 }

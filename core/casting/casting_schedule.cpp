@@ -124,10 +124,25 @@ double CastingSchedule::step_at(double time) const {
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
 
+/// All frames up to the next change at once, where the step is the same all the way: each takes as
+/// many steps as the first.
+std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  const double to_frame = next_frame(time) - time;
+  if (next == events_.end() || step_.derivative(time + same_time) != 0.0) return std::nullopt;
+  if (to_frame < frame_interval_ - same_time) return std::nullopt;  // not at a frame
+  const double frames = std::floor((*next - time) / frame_interval_ - same_time);
+  if (frames < 2.0) return std::nullopt;
+  const double steps = std::ceil(frame_interval_ / step_(time) - same_time);
+  return Leap{static_cast<std::int64_t>(std::min(frames * std::max(steps, 1.0), 1e15)),
+              time + frames * frame_interval_};
+}
+
 Leap CastingSchedule::leap(double time) const {
   constexpr std::int64_t worth_it = 200;  // fewer are made one by one, exactly as the run does
   constexpr double last_steps = 4.0;      // before an event, too, where a remainder is halved
   const Leap one{1, time + step_at(time)};
+  if (const auto frames = leap_over_frames(time)) return *frames;
   const double step = step_(time), slope = step_.derivative(time + same_time);
   const double next = next_event(time);
   if (next == INFINITY || slope <= -1.0) return one;

@@ -51,6 +51,7 @@ private:
   double speed(double time, double length) const;
   double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
   double next_event(double time) const;
+  std::optional<Leap> leap_over_frames(double time) const;
 
   Schedule schedule_;
   Curve step_;

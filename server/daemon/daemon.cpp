@@ -11,12 +11,14 @@
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/service/grpc_trouble.hpp"
 #include "server/service/server.hpp"
 #include "server/state/store_guard.hpp"
+#include "server/studies/studies.hpp"
 
 namespace dccast::daemon {
 
@@ -76,6 +78,25 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
+}
+
+studies::StudyOptions study_options(const v1::DaemonConfig& config,
+                                    const DataDirectory& directory) {
+  return {.directory = directory.studies(),
+          .check_timeout = milliseconds(config.check_timeout_s())};
+}
+
+studies::CaseDesk case_desk(const service::CaseIntake& intake) {
+  return {.examine =
+              [&intake](const v1::Case& submitted, const jobs::Attachments& attachments,
+                        const jobs::Patience& patience) {
+                service::ExaminedCase examined =
+                    intake.examine(submitted, attachments, {}, patience);
+                const auto& faults = examined.verdict.faults();
+                return studies::ExaminedRun{std::move(examined.complete),
+                                            {faults.begin(), faults.end()}};
+              },
+          .fingerprint = service::fingerprint};
 }
 
 int checker_count(const v1::DaemonConfig& config) {
@@ -170,6 +191,9 @@ int serve(const v1::DaemonConfig& config) {
   const service::LinkAddress link_address(directory.path());
   jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
   jobs::Scheduler scheduler(scheduler_options(config, directory, solver), store, logs, executor);
+  studies::StudyStore study_store(directory.store());
+  studies::Studies studies(study_options(config, directory), study_store, scheduler,
+                           case_desk(intake));
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,
@@ -189,11 +213,13 @@ int serve(const v1::DaemonConfig& config) {
       .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
       .maximum_connections = connections};
   scheduler.recover();
+  studies.recover();
   service::LinkServer link(scheduler, link_address);
-  service::PublicServer server(context, config.listen());
+  service::PublicServer server(context, studies, config.listen());
   checkers.warm_up();
   query_workers.warm_up();
   scheduler.start();
+  studies.start();
   if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
   spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
                directory.path().string(), context.workers);
@@ -202,8 +228,10 @@ int serve(const v1::DaemonConfig& config) {
   spdlog::info("{}: running jobs stop at a checkpoint and go back into the queue",
                ::strsignal(signal));
   server.announce_end();
+  studies.stop();
   scheduler.shut_down();
   context.leaving = true;
+  studies.notifier().wake_all();
   logs.wake_all();  // watchers are told that the daemon leaves, and from where to watch again
   server.shut_down();
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());

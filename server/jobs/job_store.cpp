@@ -68,6 +68,31 @@ ALTER TABLE job ADD COLUMN answer_key TEXT NOT NULL DEFAULT '';
 ALTER TABLE job ADD COLUMN solver TEXT NOT NULL DEFAULT '';
 CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
 PRAGMA user_version = 4;
+)sql",
+    // Studies, see server/studies/study_store: the request of each, and the job of each of its runs.
+    R"sql(
+CREATE TABLE study (
+  id TEXT PRIMARY KEY,
+  request_id TEXT UNIQUE,
+  owner TEXT NOT NULL,
+  created_ms INTEGER NOT NULL,
+  changed_ms INTEGER NOT NULL,
+  removing INTEGER NOT NULL,
+  case_sha256 TEXT NOT NULL,
+  request BLOB NOT NULL
+) STRICT;
+CREATE INDEX study_by_age ON study (created_ms, id);
+CREATE TABLE study_run (
+  study TEXT NOT NULL REFERENCES study (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  attempt INTEGER NOT NULL,
+  job TEXT NOT NULL,
+  outcome INTEGER NOT NULL,
+  failure BLOB,
+  PRIMARY KEY (study, number)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX study_run_to_queue ON study_run (study, number) WHERE job = '' AND outcome = 0;
+PRAGMA user_version = 5;
 )sql"};
 
 constexpr std::string_view columns =

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 
 #include "server/jobs/durable_file.hpp"
@@ -26,9 +27,10 @@ public:
   explicit FetchStream(Context& context) : context_(context) {}
 
   /// The stream lives until Finish(), which nothing else calls before the first chunk is sent.
-  void begin(WorkPool& lane, const v1::FetchResultRequest& request) {
-    const bool taken = lane.post([this, request] {
-      const grpc::Status status = guarded([&] { return open(request); });
+  void begin(WorkPool& lane, const StreamCall& stream, const v1::FetchResultRequest& request) {
+    const bool taken = lane.post([this, stream, request] {
+      const grpc::Status status =
+          guarded([&] { return open(stream.call([this] { return cancelled_.load(); }), request); });
       if (status.ok())
         send_next();
       else
@@ -46,10 +48,13 @@ public:
       send_next();
   }
 
+  void OnCancel() override { cancelled_ = true; }
+
   void OnDone() override { delete this; }
 
 private:
-  grpc::Status open(const v1::FetchResultRequest& request) {
+  grpc::Status open(const Call& call, const v1::FetchResultRequest& request) {
+    if (const auto unwanted = no_longer_wanted(call)) return *unwanted;
     if (const auto status = check_id(request.id()); !status.ok()) return status;
     const auto job = context_.scheduler.find(request.id());
     if (!job) return job_not_found(request.id());
@@ -97,6 +102,7 @@ private:
   }
 
   Context& context_;
+  std::atomic<bool> cancelled_{false};
   jobs::FileDescriptor file_;
   v1::FetchResultResponse chunk_;
   std::int64_t next_ = 0;
@@ -105,9 +111,9 @@ private:
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_result(
-    Context& context, WorkPool& lane, const v1::FetchResultRequest& request) {
+    Context& context, WorkPool& lane, StreamCall call, const v1::FetchResultRequest& request) {
   auto* stream = new FetchStream(context);  // deleted in OnDone
-  stream->begin(lane, request);
+  stream->begin(lane, call, request);
   return stream;
 }
 

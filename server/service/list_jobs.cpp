@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <charconv>
 
-#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
+#include "server/service/age_token.hpp"
 #include "server/service/handlers.hpp"
 #include "server/service/labels.hpp"
 #include "server/service/message_size.hpp"
@@ -17,18 +16,8 @@ constexpr int largest_page = 1000;
 // Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
 constexpr int rows_at_a_time = 32;
 
-/// A token is "<creation time in ms>.<id>" of the last job of the page before.
-bool read_token(const std::string& token, jobs::JobStore::Page& page) {
-  if (token.empty()) return true;
-  const auto dot = token.find('.');
-  if (dot == std::string::npos || !values::is_uuid(token.substr(dot + 1))) return false;
-  page.before_id = token.substr(dot + 1);
-  const auto [end, error] = std::from_chars(token.data(), token.data() + dot, page.before_ms);
-  return error == std::errc() && end == token.data() + dot;
-}
-
 std::string token_after(const v1::Job& job) {
-  return std::to_string(jobs::milliseconds(job.create_time())) + "." + job.id();
+  return age_token(jobs::milliseconds(job.create_time()), job.id());
 }
 
 /// Adds jobs until the page is full, by number or by bytes; then there is a next one.
@@ -58,7 +47,7 @@ void fill(Context& context, jobs::JobStore::Page rest, int size, v1::ListJobsRes
 grpc::Status list_jobs(Context& context, const Call&, const v1::ListJobsRequest& request,
                        v1::ListJobsResponse& response) {
   jobs::JobStore::Page page;
-  if (!read_token(request.page_token(), page))
+  if (!read_age_token(request.page_token(), page.before_ms, page.before_id))
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "the page_token is not one of ListJobs; begin again without it"};
   if (const auto status = check_study(request.study()); !status.ok()) return status;

@@ -108,8 +108,8 @@ LinkServer::~LinkServer() {
   server_->Wait();
 }
 
-PublicServer::PublicServer(Context& context, const std::string& listen)
-    : socket_(listen), service_(context, socket_.address()) {
+PublicServer::PublicServer(Context& context, studies::Studies& studies, const std::string& listen)
+    : socket_(listen), service_(context, studies, socket_.address()) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;

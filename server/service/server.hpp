@@ -52,7 +52,7 @@ class PublicServer {
 public:
   /// @param listen  host and port; port 0 takes a free one
   /// @throws std::runtime_error  it cannot listen there
-  PublicServer(Context& context, const std::string& listen);
+  PublicServer(Context& context, studies::Studies& studies, const std::string& listen);
   ~PublicServer();
   /// Host and port in use.
   const std::string& address() const { return socket_.address(); }

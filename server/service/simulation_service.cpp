@@ -9,8 +9,10 @@
 
 namespace dccast::service {
 
-SimulationService::SimulationService(Context& context, const std::string& address)
+SimulationService::SimulationService(Context& context, studies::Studies& studies,
+                                     const std::string& address)
     : context_(context),
+      studies_{studies, context},
       users_(address),
       lanes_(context.checkers, context.maximum_waiting_checks) {}
 
@@ -31,14 +33,14 @@ void SimulationService::in_lane(WorkPool& lane, const Pending& pending,
   if (!lane.post(std::move(turn), pending.bytes)) pending.reactor->Finish(too_many_waiting());
 }
 
-template <class Request, class Response>
+template <class Of, class Request, class Response>
 grpc::ServerUnaryReactor* SimulationService::answer(
-    WorkPool& lane, Wire* wire, const Request* request, Response* response,
-    grpc::Status (*handler)(Context&, const Call&, const Request&, Response&)) {
+    WorkPool& lane, Wire* wire, Of& context, const Request* request, Response* response,
+    grpc::Status (*handler)(Of&, const Call&, const Request&, Response&)) {
   Unary* reactor = wire->DefaultReactor();
   in_lane(
       lane, {wire, reactor, request->ByteSizeLong()},
-      [=, this](const Call& call) { return handler(context_, call, *request, *response); },
+      [=, &context](const Call& call) { return handler(context, call, *request, *response); },
       [reactor] { reactor->Finish(grpc::Status::OK); });
   return reactor;
 }
@@ -109,6 +111,65 @@ grpc::ServerUnaryReactor* SimulationService::QueryResult(Wire* wire,
   return answer(lane, wire, request, response, &query_result);
 }
 
+grpc::ServerUnaryReactor* SimulationService::CreateStudy(Wire* wire,
+                                                         const v1::CreateStudyRequest* request,
+                                                         v1::Study* response) {
+  const Pending pending{wire, wire->DefaultReactor(), request->ByteSizeLong()};
+  const auto examine = [=, this](const Call& call) {
+    return examine_study(studies_, call, *request);
+  };
+  const auto create = [=, this](const Call& call) {
+    return create_study(studies_, call, *request, *response);
+  };
+  in_lane(lanes_.checks, pending, examine, [=, this] {
+    in_lane(lanes_.durable, pending, create,
+            [pending] { pending.reactor->Finish(grpc::Status::OK); });
+  });
+  return pending.reactor;
+}
+
+grpc::ServerUnaryReactor* SimulationService::GetStudy(Wire* wire,
+                                                      const v1::GetStudyRequest* request,
+                                                      v1::Study* response) {
+  return answer(lanes_.status, wire, studies_, request, response, &get_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::ListStudies(Wire* wire,
+                                                         const v1::ListStudiesRequest* request,
+                                                         v1::ListStudiesResponse* response) {
+  return answer(lanes_.status, wire, studies_, request, response, &list_studies);
+}
+
+grpc::ServerUnaryReactor* SimulationService::CancelStudy(Wire* wire,
+                                                         const v1::CancelStudyRequest* request,
+                                                         v1::Study* response) {
+  return answer(lanes_.durable, wire, studies_, request, response, &cancel_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::ResumeStudy(Wire* wire,
+                                                         const v1::ResumeStudyRequest* request,
+                                                         v1::Study* response) {
+  return answer(lanes_.durable, wire, studies_, request, response, &resume_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::DeleteStudy(Wire* wire,
+                                                         const v1::DeleteStudyRequest* request,
+                                                         v1::DeleteStudyResponse* response) {
+  return answer(lanes_.durable, wire, studies_, request, response, &delete_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::EvaluateStudy(Wire* wire,
+                                                           const v1::EvaluateStudyRequest* request,
+                                                           v1::StudyResult* response) {
+  return answer(lanes_.histories, wire, studies_, request, response, &evaluate_study);
+}
+
+grpc::ServerUnaryReactor* SimulationService::PredictStudy(Wire* wire,
+                                                          const v1::PredictStudyRequest* request,
+                                                          v1::Prediction* response) {
+  return answer(lanes_.histories, wire, studies_, request, response, &predict_study);
+}
+
 grpc::ServerUnaryReactor* SimulationService::ListAlloys(Wire* wire,
                                                         const v1::ListAlloysRequest* request,
                                                         v1::ListAlloysResponse* response) {
@@ -122,13 +183,18 @@ grpc::ServerUnaryReactor* SimulationService::GetServerInfo(Wire* wire,
 }
 
 grpc::ServerWriteReactor<v1::JobEvent>* SimulationService::WatchJob(
-    Wire*, const v1::WatchJobRequest* request) {
-  return watch_job(context_, lanes_.status, *request);
+    Wire* wire, const v1::WatchJobRequest* request) {
+  return watch_job(context_, lanes_.status, StreamCall(*wire, users_), *request);
 }
 
 grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchResult(
-    Wire*, const v1::FetchResultRequest* request) {
-  return fetch_result(context_, lanes_.status, *request);
+    Wire* wire, const v1::FetchResultRequest* request) {
+  return fetch_result(context_, lanes_.status, StreamCall(*wire, users_), *request);
+}
+
+grpc::ServerWriteReactor<v1::Study>* SimulationService::WatchStudy(
+    Wire* wire, const v1::WatchStudyRequest* request) {
+  return watch_study(studies_, lanes_.status, StreamCall(*wire, users_), *request);
 }
 
 grpc::ServerWriteReactor<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(

@@ -22,10 +22,11 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::JobEvent>,
 public:
   explicit WatchStream(Context& context) : context_(context) {}
 
-  void begin(WorkPool& lane, const v1::WatchJobRequest& request) {
+  void begin(WorkPool& lane, const StreamCall& stream, const v1::WatchJobRequest& request) {
     self_ = shared_from_this();
-    const bool taken = lane.post([self = self_, request] {
-      const grpc::Status status = guarded([&] { return self->open(request); });
+    const bool taken = lane.post([self = self_, stream, request] {
+      const grpc::Status status = guarded(
+          [&] { return self->open(stream.call([self] { return self->cancelled(); }), request); });
       if (!status.ok()) self->end(status);
     });
     if (!taken) end(too_many_waiting());
@@ -53,7 +54,8 @@ public:
   void OnDone() override { self_.reset(); }
 
 private:
-  grpc::Status open(const v1::WatchJobRequest& request) {
+  grpc::Status open(const Call& call, const v1::WatchJobRequest& request) {
+    if (const auto unwanted = no_longer_wanted(call)) return *unwanted;
     if (const auto status = check_id(request.id()); !status.ok()) return status;
     if (!context_.scheduler.find(request.id())) return job_not_found(request.id());
     const auto log = context_.scheduler.log(request.id());
@@ -69,6 +71,11 @@ private:
     }
     context_.logs.watch(request.id(), weak_from_this());  // calls on_appended() soon
     return grpc::Status::OK;
+  }
+
+  bool cancelled() {
+    const std::lock_guard lock(mutex_);
+    return cancelled_;
   }
 
   void end(const grpc::Status& status) {
@@ -141,10 +148,10 @@ private:
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& lane,
+grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& lane, StreamCall call,
                                                   const v1::WatchJobRequest& request) {
   const auto stream = std::make_shared<WatchStream>(context);
-  stream->begin(lane, request);
+  stream->begin(lane, call, request);
   return stream.get();
 }
 

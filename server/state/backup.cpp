@@ -12,6 +12,8 @@
 #include "proto/values/sha256.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/state/store_guard.hpp"
+#include "server/studies/study_file.hpp"
+#include "server/studies/study_store.hpp"
 
 namespace dccast::state {
 
@@ -94,6 +96,16 @@ std::size_t copy_jobs(const StateFolder& from, const StateFolder& to) {
   return store.ids().size();
 }
 
+/// Copies the files of all studies in the copied store; repairing a restored folder writes those
+/// that were removed meanwhile.
+void copy_studies(const StateFolder& from, const StateFolder& to) {
+  fs::create_directories(to.studies());
+  for (const std::string& id : studies::StudyStore(to.store()).ids()) {
+    const fs::path file = studies::study_file(from.studies(), id);
+    if (fs::exists(file)) fs::copy_file(file, studies::study_file(to.studies(), id));
+  }
+}
+
 }  // namespace
 
 void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
@@ -107,6 +119,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   fs::create_directories(target.jobs());
   jobs::JobStore(folder.store()).copy_to(target.store());
   const std::size_t count = copy_jobs(folder, target);
+  copy_studies(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
   sync_file_system(to);
   jobs::replace_file(to / manifest_file, manifest_of(to));

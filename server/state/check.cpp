@@ -32,6 +32,7 @@ public:
         if (!ids_.contains(id)) check_unknown(id);
       for (const std::string& id : ids_)
         check_job(folder_, *store_, id, options_, report_, totals_);
+      check_studies(folder_, *store_, options_, report_);
       say_totals();
     }
     list_removals();

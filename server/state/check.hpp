@@ -48,4 +48,8 @@ struct JobTotals {
 void check_job(const StateFolder& folder, jobs::JobStore& store, const std::string& id,
                const CheckOptions& options, Report& report, JobTotals& totals);
 
+/// The part of check() about studies. The rows of jobs are sound by then.
+void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckOptions& options,
+                   Report& report);
+
 }  // namespace dccast::state

@@ -15,6 +15,7 @@ public:
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path jobs() const { return path_ / "jobs"; }
+  std::filesystem::path studies() const { return path_ / "studies"; }
   std::filesystem::path check() const { return path_ / "check"; }  ///< of cases being checked
   std::filesystem::path store() const { return path_ / "jobs.sqlite"; }
   std::filesystem::path wal() const { return path_ / "jobs.sqlite-wal"; }

@@ -6,6 +6,8 @@
 #include "server/jobs/quarantine.hpp"
 #include "server/state/adoption.hpp"
 #include "server/state/wal_file.hpp"
+#include "server/studies/study_file.hpp"
+#include "server/studies/study_store.hpp"
 
 namespace dccast::state {
 
@@ -83,6 +85,15 @@ std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::s
   return lost;
 }
 
+std::set<std::string> lost_studies(const StateFolder& folder) {
+  std::set<std::string> lost = studies::ids_of_study_files(folder.studies());
+  if (lost.empty()) return lost;
+  studies::StudyStore store(folder.store());
+  for (const std::string& id : store.ids()) lost.erase(id);
+  for (const std::string& id : store.removing()) lost.erase(id);
+  return lost;
+}
+
 void keep_damaged_wal(const StateFolder& folder) {
   if (inspect_wal(folder.wal()) != WalState::damaged_frames) return;
   const fs::path copy = folder.wal().string() + ".damaged";
@@ -103,6 +114,10 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
       refuse(folder, "the job store " + folder.store().string() + " has lost " +
                          std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
                          *lost.begin());
+    const auto studies = lost_studies(folder);
+    if (!studies.empty())
+      refuse(folder, "the job store " + folder.store().string() + " has lost " +
+                         std::to_string(studies.size()) + " studies, e.g. " + *studies.begin());
     for (const jobs::JobRecord& record : store->unfinished()) {
       require_case_as_submitted(folder, *store, record);
       mark_as_accepted(folder, record);

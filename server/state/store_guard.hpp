@@ -25,6 +25,10 @@ std::string store_file_fault(const StateFolder& folder);
 /// @throws std::system_error
 std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::string>& known_ids);
 
+/// Studies that have a file and no row: they were acknowledged, and rows are lost. The store must
+/// be one of this version.
+std::set<std::string> lost_studies(const StateFolder& folder);
+
 /// Copies a write-ahead log with a damaged record to `jobs.sqlite-wal.damaged` and says so in the
 /// log: SQLite will drop what comes after it and remove the file. @throws std::system_error
 void keep_damaged_wal(const StateFolder& folder);

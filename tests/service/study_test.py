@@ -35,7 +35,7 @@ def at(instant, time, values):
 
 
 def extrapolated(time, curves):
-    """Order, limit and uncertainty of the last three curves, after client/refinement_study.hpp."""
+    """Order, limit and uncertainty of the last three curves, after server/studies/extrapolation.hpp."""
     coarse, middle, fine = ([at(t, *curve) for t in time] for curve in curves[-3:])
     d1 = [b - a for a, b in zip(coarse, middle)]
     d2 = [b - a for a, b in zip(middle, fine)]

@@ -210,6 +210,11 @@ TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
     store.update(*found, Durability::full);
     store.insert(member, "", "");
   }
+  {
+    Database database(path);
+    Statement studies(database, "SELECT COUNT(*) FROM study JOIN study_run ON study = id");
+    EXPECT_TRUE(studies.step());
+  }
   JobStore again(path);  // the step is taken once
   EXPECT_EQ(again.ids().size(), 2u);
   const auto listed = again.list({.study = member.job.study()});

@@ -1,6 +1,7 @@
 #include <cmath>
 
-#include "client/refinement_study.hpp"
+#include "proto/values/interpolation.hpp"
+#include "server/studies/extrapolation.hpp"
 #include "tests/verification/program/casting_run.hpp"
 #include "tests/verification/program/paper_tables.hpp"
 
@@ -12,11 +13,11 @@ struct Family {
   const char* name;
   mesh::ElementKind element;
   std::vector<double> time_s{};
-  std::vector<client::RefinedCurve> curves{};  ///< coarsest first
+  std::vector<studies::RefinedCurve> curves{};  ///< coarsest first
   std::vector<double> seconds{};               ///< by curve
 
   double last_mm(std::size_t level) const { return 1e3 * curves[level].value_m.back(); }
-  client::CurveLimit limit() const { return client::extrapolate(time_s, curves); }
+  studies::CurveLimit limit() const { return studies::extrapolate(time_s, curves); }
 };
 
 std::string text_of(const char* format, double a, double b) {
@@ -37,7 +38,7 @@ void add_level(Table& table, Family& family, int refinement, double limit) {
   if (family.time_s.empty()) family.time_s = run.time_s;
   family.seconds.push_back(run.seconds);
   family.curves.push_back(
-      {refinement, client::at_instants(family.time_s, run.time_s, run.curl_m)});
+      {refinement, values::at_instants(family.time_s, run.time_s, run.curl_m)});
 }
 
 /// Seconds a family needs for an error, on the line through its two nearest levels in logarithms.
@@ -58,7 +59,7 @@ struct Limit {
 };
 
 Limit limit_of(const Family& family) {
-  const client::CurveLimit curve = family.limit();
+  const studies::CurveLimit curve = family.limit();
   const Limit limit{1e3 * curve.value_m.back(), 1e3 * curve.uncertainty_m.back(), {}};
   std::string text = text_of("%.3f +- %.3f mm", limit.value, limit.uncertainty);
   if (curve.order) text += text_of(" (order %.2f)", *curve.order, 0.0);

@@ -1,11 +1,11 @@
-#include "client/divided_case.hpp"
+#include "server/studies/divided_case.hpp"
 
 #include <google/protobuf/util/message_differencer.h>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 
-namespace dccast::client {
+namespace dccast::studies {
 namespace {
 
 void scale_steps(v1::TimeControl& time, double factor) {
@@ -55,4 +55,4 @@ bool is_refined_case(const v1::Case& a, const v1::Case& b) {
   return google::protobuf::util::MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 
-}  // namespace dccast::client
+}  // namespace dccast::studies

@@ -1,11 +1,11 @@
-#include "client/refinement_study.hpp"
+#include "server/studies/extrapolation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace dccast::client {
+namespace dccast::studies {
 namespace {
 
 using testing::ElementsAre;
@@ -158,12 +158,5 @@ TEST(RefinementStudy, AnUnknownInstantSpoilsNoOther) {
   EXPECT_NEAR(limit.value_m[2], 2.0, 1e-12);
 }
 
-TEST(AtInstants, IsLinearBetweenAndUnknownOutside) {
-  const auto values = at_instants({-1.0, 0.0, 0.5, 2.0, 3.0000001, 4.0}, {0, 1, 3}, {0, 2, 6});
-  EXPECT_TRUE(std::isnan(values[0]));
-  EXPECT_TRUE(std::isnan(values[5]));
-  EXPECT_THAT(std::vector<double>(values.begin() + 1, values.begin() + 5), ElementsAre(0, 1, 4, 6));
-}
-
 }  // namespace
-}  // namespace dccast::client
+}  // namespace dccast::studies

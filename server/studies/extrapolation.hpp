@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-namespace dccast::client {
+namespace dccast::studies {
 
 /// A curve on one mesh, at instants that the curves of all meshes have in common.
 struct RefinedCurve {
@@ -39,9 +39,4 @@ struct CurveLimit {
 /// @param curves  coarsest first, at least two
 CurveLimit extrapolate(const std::vector<double>& time_s, const std::vector<RefinedCurve>& curves);
 
-/// A curve at other instants, linear between its own; NaN outside of them.
-std::vector<double> at_instants(const std::vector<double>& instants_s,
-                                const std::vector<double>& time_s,
-                                const std::vector<double>& value);
-
-}  // namespace dccast::client
+}  // namespace dccast::studies

@@ -1,0 +1,217 @@
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+
+#include "client/case_faults.hpp"
+#include "client/commands/commands.hpp"
+#include "client/message_json.hpp"
+#include "client/render/study_text.hpp"
+#include "client/render/sweep_page.hpp"
+#include "client/render/sweep_table.hpp"
+#include "client/study_reading.hpp"
+#include "client/study_watch.hpp"
+#include "client/sweep_request.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/values/uuid.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string study;
+  std::vector<std::string> grid, list, set, labels;
+  int hypercube = 0;
+  std::uint64_t seed = 0;
+  bool no_wait = false;
+  bool json = false;
+  std::string csv, plot;
+};
+
+/// The plan that the command line names.
+v1::SweepPlan plan_of(const Options& options) {
+  v1::SweepPlan plan;
+  const auto& axes = options.list.empty() ? options.grid : options.list;
+  for (const std::string& axis : axes) *plan.add_axes() = axis_of(axis);
+  plan.set_design(options.hypercube > 0  ? v1::SweepPlan::LATIN_HYPERCUBE
+                  : options.list.empty() ? v1::SweepPlan::GRID
+                                         : v1::SweepPlan::LIST);
+  plan.set_runs(options.hypercube);
+  plan.set_seed(options.seed);
+  return plan;
+}
+
+/// The case file and the plan, from a sweep file or from the command line.
+SweepFile sweep_of(const Options& options) {
+  const bool by_command = !options.grid.empty() || !options.list.empty();
+  if (by_command) return {options.file, plan_of(options)};
+  if (is_sweep_file(options.file)) return read_sweep_file(options.file);
+  throw CommandFailed(ExitCode::invalid,
+                      options.file +
+                          ": has no [[axis]]; give a sweep file, or keys of the case by --grid "
+                          "KEY=a,b,c");
+}
+
+std::vector<v1::CaseChange> changes_of(const Options& options) {
+  std::vector<v1::CaseChange> changes;
+  for (const std::string& text : options.set) {
+    const auto change = case_file::parse_change(text);
+    if (!change)
+      throw CommandFailed(ExitCode::invalid, "--set " + text + ": write it as KEY=VALUE");
+    changes.push_back(*change);
+  }
+  return changes;
+}
+
+/// The case with its changes, as read.
+CaseUnderCheck case_of(const std::string& file, const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked = read_case(file);
+  const auto folder = std::filesystem::path(file).parent_path();
+  case_file::apply_changes(checked.description, changes, checked.read, folder);
+  checked.faults = checked.read.faults;
+  return checked;
+}
+
+v1::CreateStudyRequest request_of(const Options& options, const CaseUnderCheck& checked,
+                                  const v1::SweepPlan& plan) {
+  const auto changes = changes_of(options);
+  v1::CreateStudyRequest request;
+  request.set_request_id(values::random_uuid());
+  *request.mutable_case_() = checked.description;
+  *request.mutable_attachments() = {checked.read.attachments.begin(),
+                                    checked.read.attachments.end()};
+  *request.mutable_changes() = {changes.begin(), changes.end()};
+  *request.mutable_labels() = {options.labels.begin(), options.labels.end()};
+  *request.mutable_sweep() = plan;
+  return request;
+}
+
+/// What is wrong with a plan or one of its cases, a line each.
+void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
+  const std::string& message = status.error_message();
+  const std::string run =
+      message.starts_with("run ") ? message.substr(0, message.find(": the case has")) + ": " : "";
+  for (const v1::Fault& fault : faults_of(status))
+    std::cerr << run << describe(fault, checked.read.source) << '\n';
+}
+
+/// @return the study; nothing when it was refused, which is said
+std::optional<v1::Study> create(Connection& connection, const Options& options) {
+  const SweepFile sweep = sweep_of(options);
+  const CaseUnderCheck checked = case_of(sweep.case_file, changes_of(options));
+  if (!checked.faults.empty()) {
+    print_faults(checked, std::cerr);
+    return std::nullopt;
+  }
+  v1::Study study;
+  const grpc::Status status =
+      connection.try_call(&Stub::CreateStudy, request_of(options, checked, sweep.plan), study);
+  if (!faults_of(status).empty()) {
+    print_refusal(status, checked);
+    return std::nullopt;
+  }
+  check(status, connection.server());
+  return study;
+}
+
+void write_file(const std::string& path, const std::string& content) {
+  if (path == "-") {
+    std::cout << content << std::flush;
+    return;
+  }
+  std::ofstream stream(path, std::ios::binary);
+  if (!(stream << content << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + path);
+  std::cerr << "wrote " << path << '\n';
+}
+
+void print(const Options& options, const v1::StudyResult& result) {
+  if (!options.csv.empty()) write_file(options.csv, render::sweep_csv(result));
+  if (!options.plot.empty()) write_file(options.plot, render::sweep_page(result));
+  if (options.json)
+    std::cout << to_json(result).dump() << '\n';
+  else if (options.csv != "-" && options.plot != "-")
+    std::cout << "study " << result.study().id() << '\n' << render::sweep_table(result);
+  std::cout << std::flush;
+}
+
+ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
+  try {
+    render::StudyProgress progress(std::cerr, render::terminal_of(2));
+    if (!options.no_wait)
+      follow_study(
+          connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
+  } catch (const Interrupted&) {
+    throw Interrupted("the study goes on. Come back: dccast sweep --study " + id);
+  }
+  const v1::StudyResult result = evaluate_study(connection, id, options.json);
+  print(options, result);
+  if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
+  return exit_code_of(result.study().state());
+}
+
+ExitCode run(const Options& options, Program& program) {
+  if (options.file.empty() == options.study.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "give a sweep FILE or a case to begin, or --study ID to take one up again");
+  Connection connection = program.connect();
+  if (!options.study.empty()) return wait_and_print(connection, options, options.study);
+  const auto study = create(connection, options);
+  if (!study) return ExitCode::invalid;
+  std::cerr << "study " << study->id() << ", " << study->runs()
+            << " runs; taken up again by dccast sweep --study " << study->id() << '\n';
+  if (options.no_wait) {
+    std::cout << study->id() << std::endl;
+    return ExitCode::done;
+  }
+  return wait_and_print(connection, options, study->id());
+}
+
+constexpr const char* examples =
+    "dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,60 mm/min,70 mm/min'\n"
+    "  dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,80 mm/min' \\\n"
+    "      --grid schedule.water_flow.scale=0.7,1.2 --lhs 40 --plot sweep.html\n"
+    "  dccast sweep SWEEP.toml --csv sweep.csv           case, design and keys in a file\n"
+    "  dccast sweep --study ID --no-wait --json          what there is so far, with the curves\n"
+    "\n"
+    "docs/studies.md has the format of a sweep file. The runs wait behind all other jobs; dccast\n"
+    "studies cancels and resumes them, dccast predict answers for values that were not run.";
+
+void add_options(CLI::App& command, Options& options) {
+  command.add_option("FILE", options.file, "Sweep file, or with --grid or --list a case file");
+  auto* const grid = command.add_option(
+      "--grid", options.grid, "KEY=a,b,c: every value with those of the other keys; repeatable");
+  auto* const list = command.add_option(
+      "--list", options.list, "KEY=a,b,c: the first values of all keys, the second ones, ...");
+  list->excludes(grid);
+  command
+      .add_option(
+          "--lhs", options.hypercube,
+          "So many runs at places of a Latin hypercube between the two values of each --grid")
+      ->check(CLI::Range(1, 10000))
+      ->excludes(list);
+  command.add_option("--seed", options.seed, "Of the Latin hypercube")->capture_default_str();
+  command.add_option("--set", options.set, "KEY=VALUE: change the case beside its file");
+  command.add_option("--label", options.labels, "Label of the study; repeatable");
+  command.add_option("--study", options.study, "Take this study up again");
+  command.add_flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
+  command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
+  command.add_option("--plot", options.plot,
+                     "Write an HTML page with the curl against the keys; - for standard output");
+  command.add_flag("--json", options.json, "As JSON, in metres, with the curves");
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command = subcommand(
+      app, "sweep", "Run a case at many values of its keys, and compare the curl", examples);
+  add_options(*command, *options);
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "client/render/terminal.hpp"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::client::render {
+
+/// "running", "succeeded", ...
+std::string state_text(v1::StudyState state);
+
+/// "refinement", "sweep of 2 keys", "mould".
+std::string plan_text(const v1::Study& study);
+
+/// "120 of 200 runs, 2 running, 3 failed, 61 %".
+std::string progress_text(const v1::Study& study);
+
+/// Everything about one study, one fact a line.
+std::string study_sheet(const v1::Study& study);
+
+/// Shows the progress of a study: on a terminal one line that renews itself, elsewhere a line each
+/// tenth of the way.
+class StudyProgress {
+public:
+  StudyProgress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
+  StudyProgress(const StudyProgress&) = delete;
+  ~StudyProgress();
+  void show(const v1::Study& study);
+
+private:
+  std::ostream& stream_;
+  Terminal terminal_;
+  bool line_open_ = false;
+  int shown_tenth_ = -1;
+};
+
+}  // namespace dccast::client::render

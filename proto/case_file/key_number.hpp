@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include <google/protobuf/message.h>
+
+namespace dccast::case_file {
+
+/// The field at a path of a message, as in a case file ("schedule.casting_speed", "monitor[1].x",
+/// "schedule.water_flow.scale").
+struct FieldPlace {
+  google::protobuf::Message* message = nullptr;
+  const google::protobuf::FieldDescriptor* field = nullptr;  ///< null: there is no such key
+};
+
+/// Tables on the way are made when they are absent; elements of arrays are not.
+FieldPlace place_of(google::protobuf::Message& message, std::string_view path);
+
+/// The number at a path, in the unit of the schema: of a quantity, a number, an integer, or a curve
+/// of one point. @return nothing for other keys and absent ones
+std::optional<double> number_at(const google::protobuf::Message& message, std::string_view path);
+
+/// Whether the key at this path takes whole numbers only.
+bool is_whole_number(const google::protobuf::Message& message, std::string_view path);
+
+}  // namespace dccast::case_file

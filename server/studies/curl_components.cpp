@@ -1,0 +1,68 @@
+#include "server/studies/curl_components.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr Eigen::Index most_components = 6;
+constexpr double share_left = 1e-6;  // of the sum of squares, that no component needs to carry
+
+Eigen::Index count_of(const Eigen::VectorXd& singular) {
+  const double whole = singular.squaredNorm();
+  Eigen::Index count = 0;
+  double left = whole;
+  while (count < std::min(most_components, singular.size()) && left > share_left * whole)
+    left -= singular(count) * singular(count), ++count;
+  return count;
+}
+
+}  // namespace
+
+Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& figures)
+    : mean_(figures.colwise().mean()) {
+  rest_ = figures.rowwise() - mean_;
+  if (figures.cols() == 0) return;
+  const Eigen::BDCSVD<Eigen::MatrixXd> parts(rest_, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::Index count = count_of(parts.singularValues());
+  shape_ = parts.matrixV().leftCols(count);
+  const Eigen::MatrixXd amounts = rest_ * shape_;
+  rest_ -= amounts * shape_.transpose();
+  for (Eigen::Index k = 0; k < count; ++k) amounts_.emplace_back(places, amounts.col(k));
+}
+
+Components::Estimate Components::estimate(const Eigen::RowVectorXd& place) const {
+  Estimate result{mean_.transpose(),
+                  rest_.colwise().squaredNorm().transpose() / static_cast<double>(rest_.rows())};
+  for (std::size_t k = 0; k < amounts_.size(); ++k) {
+    const auto amount = amounts_[k].estimate(place);
+    const auto shape = shape_.col(static_cast<Eigen::Index>(k));
+    result.mean += amount.mean(0) * shape;
+    result.variance += amount.variance(0) * shape.cwiseAbs2();
+  }
+  return result;
+}
+
+Eigen::VectorXd Components::left_out_errors(Eigen::Index figure) const {
+  Eigen::VectorXd errors = rest_.col(figure);
+  for (std::size_t k = 0; k < amounts_.size(); ++k)
+    errors += amounts_[k].left_out_errors() * shape_(figure, static_cast<Eigen::Index>(k));
+  return errors;
+}
+
+Eigen::VectorXd Components::variance_of(const Eigen::MatrixXd& places,
+                                        const std::vector<Eigen::Index>& figures) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());
+  for (std::size_t k = 0; k < amounts_.size(); ++k) {
+    double share = 0.0;
+    for (const Eigen::Index figure : figures)
+      share += shape_(figure, static_cast<Eigen::Index>(k)) *
+               shape_(figure, static_cast<Eigen::Index>(k));
+    sum += share * amounts_[k].estimate(places).variance;
+  }
+  return sum;
+}
+
+}  // namespace dccast::studies

@@ -1,0 +1,105 @@
+// What studies say: their runs with figures and curves, and what a plan makes of them.
+#include <climits>
+#include <limits>
+
+#include "server/jobs/events.hpp"
+#include "server/studies/studies.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr std::size_t most_histories = 4096;  // kept in memory, some 10 kB each
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// A run that has a job.
+void describe_job(const v1::Job& job, v1::StudyRun& run) {
+  run.set_job(job.id());
+  run.set_state(job.state());
+  *run.mutable_findings() = job.findings();
+  if (job.has_failure()) *run.mutable_failure() = job.failure();
+  run.set_solver_s(job.last_step().solver_s());
+  run.set_beyond_validity(job.has_validity_loss());
+}
+
+void describe_without_job(const RunRecord& record, v1::StudyRun& run) {
+  run.set_state(record.to_queue() ? v1::QUEUED : record.outcome);
+  if (record.outcome == v1::FAILED) *run.mutable_failure() = record.failure;
+}
+
+/// The curl at the end of a run, of every monitor of the case.
+void add_end_curls(const v1::Case& base, const v1::Job& job, v1::StudyRun& run) {
+  for (const v1::Monitor& monitor : base.monitor())
+    run.add_end_curl_m(job.state() == v1::SUCCEEDED ? curl_at(job.last_step(), monitor.name())
+                                                    : unknown);
+}
+
+}  // namespace
+
+RunHistory Studies::history_of(const v1::Job& job) {
+  {
+    const std::lock_guard lock(plans_mutex_);
+    if (const auto kept = histories_.find(job.id()); kept != histories_.end()) return *kept->second;
+  }
+  const auto log = scheduler_.log(job.id());
+  const auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
+  const auto history =
+      std::make_shared<const RunHistory>(page ? run_history(job, page->steps) : RunHistory{});
+  if (jobs::is_terminal(job.state())) {
+    const std::lock_guard lock(plans_mutex_);
+    if (histories_.size() >= most_histories) histories_.erase(histories_.begin());
+    histories_[job.id()] = history;
+  }
+  return *history;
+}
+
+/// Runs whose job was deleted are left out.
+std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, bool histories) {
+  const auto plan = plan_of(record);
+  const auto jobs = jobs_of(record.id);
+  std::vector<EvaluatedRun> runs;
+  for (const RunRecord& kept : store_.runs(record.id)) {
+    const auto job = jobs.find(kept.job);
+    if (!kept.job.empty() && job == jobs.end()) continue;
+    EvaluatedRun& evaluated = runs.emplace_back();
+    plan->describe(kept.number, evaluated.run);
+    if (kept.job.empty()) {
+      describe_without_job(kept, evaluated.run);
+      add_end_curls(record.request.case_(), {}, evaluated.run);
+      continue;
+    }
+    describe_job(job->second, evaluated.run);
+    add_end_curls(record.request.case_(), job->second, evaluated.run);
+    if (histories && evaluated.succeeded()) evaluated.history = history_of(job->second);
+  }
+  return runs;
+}
+
+std::optional<v1::StudyResult> Studies::evaluate(const std::string& id, bool curves) {
+  const auto record = store_.find(id);
+  if (!record) return std::nullopt;
+  const auto plan = plan_of(*record);
+  auto runs = evaluated_runs(*record, curves || plan->needs_histories());
+  v1::StudyResult result;
+  *result.mutable_study() = view(*record);
+  for (const v1::Monitor& monitor : record->request.case_().monitor())
+    result.add_monitors(monitor.name());
+  plan->evaluate(runs, result);
+  for (EvaluatedRun& evaluated : runs) {
+    v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
+    if (curves)
+      for (v1::CurlCurve& curve : evaluated.history.curves) *run.add_curves() = std::move(curve);
+  }
+  return result;
+}
+
+std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& request) {
+  const auto record = store_.find(request.id());
+  if (!record) return std::nullopt;
+  const RunCounts counts = store_.counts(record->id);
+  const bool running = counts.ended() < counts.all();
+  return predictions_.predict(*record, counts.of(v1::SUCCEEDED), running, request,
+                              [&] { return evaluated_runs(*record, true); });
+}
+
+}  // namespace dccast::studies

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "server/studies/kernel.hpp"
+
+namespace dccast::studies {
+
+/// A function known at some places, as a Gaussian process with a constant mean and a Matern 5/2
+/// correlation (Rasmussen and Williams 2006, chapters 2, 4 and 5).
+class GaussianProcess {
+public:
+  /// @param places  (point, input), scaled to 0 to 1  @param values  (point), two or more
+  GaussianProcess(Eigen::MatrixXd places, const Eigen::VectorXd& values);
+
+  struct Estimate {
+    Eigen::VectorXd mean;      ///< in the unit of the values
+    Eigen::VectorXd variance;  ///< of the function there, in its square
+  };
+  /// @param places  a row each
+  Estimate estimate(const Eigen::MatrixXd& places) const;
+
+  /// What each value is off the estimate made without it; no process is built anew (eq. 5.12).
+  Eigen::VectorXd left_out_errors() const;
+  const Hyperparameters& hyperparameters() const { return hyperparameters_; }
+
+private:
+  Eigen::MatrixXd places_;
+  Hyperparameters hyperparameters_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd weights_;       ///< inverse covariance times what is off the mean
+  Eigen::VectorXd mean_weights_;  ///< inverse covariance times ones
+  double mean_ = 0.0;
+  double variance_ = 0.0;
+};
+
+}  // namespace dccast::studies

@@ -1,0 +1,242 @@
+#include "server/studies/predictions.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "server/studies/curl_surface.hpp"
+#include "server/studies/sweep_plan.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+// A surface may be out of date while runs arrive, so that no more than this share of the time goes
+// into building it.
+constexpr int building_share = 20;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// One axis of a sweep: numbers are the inputs of surfaces, other values choose among them.
+struct SweptKey {
+  std::string key;
+  bool numeric = true;
+  InputRange range;                 ///< of a numeric one, in the unit of the schema
+  std::string low, high;            ///< as written
+  std::vector<std::string> values;  ///< of another one
+};
+
+SweptKey swept_key(const v1::Case& base, const v1::SweepPlan::Axis& axis) {
+  SweptKey key{axis.key(), true, {}, {}, {}, {axis.values().begin(), axis.values().end()}};
+  for (const std::string& value : key.values) {
+    const double number = number_of(base, axis.key(), value);
+    key.numeric = key.numeric && std::isfinite(number);
+    if (key.low.empty() || number < key.range.low) key.low = value, key.range.low = number;
+    if (key.high.empty() || number > key.range.high) key.high = value, key.range.high = number;
+  }
+  return key;
+}
+
+/// Where a prediction is asked for.
+struct Place {
+  std::vector<double> inputs;  ///< of the numeric keys
+  std::string kind;            ///< values of the others
+};
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
+  return all;
+}
+
+[[noreturn]] void outside(const SweptKey& key, const std::string& value) {
+  throw OutsideDomain(key.key + " = " + value +
+                      " is outside of what the study has run; permitted: " +
+                      (key.numeric ? key.low + " to " + key.high : joined(key.values)));
+}
+
+/// The number of a key that is asked for, or that of the case. @param given  null: not asked for
+double input_of(const v1::Case& base, const SweptKey& key, const std::string* given) {
+  constexpr double margin = 1e-9;  // of a value that was converted from another unit
+  const double number = given != nullptr ? number_of(base, key.key, *given)
+                                         : case_file::number_at(base, key.key).value_or(unknown);
+  if (given != nullptr && !std::isfinite(number))
+    throw FaultyPlace(key.key + " = " + *given + " cannot be read; permitted: " + key.low + " to " +
+                      key.high);
+  if (given == nullptr && !std::isfinite(number))
+    throw FaultyPlace("give a value of " + key.key + ", " + key.low + " to " + key.high +
+                      ": the case has none of its own");
+  const double allowed = margin * std::max(std::abs(key.range.low), std::abs(key.range.high));
+  if (number < key.range.low - allowed || number > key.range.high + allowed)
+    outside(key, given != nullptr ? *given : "as in the case, which is not given");
+  return number;
+}
+
+Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
+               const v1::PredictStudyRequest& request) {
+  std::map<std::string, std::string> given;
+  for (const v1::CaseChange& change : request.values()) given[change.key()] = change.value();
+  Place place;
+  for (const SweptKey& key : keys) {
+    const auto found = given.find(key.key);
+    const std::string* value = found == given.end() ? nullptr : &found->second;
+    if (key.numeric) {
+      place.inputs.push_back(input_of(base, key, value));
+    } else {
+      if (value == nullptr)
+        throw FaultyPlace("give a value of " + key.key + ": " + joined(key.values));
+      if (std::ranges::find(key.values, *value) == key.values.end()) outside(key, *value);
+      place.kind += *value + "\n";
+    }
+    given.erase(key.key);
+  }
+  if (given.empty()) return place;
+  std::vector<std::string> names;
+  for (const SweptKey& key : keys) names.push_back(key.key);
+  throw FaultyPlace(given.begin()->first + " was not swept; the keys of this study are " +
+                    joined(names));
+}
+
+/// A text of a case file for a place on a numeric key, 0 to 1.
+std::string text_at(const v1::Case& base, const SweptKey& key, double place) {
+  v1::SweepPlan::Axis ends;
+  ends.set_key(key.key);
+  ends.add_values(key.low);
+  ends.add_values(key.high);
+  return value_between(base, ends, place);
+}
+
+/// Runs that can be learned from: a run beyond validity is no answer.
+bool counts(const EvaluatedRun& run) {
+  return run.succeeded() && !run.run.beyond_validity() && !run.history.curves.empty() &&
+         run.history.curves.front().time_s_size() > 0;
+}
+
+}  // namespace
+
+/// The axes of a sweep. To read all values of a long list takes longer than to predict.
+struct SweptKeys {
+  v1::Case base;  ///< with its defaults
+  std::vector<SweptKey> all;
+};
+
+/// A surface with the names of its inputs.
+class SweepSurface {
+public:
+  SweepSurface(const StudyRecord& study, const std::vector<SweptKey>& keys, const std::string& kind,
+               const std::vector<EvaluatedRun>& runs)
+      : keys_(keys) {
+    std::vector<SurfaceRun> chosen;
+    for (const EvaluatedRun& run : runs)
+      if (counts(run) && kind_of(run) == kind) chosen.push_back({inputs_of(run), run.history});
+    std::vector<InputRange> domain;
+    for (const SweptKey& key : keys_)
+      if (key.numeric) domain.push_back(key.range);
+    const std::size_t fewest = CurlSurface::fewest_runs(domain.size());
+    if (domain.empty()) throw CannotPredict("no key of this study has numbers to interpolate");
+    if (chosen.size() < fewest)
+      throw CannotPredict("a prediction over " + std::to_string(domain.size()) + " keys needs " +
+                          std::to_string(fewest) + " valid runs that succeeded, and " +
+                          std::to_string(chosen.size()) + " have; wait for more, or sweep more");
+    std::vector<std::string> monitors;
+    for (const v1::Monitor& monitor : study.request.case_().monitor())
+      monitors.push_back(monitor.name());
+    surface_ = std::make_unique<CurlSurface>(std::move(domain), chosen, monitors);
+    name_next_run(study.request.case_());
+  }
+
+  v1::Prediction predict(const std::vector<double>& inputs) const {
+    v1::Prediction prediction;
+    for (v1::CurlCurve& curve : surface_->predict(inputs))
+      *prediction.add_curves() = std::move(curve);
+    prediction.set_cross_validated_error_m(surface_->cross_validated_error_m());
+    prediction.set_runs(surface_->runs());
+    *prediction.mutable_next_run() = {next_run_.begin(), next_run_.end()};
+    return prediction;
+  }
+
+private:
+  std::vector<double> inputs_of(const EvaluatedRun& run) const {
+    std::vector<double> inputs;
+    for (std::size_t i = 0; i < keys_.size(); ++i)
+      if (keys_[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
+    return inputs;
+  }
+
+  std::string kind_of(const EvaluatedRun& run) const {
+    std::string kind;
+    for (std::size_t i = 0; i < keys_.size(); ++i)
+      if (!keys_[i].numeric) kind += run.run.values(static_cast<int>(i)) + "\n";
+    return kind;
+  }
+
+  void name_next_run(const v1::Case& base) {
+    auto place = surface_->next_place().begin();
+    for (const SweptKey& key : keys_) {
+      if (!key.numeric) continue;
+      v1::CaseChange& change = next_run_.emplace_back();
+      change.set_key(key.key);
+      change.set_value(text_at(base, key, *place++));
+    }
+  }
+
+  std::vector<SweptKey> keys_;
+  std::unique_ptr<const CurlSurface> surface_;
+  std::vector<v1::CaseChange> next_run_;
+};
+
+Predictions::Predictions() = default;
+Predictions::~Predictions() = default;
+
+std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
+  const std::lock_guard lock(mutex_);
+  if (const auto kept = keys_.find(study.id); kept != keys_.end()) return kept->second;
+  SweptKeys keys{study.request.case_(), {}};
+  case_file::apply_defaults(keys.base);
+  for (const auto& axis : study.request.sweep().axes())
+    keys.all.push_back(swept_key(study.request.case_(), axis));
+  return keys_[study.id] = std::make_shared<const SweptKeys>(std::move(keys));
+}
+
+std::shared_ptr<const SweepSurface> Predictions::surface_of(
+    const StudyRecord& study, int succeeded, bool running, const std::string& kind,
+    const std::function<std::shared_ptr<const SweepSurface>()>& build) {
+  const std::lock_guard lock(mutex_);
+  Kept& kept = kept_[study.id][kind];
+  const bool recent = running && Clock::now() - kept.built < building_share * kept.took;
+  if (kept.surface && (kept.succeeded == succeeded || recent)) return kept.surface;
+  const auto begin = Clock::now();
+  kept.surface = build();
+  kept.succeeded = succeeded;
+  kept.built = Clock::now();
+  kept.took = kept.built - begin;
+  spdlog::debug("study {}: response surface of {} runs in {} ms", study.id, succeeded,
+                std::chrono::duration_cast<std::chrono::milliseconds>(kept.took).count());
+  return kept.surface;
+}
+
+v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, bool running,
+                                    const v1::PredictStudyRequest& request,
+                                    const std::function<std::vector<EvaluatedRun>()>& runs) {
+  if (!study.request.has_sweep())
+    throw CannotPredict("study " + study.id + " is no sweep: nothing lies between its runs");
+  const auto keys = keys_of(study);
+  const Place place = place_of(keys->base, keys->all, request);
+  const auto surface = surface_of(study, succeeded, running, place.kind, [&] {
+    return std::make_shared<const SweepSurface>(study, keys->all, place.kind, runs());
+  });
+  return surface->predict(place.inputs);
+}
+
+void Predictions::forget(const std::string& study) {
+  const std::lock_guard lock(mutex_);
+  kept_.erase(study);
+  keys_.erase(study);
+}
+
+}  // namespace dccast::studies

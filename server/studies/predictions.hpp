@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/service.pb.h"
+#include "server/studies/study_plan.hpp"
+#include "server/studies/study_record.hpp"
+
+namespace dccast::studies {
+
+/// There is nothing to predict from: not a sweep, or too few runs. The text says what to do.
+class CannotPredict : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+/// A value outside of what was swept. The text names key, value and what is permitted.
+class OutsideDomain : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+/// A value that cannot be read, or a key that was not swept.
+class FaultyPlace : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+class SweepSurface;
+struct SweptKeys;
+
+/// Response surfaces of sweeps, built when one is asked for and kept until runs arrive. Safe to use
+/// from several threads.
+class Predictions {
+public:
+  Predictions();
+  ~Predictions();
+
+  /// @param succeeded  runs of the study that have
+  /// @param running    whether more may come
+  /// @param runs       reads them with their histories
+  /// @throws CannotPredict, OutsideDomain, FaultyPlace
+  v1::Prediction predict(const StudyRecord& study, int succeeded, bool running,
+                         const v1::PredictStudyRequest& request,
+                         const std::function<std::vector<EvaluatedRun>()>& runs);
+  void forget(const std::string& study);
+
+private:
+  using Clock = std::chrono::steady_clock;
+  struct Kept {
+    std::shared_ptr<const SweepSurface> surface;
+    int succeeded = 0;
+    Clock::time_point built{};
+    Clock::duration took{};
+  };
+  std::shared_ptr<const SweepSurface> surface_of(
+      const StudyRecord& study, int succeeded, bool running, const std::string& kind,
+      const std::function<std::shared_ptr<const SweepSurface>()>& build);
+
+  std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);
+
+  std::mutex mutex_;  ///< one surface is built at a time
+  std::map<std::string, std::shared_ptr<const SweptKeys>> keys_;  ///< by study
+  std::map<std::string, std::map<std::string, Kept>> kept_;       ///< by study and kind
+};
+
+}  // namespace dccast::studies

@@ -1,0 +1,112 @@
+// The case on finer and finer meshes with shorter and shorter steps, and what its curl tends to.
+#include <algorithm>
+#include <optional>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/values/interpolation.hpp"
+#include "server/studies/divided_case.hpp"
+#include "server/studies/extrapolation.hpp"
+#include "server/studies/plans.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr int fewest_levels = 2, most_levels = 5;
+
+std::vector<double> values_of(const google::protobuf::RepeatedField<double>& field) {
+  return {field.begin(), field.end()};
+}
+
+/// The runs that count: what succeeded and has a history.
+std::vector<const EvaluatedRun*> levels_of(const std::vector<EvaluatedRun>& runs) {
+  std::vector<const EvaluatedRun*> levels;
+  for (const EvaluatedRun& run : runs)
+    if (run.succeeded() && !run.history.curves.empty()) levels.push_back(&run);
+  return levels;
+}
+
+/// The limit of one monitor at the instants of the coarsest run; nothing with fewer than two runs.
+std::optional<v1::StudyResult::Limit> limit_of(const std::vector<const EvaluatedRun*>& levels,
+                                               const v1::CurlCurve& coarsest) {
+  const std::vector<double> time_s = values_of(coarsest.time_s());
+  std::vector<RefinedCurve> curves;
+  for (const EvaluatedRun* level : levels)
+    if (const v1::CurlCurve* curve = level->history.curve(coarsest.monitor()))
+      curves.push_back(
+          {level->run.refinement(),
+           values::at_instants(time_s, values_of(curve->time_s()), values_of(curve->curl_m()))});
+  if (curves.size() < 2) return std::nullopt;
+  const CurveLimit found = extrapolate(time_s, curves);
+  v1::StudyResult::Limit limit;
+  *limit.mutable_curve() = coarsest;
+  limit.mutable_curve()->mutable_curl_m()->Assign(found.value_m.begin(), found.value_m.end());
+  limit.mutable_curve()->mutable_uncertainty_m()->Assign(found.uncertainty_m.begin(),
+                                                         found.uncertainty_m.end());
+  if (found.order) limit.set_order(*found.order);
+  return limit;
+}
+
+class RefinementStudy final : public StudyPlan {
+public:
+  explicit RefinementStudy(const v1::CreateStudyRequest& request)
+      : base_(request.case_()), levels_(request.refinement().levels()) {
+    case_file::apply_defaults(*base_.mutable_mesh());
+  }
+
+  int runs() const override { return levels_; }
+
+  PlannedRun run(int number) const override {
+    const std::string key = std::to_string(refinement(number));
+    return {key, "refinement " + key, divided(base_, 1 << number), {}};
+  }
+
+  void describe(int number, v1::StudyRun& run) const override {
+    run.set_refinement(refinement(number));
+  }
+
+  bool needs_histories() const override { return true; }
+
+  void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const override {
+    const auto levels = levels_of(runs);
+    for (const EvaluatedRun* level : levels)
+      if (const auto& from_s = level->history.beyond_from_s)
+        if (!result.has_valid_until_s() || *from_s < result.valid_until_s())
+          result.set_valid_until_s(*from_s);
+    if (levels.size() < 2) return;
+    for (const v1::CurlCurve& curve : levels.front()->history.curves)
+      if (auto limit = limit_of(levels, curve)) *result.add_limits() = std::move(*limit);
+  }
+
+private:
+  int refinement(int number) const { return base_.mesh().refinement() * (1 << number); }
+
+  v1::Case base_;
+  int levels_;
+};
+
+}  // namespace
+
+std::vector<v1::Fault> refinement_faults(const v1::CreateStudyRequest& request) {
+  std::vector<v1::Fault> faults;
+  const int levels = request.refinement().levels();
+  if (levels < fewest_levels || levels > most_levels) {
+    v1::Fault& fault = faults.emplace_back();
+    fault.set_field("refinement.levels");
+    fault.set_value(std::to_string(levels));
+    fault.set_message("is out of range");
+    fault.set_permitted("2 to 5");
+  }
+  if (const std::string reason = reason_against_dividing(request.case_()); !reason.empty()) {
+    v1::Fault& fault = faults.emplace_back();
+    fault.set_field("refinement");
+    fault.set_message(reason);
+  }
+  return faults;
+}
+
+std::unique_ptr<StudyPlan> refinement_plan(const v1::CreateStudyRequest& request) {
+  return std::make_unique<RefinementStudy>(request);
+}
+
+}  // namespace dccast::studies

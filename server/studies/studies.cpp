@@ -1,0 +1,279 @@
+// The requests about studies. How runs become jobs is in study_feeder.cpp, what they say in
+// evaluation.cpp.
+#include "server/studies/studies.hpp"
+
+#include <google/protobuf/util/message_differencer.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <climits>
+#include <utility>
+
+#include "proto/values/uuid.hpp"
+#include "server/jobs/events.hpp"
+#include "server/studies/study_file.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+using google::protobuf::util::MessageDifferencer;
+
+bool lost(v1::JobState state) {
+  return state == v1::FAILED || state == v1::CANCELLED;
+}
+
+/// Whether the same case would end in the same way again.
+bool by_the_case_itself(const v1::Failure& failure) {
+  switch (failure.kind()) {
+    case v1::Failure::SOLVE_FAILED:
+    case v1::Failure::CHECK_FAILED:
+    case v1::Failure::INVALID_CASE:
+    case v1::Failure::SHELL_MELTED_THROUGH:
+    case v1::Failure::MOTION_TOO_LARGE:
+    case v1::Failure::LIQUID_PRESSURE_LOST:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Whether two requests differ in nothing but the number of levels of a refinement.
+bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
+  if (a.plan_case() != b.plan_case()) return false;
+  if (a.has_refinement()) return true;
+  return MessageDifferencer::Equals(a.sweep(), b.sweep());
+}
+
+v1::StudyState state_of(const RunCounts& counts) {
+  if (counts.ended() < counts.all()) return v1::STUDY_RUNNING;
+  if (counts.of(v1::CANCELLED) > 0 || counts.all() == 0) return v1::STUDY_CANCELLED;
+  return counts.of(v1::FAILED) > 0 ? v1::STUDY_FAILED : v1::STUDY_SUCCEEDED;
+}
+
+std::string message_of(const RunCounts& counts, v1::StudyState state) {
+  if (counts.all() == 0) return "all jobs of the study were deleted";
+  const auto some = [&counts](v1::JobState run) {
+    return std::to_string(counts.of(run)) + " of " + std::to_string(counts.all()) + " runs ";
+  };
+  if (state == v1::STUDY_FAILED) return some(v1::FAILED) + "failed";
+  if (state == v1::STUDY_CANCELLED) return some(v1::CANCELLED) + "were cancelled";
+  return {};
+}
+
+void add_counts(const RunCounts& counts, v1::Study& study) {
+  study.set_runs(counts.all());
+  study.set_queued(counts.of(v1::QUEUED) + counts.of(v1::PAUSED));
+  study.set_running(counts.of(v1::RUNNING));
+  study.set_succeeded(counts.of(v1::SUCCEEDED));
+  study.set_failed(counts.of(v1::FAILED));
+  study.set_cancelled(counts.of(v1::CANCELLED));
+}
+
+void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
+  if (request.has_refinement()) *study.mutable_refinement() = request.refinement();
+  if (request.has_sweep()) *study.mutable_sweep() = request.sweep();
+  if (request.has_mould()) *study.mutable_mould() = request.mould();
+}
+
+}  // namespace
+
+std::vector<RunRecord> runs_to_queue(int count) {
+  std::vector<RunRecord> runs(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) runs[static_cast<std::size_t>(i)].number = i;
+  return runs;
+}
+
+Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk)
+    : options_(std::move(options)),
+      store_(store),
+      scheduler_(scheduler),
+      desk_(std::move(desk)),
+      notifier_([&store] { return store.version(); }) {}
+
+Studies::~Studies() {
+  stop();
+}
+
+void Studies::recover() {
+  std::filesystem::create_directories(options_.directory);
+  for (const std::string& id : store_.removing()) remove_now(id);
+  for (const std::string& id : store_.ids())
+    if (!std::filesystem::exists(study_file(options_.directory, id)))
+      write_study_file(options_.directory, store_.find(id).value());
+}
+
+void Studies::start() {
+  feeder_ = std::jthread([this](const std::stop_token& stop) { feed(stop); });
+}
+
+void Studies::stop() {
+  if (!feeder_.joinable()) return;
+  feeder_.request_stop();
+  feeder_.join();
+}
+
+v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::string& owner) {
+  const std::string sha256 = desk_.fingerprint(request.case_(), request.attachments());
+  const std::lock_guard lock(requests_mutex_);
+  if (!request.request_id().empty())
+    if (auto there = store_.find_request(request.request_id()))
+      return take_up(std::move(*there), request, sha256);
+  if (const std::string reason = scheduler_.held(); !reason.empty())
+    throw jobs::StorageHeld("the queue is held and takes no study now: " + reason +
+                            "; it goes on by itself once that has passed: try again then");
+  return create_new(request, owner, sha256);
+}
+
+v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::string& owner,
+                              const std::string& case_sha256) {
+  StudyRecord record;
+  record.id = values::is_uuid(request.request_id()) ? request.request_id() : values::random_uuid();
+  record.owner = owner;
+  record.created_ms = record.changed_ms = jobs::milliseconds(jobs::now());
+  record.case_sha256 = case_sha256;
+  record.request = request;
+  const int runs = plan_of(record)->runs();
+  if (!store_.insert(record, runs_to_queue(runs)))
+    throw jobs::RequestIdTaken("there is a study " + record.id +
+                               " already; choose a new request_id");
+  write_study_file(options_.directory, record);
+  spdlog::info("study {}: {} runs", record.id, runs);
+  wake_feeder();
+  return view(record);
+}
+
+v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& request,
+                           const std::string& case_sha256) {
+  if (record.case_sha256 != case_sha256 || !same_plan(record.request, request))
+    throw jobs::RequestIdTaken("request_id \"" + request.request_id() + "\" was used for another " +
+                               (record.case_sha256 != case_sha256 ? "case" : "plan") + " (study " +
+                               record.id + "); choose a new one");
+  const int before = record.request.refinement().levels();
+  if (request.refinement().levels() > before) {
+    record.request.mutable_refinement()->set_levels(request.refinement().levels());
+    auto runs = runs_to_queue(request.refinement().levels());
+    store_.extend(record, {runs.begin() + before, runs.end()});
+    write_study_file(options_.directory, record);
+    const std::lock_guard lock(plans_mutex_);
+    plans_.erase(record.id);
+  }
+  const auto jobs = jobs_of(record.id);
+  std::vector<int> deleted;
+  for (const RunRecord& run : store_.runs(record.id))
+    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run.number);
+  store_.queue_again(record.id, deleted);
+  wake_feeder();
+  return view(record);
+}
+
+v1::Study Studies::view(const StudyRecord& record) {
+  const RunCounts counts = store_.counts(record.id);
+  v1::Study study;
+  study.set_id(record.id);
+  study.set_title(record.request.case_().title());
+  study.set_request_id(record.request.request_id());
+  study.set_owner(record.owner);
+  *study.mutable_create_time() = jobs::timestamp(record.created_ms);
+  *study.mutable_labels() = record.request.labels();
+  add_plan(record.request, study);
+  add_counts(counts, study);
+  study.set_state(state_of(counts));
+  study.set_message(message_of(counts, study.state()));
+  double done = counts.ended();
+  if (counts.of(v1::RUNNING) > 0)
+    for (const v1::Job& job : scheduler_.list(
+             {.states = {v1::RUNNING}, .study = record.id, .size = counts.of(v1::RUNNING)}))
+      done += job.last_step().progress();
+  study.set_progress(counts.all() == 0 ? 1.0 : std::min(1.0, done / counts.all()));
+  if (study.state() != v1::STUDY_RUNNING)
+    *study.mutable_end_time() = jobs::timestamp(std::max(record.changed_ms, counts.last_end_ms));
+  return study;
+}
+
+std::optional<v1::Study> Studies::find(const std::string& id) {
+  const auto record = store_.find(id);
+  if (!record) return std::nullopt;
+  return view(*record);
+}
+
+std::vector<v1::Study> Studies::list(const StudyStore::Page& page) {
+  std::vector<v1::Study> studies;
+  for (const StudyRecord& record : store_.list(page)) studies.push_back(view(record));
+  return studies;
+}
+
+StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
+  const auto record = store_.find(id);
+  if (!record) return {StudyReply::Kind::not_found};
+  if (view(*record).state() != v1::STUDY_RUNNING) return {StudyReply::Kind::done, view(*record)};
+  store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
+  for (const auto& [job, about] : jobs_of(id))
+    if (!jobs::is_terminal(about.state())) scheduler_.cancel(job, reason);
+  notifier_.note(id);
+  return {StudyReply::Kind::done, view(store_.find(id).value_or(*record))};
+}
+
+StudyReply Studies::resume(const std::string& id, bool failed) {
+  const std::lock_guard lock(requests_mutex_);
+  const auto record = store_.find(id);
+  if (!record) return {StudyReply::Kind::not_found};
+  const auto jobs = jobs_of(id);
+  std::vector<int> again;
+  for (const RunRecord& run : store_.runs(id)) {
+    const auto job = jobs.find(run.job);
+    if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
+    const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
+    const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
+    if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run.number);
+  }
+  store_.queue_again(id, again);
+  notifier_.note(id);
+  wake_feeder();
+  return {StudyReply::Kind::done, view(*record)};
+}
+
+StudyReply Studies::remove(const std::string& id) {
+  const std::lock_guard lock(requests_mutex_);
+  const auto record = store_.find(id);
+  if (!record) return {StudyReply::Kind::not_found};
+  const v1::Study study = view(*record);
+  if (study.state() == v1::STUDY_RUNNING) return {StudyReply::Kind::wrong_state, study};
+  for (const auto& [job, about] : jobs_of(id))
+    if (!jobs::is_terminal(about.state())) return {StudyReply::Kind::wrong_state, study};
+  store_.begin_removal(id);
+  remove_now(id);
+  notifier_.note(id);
+  spdlog::info("study {}: deleted by request", id);
+  return {StudyReply::Kind::done};
+}
+
+void Studies::remove_now(const std::string& id) {
+  for (const auto& [job, about] : jobs_of(id)) scheduler_.remove(job);
+  remove_study_file(options_.directory, id);
+  store_.erase(id);
+  predictions_.forget(id);
+  const std::lock_guard lock(plans_mutex_);
+  plans_.erase(id);
+}
+
+std::map<std::string, v1::Job> Studies::jobs_of(const std::string& id) {
+  std::map<std::string, v1::Job> jobs;
+  for (v1::Job& job : scheduler_.list({.study = id, .size = INT_MAX}))
+    jobs[job.id()] = std::move(job);
+  return jobs;
+}
+
+std::shared_ptr<const StudyPlan> Studies::plan_of(const StudyRecord& record) {
+  constexpr std::size_t most_kept = 32;
+  {
+    const std::lock_guard lock(plans_mutex_);
+    if (const auto kept = plans_.find(record.id); kept != plans_.end()) return kept->second;
+  }
+  std::shared_ptr<const StudyPlan> plan = study_plan(record.request);
+  const std::lock_guard lock(plans_mutex_);
+  if (plans_.size() >= most_kept) plans_.erase(plans_.begin());
+  return plans_[record.id] = plan;
+}
+
+}  // namespace dccast::studies

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/jobs/checker.hpp"
+#include "server/jobs/scheduler.hpp"
+#include "server/jobs/step_index.hpp"
+#include "server/studies/predictions.hpp"
+#include "server/studies/study_notifier.hpp"
+#include "server/studies/study_plan.hpp"
+#include "server/studies/study_store.hpp"
+
+namespace dccast::studies {
+
+/// A case with defaults and alloy card, and what is wrong with it.
+struct ExaminedRun {
+  v1::Case complete;
+  std::vector<v1::Fault> faults;
+};
+
+/// What studies need to know of cases; the service knows it.
+struct CaseDesk {
+  std::function<ExaminedRun(const v1::Case&, const jobs::Attachments&, const jobs::Patience&)>
+      examine;
+  /// SHA-256 of a case and its attachments.
+  std::function<std::string(const v1::Case&, const jobs::Attachments&)> fingerprint;
+};
+
+struct StudyOptions {
+  std::filesystem::path directory;  ///< of the study files
+  int waiting = 16;                 ///< jobs of one study that wait in the queue at once
+  std::chrono::milliseconds check_timeout{30000};
+};
+
+/// Outcome of a request about one study.
+struct StudyReply {
+  enum class Kind { done, not_found, wrong_state };
+  Kind kind = Kind::done;
+  v1::Study study{};  ///< as it is now, unless not_found
+};
+
+/// Studies: each is a plan in the store, whose runs a feeder queues as jobs, few at a time. What
+/// create() has returned survives a crash of daemon and machine.
+///
+/// Safe to use from several threads. Requests throw as those of the Scheduler do, and have changed
+/// nothing then.
+class Studies {
+public:
+  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk);
+  ~Studies();
+
+  /// Puts in order what the last daemon left; before start().
+  void recover();
+  /// Begins to queue runs.
+  void start();
+  /// Queues no further run and tells no watcher any more.
+  void stop();
+
+  /// The study of a request whose plan and cases are sound. With a request_id that is known: that
+  /// study. Runs whose job was deleted are queued anew then, and a refinement study grows to more
+  /// levels. @throws jobs::RequestIdTaken, jobs::StorageHeld
+  v1::Study create(const v1::CreateStudyRequest& request, const std::string& owner);
+  std::optional<v1::Study> find(const std::string& id);
+  std::vector<v1::Study> list(const StudyStore::Page& page);
+  StudyReply cancel(const std::string& id, const std::string& reason);
+  /// @param failed  also runs that failed by their own case
+  StudyReply resume(const std::string& id, bool failed);
+  StudyReply remove(const std::string& id);
+  /// What the study says so far; nothing when there is no such study.
+  std::optional<v1::StudyResult> evaluate(const std::string& id, bool curves);
+  /// @return nothing when there is no such study
+  /// @throws OutsideDomain, CannotPredict
+  std::optional<v1::Prediction> predict(const v1::PredictStudyRequest& request);
+
+  StudyNotifier& notifier() { return notifier_; }
+
+private:
+  /// What became of an attempt to queue a run.
+  enum class Fed { yes, refused, later };
+
+  void feed(const std::stop_token& stop);
+  bool feed_round();
+  bool feed_study(const std::string& id);
+  Fed feed_run(const StudyRecord& study, RunRecord run);
+  Fed not_examined(const StudyRecord& study, const RunRecord& run,
+                   const jobs::WorkerDidNotAnswer& error);
+  void refuse(const StudyRecord& study, const RunRecord& run, const std::string& why);
+  void wake_feeder();
+  bool rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most);
+
+  v1::Study view(const StudyRecord& record);
+  std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);
+  v1::Study create_new(const v1::CreateStudyRequest& request, const std::string& owner,
+                       const std::string& case_sha256);
+  v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
+                    const std::string& case_sha256);
+  void remove_now(const std::string& id);
+  std::map<std::string, v1::Job> jobs_of(const std::string& id);
+  RunHistory history_of(const v1::Job& job);
+  std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, bool histories);
+
+  const StudyOptions options_;
+  StudyStore& store_;
+  jobs::Scheduler& scheduler_;
+  const CaseDesk desk_;
+  StudyNotifier notifier_;
+  Predictions predictions_;
+
+  std::mutex requests_mutex_;  ///< one creation, resumption or removal at a time
+  std::mutex plans_mutex_;
+  std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
+  std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended
+  std::mutex feeder_mutex_;
+  std::condition_variable_any feeder_wake_;
+  bool feeder_has_news_ = true;
+  std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a checker
+  std::jthread feeder_;
+};
+
+/// The plan of a study file or row, as runs of which none is a job yet.
+std::vector<RunRecord> runs_to_queue(int count);
+
+}  // namespace dccast::studies

@@ -1,0 +1,148 @@
+// How the runs of studies become jobs: one thread, a few runs of each study at a time, so that a
+// thousand runs neither fill the queue nor hold up what comes after them. What it has done stands
+// in the store; when it is interrupted it does the last run again, which gives the same job.
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "server/jobs/events.hpp"
+#include "server/studies/studies.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr std::chrono::seconds try_again{1};            // after the queue or the disk took nothing
+constexpr std::chrono::milliseconds look_interval{50};  // for jobs that have left the queue
+constexpr int most_unanswered = 3;                      // checks of one run
+
+std::string text_of(const v1::Fault& fault) {
+  std::string text =
+      fault.field() + (fault.value().empty() ? "" : " = " + fault.value()) + ": " + fault.message();
+  if (!fault.permitted().empty()) text += "; permitted: " + fault.permitted();
+  return text;
+}
+
+jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
+  jobs::NewJob job;
+  job.study = study.id;
+  job.title = planned.description.title();
+  // A study must not stand in the way of a question, unless it is told to.
+  job.priority =
+      study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
+  job.owner = study.owner;
+  job.submitted_case = planned.description.SerializeAsString();
+  return job;
+}
+
+}  // namespace
+
+void Studies::wake_feeder() {
+  const std::lock_guard lock(feeder_mutex_);
+  feeder_has_news_ = true;
+  feeder_wake_.notify_all();
+}
+
+/// Waits for news, at most so long. @return whether there is some, or the end
+bool Studies::rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most) {
+  std::unique_lock lock(feeder_mutex_);
+  const auto has_news = [this] { return feeder_has_news_; };
+  if (most)
+    feeder_wake_.wait_for(lock, stop, *most, has_news);
+  else
+    feeder_wake_.wait(lock, stop, has_news);
+  return std::exchange(feeder_has_news_, false) || stop.stop_requested();
+}
+
+void Studies::feed(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    try {
+      const std::int64_t seen = store_.version();
+      while (feed_round() && !stop.stop_requested()) {
+      }
+      // Runs are left that wait for room: until a job has left the queue nothing can be done.
+      const bool some_left = !store_.to_feed().empty();
+      while (some_left && !rest(stop, look_interval) && store_.version() == seen) {
+      }
+      if (!some_left) rest(stop, std::nullopt);
+    } catch (const std::exception& error) {
+      spdlog::warn("studies wait to be queued: {}", error.what());
+      rest(stop, try_again);
+    }
+  }
+}
+
+/// Queues one run of each study that has room. @return whether another round may queue more
+/// @throws std::exception  nothing can be queued now
+bool Studies::feed_round() {
+  bool more = false;
+  for (const std::string& id : store_.to_feed()) more = feed_study(id) || more;
+  return more;
+}
+
+bool Studies::feed_study(const std::string& id) {
+  if (store_.counts(id).waiting >= options_.waiting) return false;
+  const auto study = store_.find(id);
+  const auto run = store_.next_to_queue(id);
+  if (!study || !run) return false;
+  const Fed fed = feed_run(*study, *run);
+  notifier_.note(id);
+  return fed != Fed::later;
+}
+
+Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run) {
+  const PlannedRun planned = plan_of(study)->run(run.number);
+  ExaminedRun examined;
+  try {
+    examined =
+        desk_.examine(planned.description, study.request.attachments(),
+                      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  } catch (const jobs::WorkerDidNotAnswer& error) {
+    return not_examined(study, run, error);
+  }
+  if (!examined.faults.empty()) {
+    refuse(study, run, planned.name + " is refused: " + text_of(examined.faults.front()));
+    return Fed::refused;
+  }
+  jobs::NewJob job = new_job(study, planned);
+  job.case_sha256 = desk_.fingerprint(planned.description, study.request.attachments());
+  job.complete_case = examined.complete.SerializeAsString();
+  try {
+    v1::Job queued;
+    // A job that was made before a crash and cancelled after it is not this attempt's.
+    do {
+      job.request_id = job_request_id(study.id, planned.key, ++run.attempt);
+      queued = scheduler_.submit(job, study.request.attachments());
+    } while (queued.state() == v1::CANCELLED);
+    run.job = queued.id();
+  } catch (const jobs::RequestIdTaken& error) {
+    refuse(study, run, error.what());
+    return Fed::refused;
+  }
+  if (!store_.set_job(study.id, run)) scheduler_.cancel(run.job, "the study was cancelled");
+  return Fed::yes;
+}
+
+/// A case that brings checkers down again and again is at fault itself.
+Studies::Fed Studies::not_examined(const StudyRecord& study, const RunRecord& run,
+                                   const jobs::WorkerDidNotAnswer& error) {
+  using Why = jobs::WorkerDidNotAnswer::Why;
+  if (error.why() == Why::not_started) throw error;
+  const std::string key = study.id + "/" + std::to_string(run.number);
+  if (++unanswered_[key] < most_unanswered) return Fed::yes;
+  unanswered_.erase(key);
+  refuse(study, run, error.what());
+  return Fed::refused;
+}
+
+void Studies::refuse(const StudyRecord& study, const RunRecord& run, const std::string& why) {
+  v1::Failure failure;
+  failure.set_kind(v1::Failure::INVALID_CASE);
+  failure.set_message(why);
+  store_.refuse(study.id, run.number, failure, jobs::milliseconds(jobs::now()));
+  spdlog::warn("study {}: {}", study.id, why);
+}
+
+}  // namespace dccast::studies

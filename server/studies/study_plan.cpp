@@ -1,0 +1,49 @@
+#include "server/studies/study_plan.hpp"
+
+#include <stdexcept>
+
+#include "server/studies/plans.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+v1::Fault no_plan(const std::string& message) {
+  v1::Fault fault;
+  fault.set_field("plan");
+  fault.set_message(message);
+  fault.set_permitted("refinement, sweep");
+  fault.set_remedy("give one of them");
+  return fault;
+}
+
+}  // namespace
+
+void StudyPlan::evaluate(const std::vector<EvaluatedRun>&, v1::StudyResult&) const {}
+
+std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {
+  switch (request.plan_case()) {
+    case v1::CreateStudyRequest::kRefinement:
+      return refinement_faults(request);
+    case v1::CreateStudyRequest::kSweep:
+      return sweep_faults(request);
+    case v1::CreateStudyRequest::kMould:
+      return {no_plan("this dccastd does not search mould openings yet")};
+    case v1::CreateStudyRequest::PLAN_NOT_SET:
+      break;
+  }
+  return {no_plan("a study needs a plan")};
+}
+
+std::unique_ptr<StudyPlan> study_plan(const v1::CreateStudyRequest& request) {
+  switch (request.plan_case()) {
+    case v1::CreateStudyRequest::kRefinement:
+      return refinement_plan(request);
+    case v1::CreateStudyRequest::kSweep:
+      return sweep_plan(request);
+    default:
+      throw std::runtime_error("the study has a plan that this version of dccastd does not know");
+  }
+}
+
+}  // namespace dccast::studies

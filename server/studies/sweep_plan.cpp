@@ -1,0 +1,274 @@
+// The case at many values of some of its keys.
+#include "server/studies/sweep_plan.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "server/studies/plans.hpp"
+#include "server/studies/sweep_design.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+using Axis = v1::SweepPlan::Axis;
+
+constexpr int most_axes = 20;
+
+v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
+                   const std::string& permitted) {
+  v1::Fault fault;
+  fault.set_field(field);
+  fault.set_value(value);
+  fault.set_message(message);
+  fault.set_permitted(permitted);
+  return fault;
+}
+
+v1::CaseChange change_of(const std::string& key, const std::string& value) {
+  v1::CaseChange change;
+  change.set_key(key);
+  change.set_value(value);
+  return change;
+}
+
+/// "40 mm/min" as its number and what follows it.
+struct Written {
+  double number = 0.0;
+  std::string unit;
+};
+
+std::optional<Written> written(std::string text) {
+  std::erase_if(text, [](char c) { return c == '"' || c == '\''; });
+  Written result;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, result.number);
+  if (error != std::errc()) return std::nullopt;
+  result.unit.assign(rest, end);
+  result.unit.erase(0, result.unit.find_first_not_of(' '));
+  return result;
+}
+
+/// A place between two ends, in the unit of the first one.
+class Range {
+public:
+  Range(const v1::Case& base, const Axis& axis)
+      : whole_(case_file::is_whole_number(base, axis.key())) {
+    const auto low = written(axis.values(0)), high = written(axis.values(1));
+    unit_ = low->unit;
+    low_ = low->number;
+    high_ = unit_ == high->unit
+                ? high->number
+                : case_file::convert(high->number, high->unit, unit_).value_or(low_);
+  }
+
+  std::string at(double place) const {
+    const double value = low_ + place * (high_ - low_);
+    // Six digits tell any two runs apart, and can be read.
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, whole_ ? std::round(value) : value,
+                                   std::chars_format::general, 6);
+    const std::string number(text, end.ptr);
+    return unit_.empty() ? number : number + " " + unit_;
+  }
+
+private:
+  bool whole_;
+  double low_ = 0.0, high_ = 0.0;
+  std::string unit_;
+};
+
+/// Faults of the axes by themselves; those of their values come after.
+std::vector<v1::Fault> axis_faults(const v1::SweepPlan& sweep) {
+  std::vector<v1::Fault> faults;
+  std::set<std::string> keys;
+  if (sweep.axes().empty() || sweep.axes_size() > most_axes)
+    faults.push_back(fault_of("sweep.axes", std::to_string(sweep.axes_size()),
+                              "wrong number of keys", "1 to " + std::to_string(most_axes)));
+  for (const Axis& axis : sweep.axes()) {
+    if (!keys.insert(axis.key()).second)
+      faults.push_back(fault_of(axis.key(), "", "is swept twice", "each key once"));
+    if (axis.values().empty())
+      faults.push_back(fault_of(axis.key(), "", "has no values", "one value or more"));
+    if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE && axis.values_size() != 2)
+      faults.push_back(fault_of(axis.key(), std::to_string(axis.values_size()) + " values",
+                                "a Latin hypercube takes the two ends of a range", "2 values"));
+  }
+  return faults;
+}
+
+/// Number of runs of a plan without axis_faults().
+double run_count(const v1::SweepPlan& sweep) {
+  if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return sweep.runs();
+  if (sweep.design() == v1::SweepPlan::LIST) return sweep.axes(0).values_size();
+  double product = 1.0;
+  for (const Axis& axis : sweep.axes()) product *= axis.values_size();
+  return product;
+}
+
+std::vector<v1::Fault> design_faults(const v1::SweepPlan& sweep) {
+  if (!v1::SweepPlan::Design_IsValid(sweep.design()) ||
+      sweep.design() == v1::SweepPlan::DESIGN_UNSPECIFIED)
+    return {fault_of("sweep.design", "", "is absent", "GRID, LIST, LATIN_HYPERCUBE")};
+  std::vector<v1::Fault> faults;
+  const double runs = run_count(sweep);
+  if (runs < 1 || runs > most_sweep_runs)
+    faults.push_back(fault_of("sweep.runs", case_file::number_text(runs), "wrong number of runs",
+                              "1 to " + std::to_string(most_sweep_runs)));
+  if (sweep.design() == v1::SweepPlan::LIST)
+    for (const Axis& axis : sweep.axes())
+      if (axis.values_size() != sweep.axes(0).values_size())
+        faults.push_back(fault_of(axis.key(), std::to_string(axis.values_size()) + " values",
+                                  "a list takes as many values of every key",
+                                  std::to_string(sweep.axes(0).values_size()) + " values"));
+  return faults;
+}
+
+std::vector<v1::Fault> range_faults(const v1::Case& base, const Axis& axis) {
+  const auto low = written(axis.values(0)), high = written(axis.values(1));
+  const bool comparable =
+      low && high && (low->unit == high->unit || case_file::convertible(high->unit, low->unit));
+  const double from = number_of(base, axis.key(), axis.values(0));
+  const double to = number_of(base, axis.key(), axis.values(1));
+  if (comparable && from < to) return {};
+  return {fault_of(axis.key(), axis.values(0) + ", " + axis.values(1), "is no range",
+                   "two numbers with units, the smaller one first")};
+}
+
+std::vector<v1::Fault> value_faults(const v1::CreateStudyRequest& request) {
+  std::vector<v1::Fault> faults;
+  const bool ranges = request.sweep().design() == v1::SweepPlan::LATIN_HYPERCUBE;
+  for (const Axis& axis : request.sweep().axes()) {
+    const std::size_t before = faults.size();
+    for (const std::string& value : axis.values()) {
+      v1::Case changed = request.case_();
+      const auto found = case_file::apply_changes(changed, {change_of(axis.key(), value)});
+      faults.insert(faults.end(), found.begin(), found.end());
+    }
+    if (!ranges || faults.size() > before) continue;
+    const auto found = range_faults(request.case_(), axis);
+    faults.insert(faults.end(), found.begin(), found.end());
+  }
+  return faults;
+}
+
+class Sweep final : public StudyPlan {
+public:
+  explicit Sweep(const v1::CreateStudyRequest& request)
+      : base_(request.case_()), sweep_(request.sweep()), values_(sweep_values(request)) {
+    for (int run = 0; run < runs(); ++run)
+      for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
+        const auto known = numbers_.try_emplace({axis, value(run, axis)});
+        if (known.second)
+          known.first->second = number_of(base_, sweep_.axes(axis).key(), value(run, axis));
+      }
+  }
+
+  int runs() const override { return static_cast<int>(values_.size()); }
+
+  PlannedRun run(int number) const override {
+    PlannedRun run{std::to_string(number + 1), "run " + std::to_string(number + 1), base_, {}};
+    for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
+      run.changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
+      run.name +=
+          (axis == 0 ? " (" : ", ") + run.changes.back().key() + " = " + value(number, axis);
+    }
+    run.name += ")";
+    case_file::apply_changes(run.description, run.changes);
+    return run;
+  }
+
+  void describe(int number, v1::StudyRun& run) const override {
+    for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
+      run.add_values(value(number, axis));
+      run.add_numbers(numbers_.at({axis, value(number, axis)}));
+    }
+  }
+
+private:
+  const std::string& value(int number, int axis) const {
+    return values_[static_cast<std::size_t>(number)][static_cast<std::size_t>(axis)];
+  }
+
+  v1::Case base_;
+  v1::SweepPlan sweep_;
+  std::vector<std::vector<std::string>> values_;
+  std::map<std::pair<int, std::string>, double> numbers_;  ///< by axis and value
+};
+
+std::vector<std::vector<int>> indices_of(const v1::SweepPlan& sweep) {
+  if (sweep.design() == v1::SweepPlan::GRID) {
+    std::vector<int> sizes;
+    for (const Axis& axis : sweep.axes()) sizes.push_back(axis.values_size());
+    return grid(sizes);
+  }
+  std::vector<std::vector<int>> indices;
+  for (int i = 0; i < sweep.axes(0).values_size(); ++i)
+    indices.emplace_back(static_cast<std::size_t>(sweep.axes_size()), i);
+  return indices;
+}
+
+std::vector<std::vector<std::string>> hypercube_values(const v1::CreateStudyRequest& request) {
+  const v1::SweepPlan& sweep = request.sweep();
+  std::vector<Range> ranges;
+  for (const Axis& axis : sweep.axes()) ranges.emplace_back(request.case_(), axis);
+  std::vector<std::vector<std::string>> values;
+  for (const auto& place : latin_hypercube(sweep.runs(), sweep.axes_size(), sweep.seed())) {
+    auto& run = values.emplace_back();
+    for (std::size_t axis = 0; axis < ranges.size(); ++axis)
+      run.push_back(ranges[axis].at(place[axis]));
+  }
+  return values;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> sweep_values(const v1::CreateStudyRequest& request) {
+  const v1::SweepPlan& sweep = request.sweep();
+  if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);
+  std::vector<std::vector<std::string>> values;
+  for (const auto& indices : indices_of(sweep)) {
+    auto& run = values.emplace_back();
+    for (std::size_t axis = 0; axis < indices.size(); ++axis)
+      run.push_back(sweep.axes(static_cast<int>(axis)).values(indices[axis]));
+  }
+  return values;
+}
+
+double number_of(const v1::Case& base, const std::string& key, const std::string& value) {
+  v1::Case changed = base;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (!case_file::apply_changes(changed, {change_of(key, value)}).empty()) return none;
+  if (const auto number = case_file::number_at(changed, key)) return *number;
+  // "0.8 until 100 mm" is a table; what is swept is its factor.
+  const auto factor = key.ends_with(".scale") ? written(value) : std::nullopt;
+  if (!factor) return none;
+  return factor->unit.starts_with("%") ? 0.01 * factor->number : factor->number;
+}
+
+std::string value_between(const v1::Case& base, const Axis& ends, double place) {
+  return Range(base, ends).at(place);
+}
+
+std::vector<v1::Fault> sweep_faults(const v1::CreateStudyRequest& request) {
+  auto faults = axis_faults(request.sweep());
+  if (!faults.empty()) return faults;
+  faults = design_faults(request.sweep());
+  if (!faults.empty()) return faults;
+  return value_faults(request);
+}
+
+std::unique_ptr<StudyPlan> sweep_plan(const v1::CreateStudyRequest& request) {
+  return std::make_unique<Sweep>(request);
+}
+
+}  // namespace dccast::studies

@@ -1,0 +1,124 @@
+#include "server/studies/sweep_plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "server/studies/plans.hpp"
+#include "server/studies/sweep_design.hpp"
+
+namespace dccast::studies {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+v1::CreateStudyRequest sweep_of(v1::SweepPlan::Design design,
+                                const std::vector<std::vector<std::string>>& axes, int runs = 0) {
+  v1::CreateStudyRequest request;
+  request.mutable_case_()->mutable_section()->set_half_width_m(0.25);
+  request.mutable_sweep()->set_design(design);
+  request.mutable_sweep()->set_runs(runs);
+  for (const auto& axis : axes) {
+    auto& added = *request.mutable_sweep()->add_axes();
+    added.set_key(axis.front());
+    for (std::size_t i = 1; i < axis.size(); ++i) added.add_values(axis[i]);
+  }
+  return request;
+}
+
+TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
+  const auto request = sweep_of(
+      v1::SweepPlan::GRID,
+      {{"schedule.casting_speed", "40 mm/min", "60 mm/min"}, {"mesh.rows", "10", "20", "30"}});
+  ASSERT_TRUE(plan_faults(request).empty());
+  const auto plan = study_plan(request);
+  ASSERT_EQ(plan->runs(), 6);
+  const PlannedRun last = plan->run(5), second = plan->run(1);
+  EXPECT_EQ(last.description.mesh().rows(), 30);
+  EXPECT_EQ(second.description.mesh().rows(), 20);
+  EXPECT_DOUBLE_EQ(last.description.schedule().casting_speed_m_per_s().value(0), 1e-3);
+  EXPECT_EQ(last.description.section().half_width_m(), 0.25);
+  EXPECT_EQ(last.key, "6");
+  EXPECT_EQ(last.name, "run 6 (schedule.casting_speed = 60 mm/min, mesh.rows = 30)");
+  v1::StudyRun run;
+  plan->describe(1, run);
+  EXPECT_THAT(run.values(), ElementsAre("40 mm/min", "20"));
+  EXPECT_THAT(run.numbers(), ElementsAre(testing::DoubleEq(40e-3 / 60.0), 20.0));
+}
+
+TEST(SweepPlan, AListTakesValuesTogetherAndTextsHaveNoNumber) {
+  const auto request =
+      sweep_of(v1::SweepPlan::LIST, {{"alloy.card", "paper", "al6cu"}, {"mesh.rows", "10", "20"}});
+  ASSERT_TRUE(plan_faults(request).empty());
+  const auto plan = study_plan(request);
+  ASSERT_EQ(plan->runs(), 2);
+  EXPECT_EQ(plan->run(1).description.alloy().card(), "al6cu");
+  EXPECT_EQ(plan->run(1).description.mesh().rows(), 20);
+  v1::StudyRun run;
+  plan->describe(0, run);
+  EXPECT_TRUE(std::isnan(run.numbers(0)));
+}
+
+TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
+  const auto request = sweep_of(
+      v1::SweepPlan::LATIN_HYPERCUBE,
+      {{"schedule.casting_speed", "40 mm/min", "1.5 mm/s"}, {"mesh.rows", "10", "49"}}, 20);
+  ASSERT_TRUE(plan_faults(request).empty());
+  const auto values = sweep_values(request);
+  ASSERT_EQ(values.size(), 20u);
+  std::set<int> parts;
+  for (const auto& run : values) {
+    const double speed = number_of(request.case_(), "schedule.casting_speed", run[0]);
+    EXPECT_GT(speed, 40e-3 / 60.0);
+    EXPECT_LT(speed, 1.5e-3);
+    parts.insert(static_cast<int>((speed - 40e-3 / 60.0) / (1.5e-3 - 40e-3 / 60.0) * 20));
+    EXPECT_THAT(run[0], HasSubstr(" mm/min"));
+    EXPECT_EQ(run[1].find('.'), std::string::npos) << run[1];
+  }
+  EXPECT_EQ(parts.size(), 20u);
+  EXPECT_EQ(sweep_values(request), values);
+  auto other = request;
+  other.mutable_sweep()->set_seed(7);
+  EXPECT_NE(sweep_values(other), values);
+}
+
+TEST(SweepPlan, FaultsNameKeyValueAndWhatIsPermitted) {
+  const auto first = [](const v1::CreateStudyRequest& request) {
+    const auto faults = plan_faults(request);
+    return faults.empty() ? std::string("none")
+                          : faults.front().field() + ": " + faults.front().message() + ": " +
+                                faults.front().permitted();
+  };
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::GRID, {})), HasSubstr("sweep.axes"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::GRID, {{"mesh.rows"}})), HasSubstr("mesh.rows"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::GRID, {{"mesh.rows", "1", "0"}})),
+              HasSubstr("mesh.rows"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::GRID, {{"mesh.lines", "1"}})), HasSubstr("mesh.lines"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::GRID, {{"mesh.rows", "1"}, {"mesh.rows", "2"}})),
+              HasSubstr("twice"));
+  EXPECT_THAT(
+      first(sweep_of(v1::SweepPlan::LIST, {{"mesh.rows", "1"}, {"mesh.columns", "2", "3"}})),
+      HasSubstr("mesh.columns"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::LATIN_HYPERCUBE, {{"mesh.rows", "30", "10"}}, 5)),
+              HasSubstr("is no range"));
+  EXPECT_THAT(first(sweep_of(v1::SweepPlan::LATIN_HYPERCUBE, {{"mesh.rows", "10", "30"}}, 0)),
+              HasSubstr("1 to 10000"));
+  EXPECT_THAT(first(v1::CreateStudyRequest{}), HasSubstr("refinement, sweep"));
+}
+
+TEST(SweepDesign, SpreadsItsPlaces) {
+  const auto places = latin_hypercube(10, 2, 3);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::set<int> parts;
+    for (const auto& place : places) parts.insert(static_cast<int>(10 * place[axis]));
+    EXPECT_EQ(parts.size(), 10u);
+  }
+  EXPECT_EQ(grid({2, 3}).size(), 6u);
+  EXPECT_THAT(grid({2, 3})[4], ElementsAre(1, 1));
+}
+
+}  // namespace
+}  // namespace dccast::studies
