@@ -85,6 +85,8 @@ void check_faces(CaseFindings& found) {
                      *face == thermal::Face::wide ? "wide" : "narrow");
   }
   if (found.casting.cooling.narrow_water) only_of_a_slab("cooling.narrow_water", "given");
+  if (!found.casting.schedule.narrow_water_flow.empty())
+    only_of_a_slab("schedule.narrow_water_flow", "given");
 }
 
 }  // namespace
