@@ -81,8 +81,8 @@ TEST(ConfigurationFile, FollowsTheXdgFolders) {
   ::setenv("XDG_CONFIG_HOME", "/somewhere", 1);
   EXPECT_EQ(configuration_file(), "/somewhere/dccast/client.toml");
   ::setenv("XDG_CONFIG_HOME", "", 1);
-  ::setenv("HOME", "/home/jo", 1);
-  EXPECT_EQ(configuration_file(), "/home/jo/.config/dccast/client.toml");
+  ::setenv("HOME", "/users/jo", 1);
+  EXPECT_EQ(configuration_file(), "/users/jo/.config/dccast/client.toml");
   ::setenv("DCCAST_CONFIG", "/etc/mine.toml", 1);
   EXPECT_EQ(configuration_file(), "/etc/mine.toml");
   ::unsetenv("DCCAST_CONFIG");
