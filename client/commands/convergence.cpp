@@ -68,6 +68,7 @@ grpc::Status create(const Options& options, const std::string& study, const Case
   *request.mutable_case_() = checked.description;
   *request.mutable_attachments() = {checked.read.attachments.begin(),
                                     checked.read.attachments.end()};
+  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
   request.mutable_refinement()->set_levels(options.levels);
   v1::Study created;
   try {

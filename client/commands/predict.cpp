@@ -1,10 +1,10 @@
 #include <cmath>
 #include <iostream>
 
+#include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/message_json.hpp"
 #include "client/render/table.hpp"
-#include "proto/case_file/override.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -18,12 +18,8 @@ struct Options {
 v1::PredictStudyRequest request_of(const Options& options) {
   v1::PredictStudyRequest request;
   request.set_id(options.id);
-  for (const std::string& text : options.set) {
-    const auto change = case_file::parse_change(text);
-    if (!change)
-      throw CommandFailed(ExitCode::invalid, "--set " + text + ": write it as KEY=VALUE");
-    *request.add_values() = *change;
-  }
+  const auto values = changes_of(options.set);
+  *request.mutable_values() = {values.begin(), values.end()};
   return request;
 }
 

@@ -1,10 +1,11 @@
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
 
 #include "client/case_faults.hpp"
+#include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
 #include "client/message_json.hpp"
 #include "client/render/study_text.hpp"
 #include "client/render/sweep_page.hpp"
@@ -12,7 +13,6 @@
 #include "client/study_reading.hpp"
 #include "client/study_watch.hpp"
 #include "client/sweep_request.hpp"
-#include "proto/case_file/override.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
@@ -25,6 +25,7 @@ struct Options {
   int hypercube = 0;
   std::uint64_t seed = 0;
   bool no_wait = false;
+  bool force = false;
   bool json = false;
   std::string csv, plot;
 };
@@ -53,35 +54,14 @@ SweepFile sweep_of(const Options& options) {
                           "KEY=a,b,c");
 }
 
-std::vector<v1::CaseChange> changes_of(const Options& options) {
-  std::vector<v1::CaseChange> changes;
-  for (const std::string& text : options.set) {
-    const auto change = case_file::parse_change(text);
-    if (!change)
-      throw CommandFailed(ExitCode::invalid, "--set " + text + ": write it as KEY=VALUE");
-    changes.push_back(*change);
-  }
-  return changes;
-}
-
-/// The case with its changes, as read.
-CaseUnderCheck case_of(const std::string& file, const std::vector<v1::CaseChange>& changes) {
-  CaseUnderCheck checked = read_case(file);
-  const auto folder = std::filesystem::path(file).parent_path();
-  case_file::apply_changes(checked.description, changes, checked.read, folder);
-  checked.faults = checked.read.faults;
-  return checked;
-}
-
 v1::CreateStudyRequest request_of(const Options& options, const CaseUnderCheck& checked,
                                   const v1::SweepPlan& plan) {
-  const auto changes = changes_of(options);
   v1::CreateStudyRequest request;
   request.set_request_id(values::random_uuid());
   *request.mutable_case_() = checked.description;
   *request.mutable_attachments() = {checked.read.attachments.begin(),
                                     checked.read.attachments.end()};
-  *request.mutable_changes() = {changes.begin(), changes.end()};
+  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
   *request.mutable_labels() = {options.labels.begin(), options.labels.end()};
   *request.mutable_sweep() = plan;
   return request;
@@ -99,7 +79,7 @@ void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
 /// @return the study; nothing when it was refused, which is said
 std::optional<v1::Study> create(Connection& connection, const Options& options) {
   const SweepFile sweep = sweep_of(options);
-  const CaseUnderCheck checked = case_of(sweep.case_file, changes_of(options));
+  const CaseUnderCheck checked = read_case(sweep.case_file, changes_of(options.set));
   if (!checked.faults.empty()) {
     print_faults(checked, std::cerr);
     return std::nullopt;
@@ -155,6 +135,8 @@ ExitCode run(const Options& options, Program& program) {
   if (options.file.empty() == options.study.empty())
     throw CommandFailed(ExitCode::invalid,
                         "give a sweep FILE or a case to begin, or --study ID to take one up again");
+  for (const std::string& file : {options.csv, options.plot})
+    if (!file.empty() && file != "-") require_free(file, options.force);
   Connection connection = program.connect();
   if (!options.study.empty()) return wait_and_print(connection, options, options.study);
   const auto study = create(connection, options);
@@ -192,13 +174,14 @@ void add_options(CLI::App& command, Options& options) {
       ->check(CLI::Range(1, 10000))
       ->excludes(list);
   command.add_option("--seed", options.seed, "Of the Latin hypercube")->capture_default_str();
-  command.add_option("--set", options.set, "KEY=VALUE: change the case beside its file");
+  add_set_option(command, options.set);
   command.add_option("--label", options.labels, "Label of the study; repeatable");
   command.add_option("--study", options.study, "Take this study up again");
   command.add_flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
   command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
   command.add_option("--plot", options.plot,
                      "Write an HTML page with the curl against the keys; - for standard output");
+  add_force_flag(command, options.force);
   command.add_flag("--json", options.json, "As JSON, in metres, with the curves");
 }
 

@@ -15,6 +15,7 @@
 
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
+#include "server/service/answer_key.hpp"
 #include "server/service/grpc_trouble.hpp"
 #include "server/service/server.hpp"
 #include "server/state/store_guard.hpp"
@@ -96,7 +97,8 @@ studies::CaseDesk case_desk(const service::CaseIntake& intake) {
                 return studies::ExaminedRun{std::move(examined.complete),
                                             {faults.begin(), faults.end()}};
               },
-          .fingerprint = service::fingerprint};
+          .fingerprint = service::fingerprint,
+          .answer_key = service::answer_key};
 }
 
 int checker_count(const v1::DaemonConfig& config) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "server/service/labels.hpp"
 #include "server/service/status.hpp"
 #include "server/service/study_handlers.hpp"
 
@@ -7,19 +8,14 @@ namespace dccast::service {
 
 namespace {
 
-constexpr int most_labels = 20;
 // Of a long sweep so many runs are checked before it is taken; one that is refused later fails.
 constexpr int most_checked = 24;
 
 grpc::Status check_texts(const v1::CreateStudyRequest& request) {
   if (const auto status = check_text("request_id", request.request_id()); !status.ok())
     return status;
-  if (request.labels_size() > most_labels)
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            "a study takes at most " + std::to_string(most_labels) + " labels"};
-  for (const std::string& label : request.labels())
-    if (const auto status = check_text("label", label); !status.ok()) return status;
-  return grpc::Status::OK;
+  if (const auto status = check_labels(request.labels()); !status.ok()) return status;
+  return check_changes(request.changes());
 }
 
 grpc::Status check_plan(const v1::CreateStudyRequest& request) {

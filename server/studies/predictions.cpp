@@ -9,6 +9,7 @@
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/key_number.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/sweep_plan.hpp"
@@ -197,6 +198,7 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   const std::lock_guard lock(mutex_);
   if (const auto kept = keys_.find(study.id); kept != keys_.end()) return kept->second;
   SweptKeys keys{study.request.case_(), {}};
+  case_file::apply_quality(keys.base);
   case_file::apply_defaults(keys.base);
   for (const auto& axis : study.request.sweep().axes())
     keys.all.push_back(swept_key(study.request.case_(), axis));

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/studies/divided_case.hpp"
 #include "server/studies/extrapolation.hpp"
@@ -51,6 +52,7 @@ class RefinementStudy final : public StudyPlan {
 public:
   explicit RefinementStudy(const v1::CreateStudyRequest& request)
       : base_(request.case_()), levels_(request.refinement().levels()) {
+    case_file::apply_quality(base_);  // before the defaults, which would hide what it leaves open
     case_file::apply_defaults(*base_.mutable_mesh());
   }
 

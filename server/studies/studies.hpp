@@ -35,6 +35,8 @@ struct CaseDesk {
       examine;
   /// SHA-256 of a case and its attachments.
   std::function<std::string(const v1::Case&, const jobs::Attachments&)> fingerprint;
+  /// What two complete cases with the same answer have in common.
+  std::function<std::string(const v1::Case&, const jobs::Attachments&)> answer_key;
 };
 
 struct StudyOptions {

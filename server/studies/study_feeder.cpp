@@ -33,6 +33,9 @@ jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
   job.priority =
       study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
   job.owner = study.owner;
+  job.labels = {study.request.labels().begin(), study.request.labels().end()};
+  job.changes = {study.request.changes().begin(), study.request.changes().end()};
+  job.changes.insert(job.changes.end(), planned.changes.begin(), planned.changes.end());
   job.submitted_case = planned.description.SerializeAsString();
   return job;
 }
@@ -109,6 +112,7 @@ Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run) {
   jobs::NewJob job = new_job(study, planned);
   job.case_sha256 = desk_.fingerprint(planned.description, study.request.attachments());
   job.complete_case = examined.complete.SerializeAsString();
+  job.answer_key = desk_.answer_key(examined.complete, study.request.attachments());
   try {
     v1::Job queued;
     // A job that was made before a crash and cancelled after it is not this attempt's.
