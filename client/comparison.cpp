@@ -87,7 +87,10 @@ std::vector<CurlDifference> curl_differences(const std::vector<Answer>& answers)
     for (const Series& mine : first.history.monitors) {
       const Series* const theirs = series_of(answers[i], mine.name);
       if (theirs == nullptr || theirs->curl_m.empty() || mine.curl_m.empty()) continue;
-      CurlDifference difference{mine.name, i, theirs->curl_m.back() - mine.curl_m.back()};
+      CurlDifference difference;
+      difference.monitor = mine.name;
+      difference.answer = i;
+      difference.end_m = theirs->curl_m.back() - mine.curl_m.back();
       find_largest(first, mine, answers[i], *theirs, difference);
       difference.first_uncertainty_m = discretisation_error(first.description, mine.curl_m.back());
       difference.uncertainty_m =

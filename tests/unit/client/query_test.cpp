@@ -125,7 +125,8 @@ TEST(Comparison, DifferencesAreTakenAtTheSameTime) {
 }
 
 TEST(Comparison, ADifferenceIsWeighedAgainstTheErrorsOfBoth) {
-  CurlDifference row{"corner", 1, 0.3};
+  CurlDifference row;
+  row.end_m = 0.3;
   EXPECT_EQ(weight_of(row), Weight::unknown);
   row.first_uncertainty_m = 0.5;
   row.uncertainty_m = 0.4;
