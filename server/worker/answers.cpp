@@ -33,6 +33,7 @@ constexpr int exit_link_broken = 1;
 
 /// @return whether all of `bytes` came
 bool receive(int socket, void* bytes, std::size_t size) {
+  if (size == 0) return true;  // recv() would wait for the bytes of the next question
   ssize_t received;
   do received = ::recv(socket, bytes, size, MSG_WAITALL);
   while (received < 0 && errno == EINTR);

@@ -140,7 +140,7 @@ class RefinementStudy(ServiceTest):
     def check_results_file(self, levels, found):
         for k, level in enumerate(levels):
             path = os.path.join(self.folder, "results.h5")
-            self.dccast("fetch", level["job"], "-o", path)
+            self.dccast("fetch", level["job"], "--force", "-o", path)
             with h5py.File(path) as file:
                 self.assertEqual(file["monitors/displacement_m"][-1, 0, 1],
                                  found["monitors"][0]["curl_m"][k])
