@@ -75,7 +75,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                     .layer = 71e-3,
                                     .bottom_cell = 4e-3,
                                     .top_cell = 5.5e-3,
-                                    .growth_cell = 9e-3,
+                                    .growth_cell = 7e-3,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = {}};
