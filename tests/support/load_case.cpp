@@ -30,17 +30,30 @@ case_file::ReadOutcome read(const std::string& name, v1::Case& message) {
 
 }  // namespace
 
-casting::Case load_case(const std::string& name) {
-  v1::Case message;
-  const auto outcome = read(name, message);
-  refuse(outcome.faults);
+namespace {
+
+casting::Case complete_case(v1::Case& message, const std::filesystem::path& folder) {
   case_file::apply_defaults(message);
   const auto card = case_file::alloy_card(message.alloy().card());
   refuse(card.faults);
   case_file::complete_alloy(card.alloy, *message.mutable_alloy());
   refuse(case_file::check_ranges(message));
-  casting::Case result = translate::to_core(message, std::filesystem::path(name).parent_path());
-  return result;
+  return translate::to_core(message, folder);
+}
+
+}  // namespace
+
+casting::Case load_case(const std::string& name) {
+  v1::Case message;
+  refuse(read(name, message).faults);
+  return complete_case(message, std::filesystem::path(name).parent_path());
+}
+
+casting::Case load_case(const std::string& name, v1::Quality quality) {
+  v1::Case message;
+  refuse(read(name, message).faults);
+  message.set_quality(quality);
+  return complete_case(message, std::filesystem::path(name).parent_path());
 }
 
 void take_paper_size(casting::Case& c) {

@@ -46,6 +46,43 @@ TEST(Quality, BetterQualitiesHaveSmallerCellsAndSteps) {
   }
 }
 
+/// As large as start-3d.
+v1::Case quarter_slab(v1::Quality quality) {
+  v1::Case c = casting(quality);
+  c.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
+  c.mutable_section()->set_half_width_m(0.66);
+  c.mutable_section()->mutable_half_thickness_m()->add_at(0.0);
+  c.mutable_section()->mutable_half_thickness_m()->add_value(0.285);
+  c.mutable_section()->set_initial_depth_m(0.066);
+  return c;
+}
+
+TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
+  const auto draft = complete(quarter_slab(v1::DRAFT)).mesh(),
+             engineering = complete(quarter_slab(v1::ENGINEERING)).mesh(),
+             fine = complete(quarter_slab(v1::FINE)).mesh();
+  EXPECT_EQ(engineering.columns(), 11);
+  EXPECT_EQ(engineering.layers(), 5);
+  EXPECT_EQ(engineering.rows(), 22);
+  for (const auto& [better, worse] :
+       {std::pair(engineering, draft), std::pair(fine, engineering)}) {
+    EXPECT_GT(better.columns(), worse.columns());
+    EXPECT_GT(better.layers(), worse.layers());
+    EXPECT_GT(better.rows(), worse.rows());
+    EXPECT_LT(better.side_cell_m(), worse.side_cell_m());
+    EXPECT_LT(better.wide_side_cell_m(), worse.wide_side_cell_m());
+    EXPECT_LE(better.growth_cell_m(), worse.growth_cell_m());
+  }
+}
+
+TEST(Quality, LeavesTheLayersOfAQuarterSlabToTheCase) {
+  v1::Case c = quarter_slab(v1::DRAFT);
+  c.mutable_mesh()->set_layers(40);
+  EXPECT_LE(complete(c).mesh().wide_side_cell_m(), 0.285 / 40) << "no wider than its layer";
+  c.mutable_mesh()->set_wide_side_cell_m(3e-3);
+  EXPECT_DOUBLE_EQ(complete(c).mesh().wide_side_cell_m(), 3e-3);
+}
+
 TEST(Quality, IsEngineeringWhereTheCaseDoesNotSay) {
   const v1::Case silent = complete(casting(v1::QUALITY_UNSPECIFIED));
   EXPECT_EQ(silent.SerializeAsString(), complete(casting(v1::ENGINEERING)).SerializeAsString());

@@ -1,0 +1,21 @@
+#include "dccast/v1/case.pb.h"
+#include "tests/regression/start-3d/sound_casting.hpp"
+#include "tests/support/load_case.hpp"
+
+namespace dccast {
+namespace {
+
+using regression::end_lift_mm;
+
+/// One run, a few seconds: its balances and its curl are looked at together.
+TEST(Start3dDraft, StaysInBalanceAndLiftsItsCorner) {
+  const auto reports = regression::run(support::load_case("start-3d", v1::DRAFT));
+  regression::expect_sound_casting(reports);
+  EXPECT_NEAR(end_lift_mm(reports, 0), 52.4, 1.0) << "corner";
+  EXPECT_NEAR(end_lift_mm(reports, 1), 46.4, 1.0) << "middle of the narrow face";
+  EXPECT_NEAR(end_lift_mm(reports, 2), 7.25, 0.5) << "middle of the wide face";
+  EXPECT_NEAR(end_lift_mm(reports, 3), 0.0, 1e-3) << "the centre stands on the block";
+}
+
+}  // namespace
+}  // namespace dccast
