@@ -38,7 +38,6 @@ void add_point(v1::Curve& curve, double at, double value) {
 
 v1::Case quarter_slab() {
   v1::Case solved;
-  solved.mutable_section()->set_kind(v1::QUARTER_SLAB);
   for (std::size_t i = 1; i < along_m.size(); ++i)
     add_point(*solved.mutable_section()->mutable_half_thickness_m(), along_m[i], opening_m[i]);
   for (const double temperature_c : {0.0, 1000.0})
