@@ -32,6 +32,7 @@ void add_completion(CLI::App& app, Program& program);
 void add_list(CLI::App& app, Program& program);
 void add_show(CLI::App& app, Program& program);
 void add_curl(CLI::App& app, Program& program);
+void add_contraction(CLI::App& app, Program& program);
 void add_cancel(CLI::App& app, Program& program);
 void add_pause(CLI::App& app, Program& program);
 void add_resume(CLI::App& app, Program& program);

@@ -40,7 +40,7 @@ struct Commands : testing::Test {
 
 TEST_F(Commands, EveryCommandHasAnExample) {
   for (const char* const name :
-       {"new", "validate", "query", "submit", "watch", "wait", "list", "show", "curl", "compare",
+       {"new", "validate", "query", "submit", "watch", "wait", "list", "show", "curl", "contraction", "compare",
         "fetch", "report", "convergence", "cancel", "pause", "resume", "delete", "schema", "alloys", "info"}) {
     const Result result = run({name, "--help"});
     EXPECT_EQ(result.code, 0);

@@ -1,0 +1,144 @@
+#include "client/contraction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "client/failure.hpp"
+
+namespace dccast::client {
+namespace {
+
+constexpr double room_temperature_c = 20.0;
+constexpr double same_place_m = 1e-7;
+
+double value_of(const v1::Curve& curve, double at) {
+  const auto right = static_cast<int>(std::lower_bound(curve.at().begin(), curve.at().end(), at) -
+                                      curve.at().begin());
+  if (right == 0) return curve.value(0);
+  if (right == curve.at_size()) return curve.value(right - 1);
+  const double share = (at - curve.at(right - 1)) / (curve.at(right) - curve.at(right - 1));
+  return curve.value(right - 1) + share * (curve.value(right) - curve.value(right - 1));
+}
+
+/// The nodes at one x and one height, as y and number, from the middle plane outwards.
+using Line = std::vector<std::pair<double, int>>;
+/// By height and by x, both in steps of `same_place_m`.
+using Lines = std::map<std::int64_t, std::map<std::int64_t, Line>>;
+
+std::int64_t place(double metres) {
+  return std::llround(metres / same_place_m);
+}
+
+Lines lines_of(const v1::Frame& frame) {
+  Lines lines;
+  for (int n = 0; 3 * n + 2 < frame.node_m_size(); ++n)
+    lines[place(frame.node_m(3 * n + 2))][place(frame.node_m(3 * n))].emplace_back(
+        frame.node_m(3 * n + 1), n);
+  for (auto& [height, row] : lines)
+    for (auto& [x, line] : row) std::sort(line.begin(), line.end());
+  return lines;
+}
+
+class FaceReading {
+public:
+  FaceReading(const v1::Case& solved, const v1::Frame& frame)
+      : density_(solved.alloy().density_kg_per_m3()),
+        opening_(solved.section().half_thickness_m()),
+        frame_(frame) {}
+
+  Contraction all() const {
+    Contraction contraction{frame_.time_s(), frame_.cast_length_m(), {}};
+    for (const auto& [height, lines] : lines_of(frame_)) {
+      FaceRow row = row_of(lines);
+      if (row.points.size() < 2) continue;
+      row.height_m = static_cast<double>(height) * same_place_m;
+      contraction.rows.push_back(std::move(row));
+    }
+    return contraction;
+  }
+
+private:
+  FaceRow row_of(const std::map<std::int64_t, Line>& lines) const {
+    FaceRow row;
+    for (const auto& [x, line] : lines) {
+      const FacePoint point = point_of(static_cast<double>(x) * same_place_m, line);
+      if (!crosses(point, line)) continue;
+      row.points.push_back(point);
+      row.solid = row.solid && std::isfinite(point.cold_m);
+    }
+    return row;
+  }
+
+  /// Whether a line leads all the way from the middle plane to the face. Those of a mesh from a
+  /// file may not.
+  static bool crosses(const FacePoint& point, const Line& line) {
+    constexpr double tolerance_m = 1e-6;
+    return line.size() > 1 && std::abs(line.front().first) < tolerance_m &&
+           std::abs(line.back().first - point.mould_m) < tolerance_m;
+  }
+
+  FacePoint point_of(double x_m, const Line& line) const {
+    FacePoint point{x_m, value_of(opening_, x_m), 0.0, 0.0};
+    point.now_m = line.back().first + frame_.displacement_m(3 * line.back().second + 1);
+    point.cold_m = point.now_m + strain_to_come(line);
+    return point;
+  }
+
+  /// Integral of the free strain from the present temperature to 20 °C along a line [m].
+  double strain_to_come(const Line& line) const {
+    double sum_m = 0.0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const double temperature_c = frame_.temperature_c(line[i].second);
+      if (temperature_c > frame_.solidus_c()) return std::numeric_limits<double>::quiet_NaN();
+      const double from = i == 0 ? line[i].first : line[i - 1].first;
+      const double to = i + 1 == line.size() ? line[i].first : line[i + 1].first;
+      sum_m += 0.5 * (to - from) * (stretch(room_temperature_c) - stretch(temperature_c));
+    }
+    return sum_m;
+  }
+
+  /// Length over that at the liquidus, as the mechanics takes it (paper eq. (11)).
+  double stretch(double temperature_c) const {
+    return std::cbrt(value_of(density_, frame_.liquidus_c()) / value_of(density_, temperature_c));
+  }
+
+  const v1::Curve& density_;
+  const v1::Curve& opening_;
+  const v1::Frame& frame_;
+};
+
+}  // namespace
+
+const FaceRow& Contraction::at(double height_m) const {
+  return *std::min_element(rows.begin(), rows.end(), [&](const FaceRow& a, const FaceRow& b) {
+    return std::abs(a.height_m - height_m) < std::abs(b.height_m - height_m);
+  });
+}
+
+const FaceRow& Contraction::head() const {
+  const auto solid =
+      std::find_if(rows.rbegin(), rows.rend(), [](const FaceRow& row) { return row.solid; });
+  return solid == rows.rend() ? rows.back() : *solid;
+}
+
+Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame) {
+  if (frame.dimension() != 3 || solved.section().half_thickness_m().at_size() == 0)
+    throw CommandFailed(ExitCode::invalid,
+                        "contraction across the thickness is that of a job with section.kind = "
+                        "\"quarter_slab\"; this one is not");
+  if (frame.displacement_m_size() != frame.node_m_size() ||
+      3 * frame.temperature_c_size() != frame.node_m_size())
+    throw CommandFailed(ExitCode::invalid,
+                        "the last frame has no displacements: run the case with mechanics");
+  Contraction contraction = FaceReading(solved, frame).all();
+  if (contraction.rows.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "no line of nodes leads straight from the middle plane to the wide face: "
+                        "run the case on the built-in mesh, without mesh.file");
+  return contraction;
+}
+
+}  // namespace dccast::client

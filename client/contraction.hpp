@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "dccast/v1/service.pb.h"
+
+namespace dccast::client {
+
+/// Half the thickness of a quarter slab at one place along its wide face.
+struct FacePoint {
+  double x_m = 0.0;      ///< in the undeformed slab
+  double mould_m = 0.0;  ///< half the opening of the mould
+  double now_m = 0.0;    ///< half-thickness at the instant of the frame
+  /// The same at 20 °C: each piece of the way from the middle plane to the face contracts freely
+  /// from its present temperature. Not a number where part of the way is not solid yet.
+  double cold_m = 0.0;
+
+  double pull_in_m() const { return mould_m - now_m; }
+  double cold_pull_in_m() const { return mould_m - cold_m; }
+};
+
+/// The wide face at one height.
+struct FaceRow {
+  double height_m = 0.0;          ///< above the bottom block, in the undeformed slab
+  bool solid = true;              ///< all through, at every point
+  std::vector<FacePoint> points;  ///< from the middle of the face outwards
+};
+
+/// What the wide face of a quarter slab has pulled in.
+struct Contraction {
+  double time_s = 0.0;
+  double cast_length_m = 0.0;
+  std::vector<FaceRow> rows;  ///< from below
+
+  /// The row nearest to a height.
+  const FaceRow& at(double height_m) const;
+  /// The highest row that is solid all through; without one the highest of all.
+  const FaceRow& head() const;
+};
+
+/// Reads a frame along its lines of nodes from the middle plane to the wide face.
+/// @param solved  the case of the frame with its alloy card
+/// @throws CommandFailed  no quarter slab, or a mesh without such lines
+Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame);
+
+}  // namespace dccast::client
