@@ -110,8 +110,7 @@ std::string curl_sentence(const CurlHistory& history, const v1::QueryResultRespo
                      fixed(1e3 * history.cast_length_m.back(), 0) + " mm of casting, " +
                      html_escaped(largest->name) + " has " + (curl < 0.0 ? "sunk " : "risen ") +
                      "<strong>" + fixed(std::abs(curl), 1) + " mm</strong>" +
-                     (curl < 0.0 ? " from where it was when the block started. "
-                                 : " off the place it had when the block started. ");
+                     " since the block started. ";
   text += half_band ? "Mesh and time steps leave ± " + fixed(1e3 * *half_band, 1) +
                           " mm of it uncertain; thermal data and alloy come on top. "
                     : "What mesh and time steps leave uncertain of it is not known. ";

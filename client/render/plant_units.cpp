@@ -33,6 +33,15 @@ std::string place_in_words(const v1::Curve& curve, int point) {
   }
 }
 
+/// A number of a case file with its unit if it is a speed [m/s], which is shown in mm/min.
+std::string shown_number(const std::string& number, bool speed) {
+  constexpr std::size_t most_written = 10;
+  const double value = std::strtod(number.c_str(), nullptr);
+  if (speed) return with_digits(mm_per_min * value, 9) + " mm/min\"";
+  const bool real = number.find_first_of(".eE") != std::string::npos;
+  return real && number.size() > most_written ? with_digits(value, 9) : number;
+}
+
 }  // namespace
 
 std::string plant_number(double value) {
@@ -70,23 +79,15 @@ double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, 
 
 std::string readable_toml(const v1::Case& input) {
   const std::string text = case_file::to_toml(input);
-  // Speeds, or any number with more digits than anyone writes.
-  static const std::regex long_number(R"(([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m/s")?)");
+  // A value, not a number within a title: speeds, or any with more digits than anyone writes.
+  static const std::regex value(
+      R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m/s")?(?=[ ",\]\n]))re");
   std::string readable;
   auto rest = text.cbegin();
-  for (std::sregex_iterator match(text.begin(), text.end(), long_number), end; match != end;
-       ++match) {
-    const std::string number = match->str(1);
-    const bool speed = (*match)[2].matched;
-    const auto begin = (*match)[0].first;
-    readable.append(rest, begin);
+  for (std::sregex_iterator match(text.begin(), text.end(), value), end; match != end; ++match) {
+    readable.append(rest, (*match)[0].first);
     rest = (*match)[0].second;
-    if (speed)
-      readable += with_digits(mm_per_min * std::strtod(number.c_str(), nullptr), 9) + " mm/min\"";
-    else
-      readable += number.size() > 10 && number.find_first_of(".eE") != std::string::npos
-                      ? with_digits(std::strtod(number.c_str(), nullptr), 9)
-                      : number;
+    readable += match->str(1) + shown_number(match->str(2), (*match)[3].matched);
   }
   return readable.append(rest, text.cend());
 }

@@ -34,6 +34,8 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
   const v1::StepReport& last = result.steps(result.steps_size() - 1);
   const std::string mark = last_step_mark(history);
   const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
+  const bool quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+  const std::string per_metre = quarter ? "" : "/m";
   std::string rows;
   rows += row("Equilibrium residual",
               scientific(largest(result, &v1::StepReport::equilibrium_residual)),
@@ -47,11 +49,11 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
               scientific(largest(result, &v1::StepReport::constitutive_residual)), "relative");
   rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
               "against the metallostatic one, relative, " + of_last_step);
-  rows += row("Bottom reaction", fixed(last.bottom_reaction_n_per_m(), 1) + " N/m",
-              "weight " + fixed(last.weight_n_per_m(), 1) + " N/m, " + of_last_step);
-  rows +=
-      row("Heat through side and bottom", fixed(1e-3 * last.wall_heat_flux_w_per_m(), 1) + " kW/m",
-          "per metre of face, " + of_last_step);
+  rows += row("Bottom reaction", fixed(last.bottom_reaction_n_per_m(), 1) + " N" + per_metre,
+              "weight " + fixed(last.weight_n_per_m(), 1) + " N" + per_metre + ", " + of_last_step);
+  rows += row("Heat through side and bottom",
+              fixed(1e-3 * last.wall_heat_flux_w_per_m(), 1) + " kW" + per_metre,
+              (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
   return card("Checks of the run", "<table>" + rows + "</table>");
 }
 

@@ -215,12 +215,15 @@ TEST(PlantUnits, NumbersAreAsTheUserWroteThem) {
 TEST(PlantUnits, TheWholeCaseHasNoDigitsNobodyWrote) {
   v1::Case input;
   v1::Curve& speed = *input.mutable_schedule()->mutable_casting_speed_m_per_s();
+  speed.set_abscissa(v1::TIME);
+  speed.add_at(0.0);
   speed.add_value(0.0006666666666666668);
   input.mutable_validity()->set_maximum_rotation_rad(0.17453292519943295);
   input.set_title("case 0.12345678901234567 of m/s");
   const std::string text = readable_toml(input);
   EXPECT_THAT(text, HasSubstr("\"40 mm/min\""));
-  EXPECT_THAT(text, HasSubstr("0.174532925 rad"));
+  EXPECT_THAT(text, HasSubstr("\"0.174532925 rad\""));
+  EXPECT_THAT(text, HasSubstr("case 0.12345678901234567 of m/s"));
 }
 
 TEST(Chart, LongNamesGoOnInFurtherRowsAndABandIsDrawnIn) {
