@@ -84,8 +84,8 @@ std::string recipe_table(const v1::Case& input) {
   rows += row("Alloy", html_escaped(input.alloy().card()),
               "solidus " + plant_number(input.alloy().solidus_c()) + " °C, liquidus " +
                   plant_number(input.alloy().liquidus_c()) + " °C");
-  rows += row("Hold", plant_number(recipe.hold_s()) + " s",
-              "Hold before the block moves; the shell forms, t = 0 is when the block starts");
+  rows += row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
+              "the shell forms; t = 0 is when the block starts");
   rows += row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
               changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s()));
   rows += row("Casting temperature", curve_in_words(recipe.casting_temperature_c(), 1.0, "°C"));
