@@ -1,5 +1,6 @@
 #include "client/render/report_page.hpp"
 
+#include "client/discretisation_error.hpp"
 #include "client/render/curl_history.hpp"
 #include "client/render/curl_part.hpp"
 #include "client/render/findings.hpp"
@@ -44,10 +45,20 @@ std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& resul
          history_part(result) + frame_part(result, history) + "</div>";
 }
 
+/// What is known of the discretisation: of the study, else of the quality that the case follows.
+std::string discretisation_part(const v1::Job& job, const v1::QueryResultResponse& result,
+                                const Study& study) {
+  if (study.monitors.empty() && discretisation_error(result.case_(), 1.0))
+    return "<p class='note'>The ± beside a curl is the band of the case's quality "
+           "(docs/error-bars.md). <code>dccast convergence CASE</code> tells it of this case.</p>";
+  return study_part(study, job);
+}
+
 /// What the figures rest on.
 std::string second_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
                          const CurlHistory& history, const Study& study) {
-  const std::string of_the_study = history.monitors.empty() ? "" : study_part(study, job);
+  const std::string of_the_study =
+      history.monitors.empty() ? "" : discretisation_part(job, result, study);
   return "<div class='sheet'>" + of_the_study + "<div class='cards'>" +
          run_part(job, result, history) + "</div></div>";
 }

@@ -163,7 +163,7 @@ Legend legend(const Chart& chart) {
   if (chart.lines.size() < 2) return drawn;
   double at = left;
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
-    const double space = 36.0 + 6.6 * static_cast<double>(chart.lines[i].name.size());
+    const double space = 36.0 + 7.4 * static_cast<double>(chart.lines[i].name.size());
     if (at > left && at + space > width) {
       at = left;
       ++drawn.rows;

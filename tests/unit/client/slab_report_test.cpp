@@ -13,6 +13,9 @@
 #include "client/render/section_picture.hpp"
 #include "client/render/slab_picture.hpp"
 #include "client/render/svg_chart.hpp"
+#include "client/render/table.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -284,6 +287,25 @@ TEST(ReportPage, SaysHowTheCurlLiesInThePlantsBand) {
   EXPECT_EQ(count_of(inside, "class='wanted'"), 2);
   EXPECT_THAT(report_page(v1::Job(), run_with(10, 20)), HasSubstr("It is above the plant"));
   EXPECT_THAT(report_page(v1::Job(), run_with(50, 60)), HasSubstr("It is below the plant"));
+}
+
+TEST(ReportPage, ACaseThatFollowsAQualityHasItsBand) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  v1::Case& input = *result.mutable_case_();
+  input.Clear();
+  input.set_quality(v1::ENGINEERING);
+  input.mutable_section()->set_kind(v1::Section::PLANE_STRAIN);
+  input.mutable_section()->set_half_width_m(0.28);
+  input.mutable_section()->set_initial_depth_m(0.1);
+  input.mutable_time()->set_end_s(145.0);
+  case_file::apply_defaults(input);
+  const auto relative = case_file::relative_discretisation_error(input);
+  ASSERT_TRUE(relative);
+  const std::string band = fixed(40.0 * *relative, 1);
+  const std::string page = report_page(v1::Job(), result);
+  EXPECT_THAT(page, HasSubstr("leave ± " + band + " mm of it uncertain"));
+  EXPECT_THAT(page, HasSubstr("the band of the case's quality"));
+  EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 
 TEST(ReportPage, AFrameThatDoesNotFitIsSaidToBeAbsent) {
