@@ -27,7 +27,7 @@ v1::QueryResultResponse query(Connection& connection, const std::string& id) {
     check(status, connection.server());
     return result;
   }
-  std::cerr << "dccast: " << status.error_message() << "; the report goes without the section\n";
+  std::cerr << "dccast: " << status.error_message() << "; the report goes without a picture of the slab\n";
   return query_result(connection, id);
 }
 
@@ -61,7 +61,7 @@ void add_report(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
   CLI::App* const command =
       subcommand(app, "report",
-                 "Write one HTML page about a job: curl, section with isotherms, contact, checks",
+                 "Write one HTML page about a job: findings, curl, recipe, histories, the last frame, checks",
                  "dccast report JOB -o report.html");
   command->add_option("JOB", options->id, job_help)->required();
   command->add_option("-o,--output", options->output, "File to write; - for standard output")

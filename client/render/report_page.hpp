@@ -7,11 +7,12 @@
 
 namespace dccast::client::render {
 
-/// One self-contained HTML page about a job: curl against time and cast length, the deformed
-/// section with isotherms, gap and pressure along the bottom, the run's own checks and its inputs.
-/// Nothing is loaded from elsewhere. Parts that the result does not hold (a run without frame) are
-/// said to be absent. With a study of at least two runs that succeeded, curls have their error, and
-/// charts the limit with its interval; else the page says which command tells them.
+/// One self-contained HTML page about a job, see docs/report.md. The first sheet is for the plant:
+/// findings, the curl and what it means, recipe, charts against time, the last frame. The second
+/// says what the figures rest on. Nothing is loaded from elsewhere. Parts that the result does not
+/// hold (a run without frame) are said to be absent. With a study of at least two runs that
+/// succeeded, curls have their error, and charts the limit with its interval; else the page says
+/// which command tells them.
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
                         const Study& study = {});
 

@@ -21,7 +21,11 @@ table.figures td:last-child:not(:nth-child(2)){color:inherit;font-size:inherit}t
 table.figures thead th{color:var(--soft);font-size:13px}table.figures tr.this td{font-weight:650}table.figures tr.first>*{border-top:2px solid var(--zero)}
 .scroll{overflow-x:auto}.card p{margin:10px 0 0;color:var(--soft);font-size:13px}
 .card{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:16px 18px;margin:0 0 16px;min-width:0;break-inside:avoid}
-.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}
+.pair,.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}.wide{grid-column:1/-1}
+.views{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(300px,100%),1fr));gap:10px 16px}h3{margin:0;font-size:13px;font-weight:500;color:var(--soft)}
+p.answer{font-size:18px;line-height:1.45;margin:0 0 16px;max-width:62em}.wanted{fill:var(--good);opacity:.12}.edge{stroke:var(--good);stroke-dasharray:6 4}
+.contact{fill:#fff;stroke:#10151c;stroke-width:1.4}svg.map{max-width:680px;margin:0 auto}table.pull-in{margin-top:10px;font-size:12.5px}table.figures.pull-in th,table.figures.pull-in td{padding-left:7px}table.pull-in thead th{font-size:11.5px;vertical-align:bottom}
+table.figures.pull-in tr+tr th:first-child{padding-left:7px;text-align:right}
 figure{margin:0}figcaption{color:var(--soft);font-size:13px;margin-top:8px}figcaption strong{color:var(--ink)}svg{display:block;width:100%;height:auto}
 svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
 .beyond{fill:var(--bad);opacity:.13}p.invalid{border:1px solid var(--bad);border-radius:8px;padding:10px 14px;color:var(--bad);margin:0 0 16px}
@@ -33,7 +37,16 @@ table{border-collapse:collapse;width:100%;font-size:14px}th,td{text-align:left;v
 tr:first-child>*{border-top:0}th{font-weight:500;width:34%}td:nth-child(2){font-variant-numeric:tabular-nums;overflow-wrap:break-word}td code{overflow-wrap:anywhere}td:last-child:not(:nth-child(2)){color:var(--soft);font-size:13px}
 details{margin-top:14px}summary{cursor:pointer;color:var(--soft)}pre{overflow-x:auto;font-size:12.5px;line-height:1.45}code{font-size:12px}
 tr.danger th{color:var(--bad)}.findings th{width:6em}.findings td small{display:block;color:var(--soft)}
-@media print{body{background:#fff}main{max-width:none;padding:0}}
+@page{size:A4;margin:9mm}
+@media print{:root{color-scheme:light;--page:#fff;--card:#fff;--ink:#1c2430;--soft:#4a5463;--rule:#d5dae1;--zero:#98a2b1;
+--line-0:#1f5fbf;--line-1:#c8521a;--line-2:#2c8a57;--line-3:#8747b5;--line-4:#b5860b;--line-5:#0d8a96;--good:#1f7a46;--bad:#b3261e}
+*{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{background:#fff;font-size:8.5px;line-height:1.3}main{max-width:none;padding:0}header{margin-bottom:4px}
+h1{font-size:15px;margin:0}h2{font-size:9.5px;margin:0 0 3px}h3,.kicker,figcaption,.card p,.note,.tile span,.tile small,td:last-child:not(:nth-child(2)){font-size:7px}
+.card{padding:4px 6px;margin:0 0 5px;border-radius:3px}.cards,.pair{grid-template-columns:repeat(3,1fr);gap:0 5px;grid-auto-flow:dense}svg.chart,svg.map{max-height:96px}svg.slab{max-height:140px}
+.tick{font-size:13px}.label{font-size:14px}code{font-size:7px}.scroll{overflow:visible}.views{grid-template-columns:repeat(3,1fr)}
+.tiles{grid-template-columns:repeat(8,1fr);gap:4px;margin-bottom:5px}.tile{padding:3px 5px;border-radius:3px}.tile strong{font-size:12px}.tile em{font-size:8.5px}
+p.answer{font-size:10.5px;margin:0 0 5px;max-width:none}p.invalid{padding:3px 6px;margin:0 0 5px}figcaption{margin-top:2px}table,table.figures thead th{font-size:7.5px}
+th,td{padding:1px 4px 1px 0}table.figures th,table.figures td,table.figures.pull-in th,table.figures.pull-in td{padding:1px 0 1px 2px}table.pull-in,table.pull-in thead th{font-size:6px}th{width:26%}.cards td small{font-size:6.5px}details{display:none}.sheet{break-before:page}.sheet .cards{grid-template-columns:repeat(2,1fr)}}
 )css";
 
 }  // namespace dccast::client::render

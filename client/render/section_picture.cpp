@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "client/render/colour_bands.hpp"
+#include "client/render/frame_surface.hpp"
 #include "client/render/isotherms.hpp"
 #include "client/render/svg_chart.hpp"
 #include "client/render/table.hpp"
@@ -11,7 +13,6 @@
 namespace dccast::client::render {
 namespace {
 
-constexpr int bands = 28;  // of the colour fill
 constexpr double drawing_width = 560, margin_left = 56, margin_top = 24, margin_bottom = 46,
                  margin_right = 100;
 
@@ -26,21 +27,6 @@ struct View {
   double height() const { return margin_top + (y1 - y0) * scale + margin_bottom; }
 };
 
-/// Cold blue over violet to hot yellow; even in lightness, readable on white and on black.
-std::string band_colour(double part) {
-  static constexpr double stops[6][3] = {{43, 58, 125},  {73, 97, 184},  {143, 92, 177},
-                                         {214, 89, 120}, {243, 142, 79}, {252, 216, 106}};
-  const double place = std::clamp(part, 0.0, 1.0) * 5.0;
-  const int from = std::min(static_cast<int>(place), 4);
-  char text[16];
-  int rgb[3];
-  for (int c = 0; c < 3; ++c)
-    rgb[c] = static_cast<int>(
-        std::lround(stops[from][c] + (place - from) * (stops[from + 1][c] - stops[from][c])));
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
-  return text;
-}
-
 std::vector<Point> nodes_of(const v1::Frame& frame, double displacement_scale) {
   std::vector<Point> nodes(static_cast<std::size_t>(frame.node_m_size() / 2));
   const bool moved = frame.displacement_m_size() == frame.node_m_size();
@@ -51,33 +37,6 @@ std::vector<Point> nodes_of(const v1::Frame& frame, double displacement_scale) {
         frame.node_m(at + 1) + (moved ? displacement_scale * frame.displacement_m(at + 1) : 0.0)};
   }
   return nodes;
-}
-
-/// Largest displacement of the bottom, or of all nodes where no bottom is named.
-double displacement_to_show(const v1::Frame& frame, double largest) {
-  double shown = 0.0;
-  for (const int node : frame.bottom_node())
-    if (node >= 0 && 2 * node + 1 < frame.displacement_m_size())
-      shown = std::max(
-          shown, std::hypot(frame.displacement_m(2 * node), frame.displacement_m(2 * node + 1)));
-  return shown > 0.0 ? shown : largest;
-}
-
-/// A round factor (1, 2, 5, 10, ...) that shows the curl of the butt and keeps the picture whole:
-/// metal near the level may have moved much further than the bottom.
-double scale_for(const v1::Frame& frame) {
-  double largest = 0.0, extent = 0.0;
-  for (int i = 0; 2 * i + 1 < std::min(frame.displacement_m_size(), frame.node_m_size()); ++i) {
-    extent = std::max(extent, frame.node_m(2 * i));
-    largest =
-        std::max(largest, std::hypot(frame.displacement_m(2 * i), frame.displacement_m(2 * i + 1)));
-  }
-  if (!(largest > 0.0)) return 1.0;
-  const double wanted =
-      std::min(extent / (15.0 * displacement_to_show(frame, largest)), 0.25 * extent / largest);
-  if (wanted < 2.0) return 1.0;
-  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-  return decade * (wanted / decade >= 5.0 ? 5.0 : wanted / decade >= 2.0 ? 2.0 : 1.0);
 }
 
 View view_of(const std::vector<Point>& drawn, const std::vector<Point>& still) {
@@ -99,18 +58,18 @@ std::string point_text(const View& view, const Point& p) {
 
 std::string fill(const View& view, const std::vector<Point>& node,
                  const std::vector<double>& temperature,
-                 const std::vector<std::array<int, 3>>& triangles, double low, double high) {
+                 const std::vector<std::array<int, 3>>& triangles, const ColourBands& bands) {
   std::map<int, std::string> path_of_band;
-  for (const auto& t : triangles) {
-    const double mean = (temperature[t[0]] + temperature[t[1]] + temperature[t[2]]) / 3.0;
-    const int band = std::clamp(static_cast<int>(bands * (mean - low) / std::max(high - low, 1e-9)),
-                                0, bands - 1);
-    path_of_band[band] += "M" + point_text(view, node[t[0]]) + "L" + point_text(view, node[t[1]]) +
-                          "L" + point_text(view, node[t[2]]) + "z";
-  }
+  for (const auto& t : triangles)
+    for (const BandPiece& piece :
+         band_pieces({node[t[0]], node[t[1]], node[t[2]]},
+                     {temperature[t[0]], temperature[t[1]], temperature[t[2]]}, bands))
+      for (std::size_t k = 0; k < piece.outline.size(); ++k)
+        path_of_band[piece.band] += (k == 0 ? "M" : "L") + point_text(view, piece.outline[k]) +
+                                    (k + 1 == piece.outline.size() ? "z" : "");
   std::string svg;
   for (const auto& [band, path] : path_of_band) {
-    const std::string colour = band_colour((band + 0.5) / bands);
+    const std::string colour = bands.colour(band);
     svg +=
         "<path fill='" + colour + "' stroke='" + colour + "' stroke-width='.4' d='" + path + "'/>";
   }
@@ -189,23 +148,6 @@ std::string axes(const View& view, double width_m, double height_m) {
          fixed((view.y(view.y1) + foot) / 2, 1) + ") rotate(-90)'>height, mm</text>";
 }
 
-std::string colour_bar(const View& view, double low, double high) {
-  const double x = view.width() - margin_right + 24, top = margin_top,
-               bar = view.height() - margin_top - margin_bottom;
-  std::string svg;
-  for (int band = 0; band < bands; ++band)
-    svg += "<rect x='" + fixed(x, 1) + "' y='" + fixed(top + bar * (bands - 1 - band) / bands, 1) +
-           "' width='12' height='" + fixed(bar / bands + 0.5, 1) + "' fill='" +
-           band_colour((band + 0.5) / bands) + "'/>";
-  for (const double level : round_ticks(low, high, 5))
-    if (level >= low - 1e-9 && level <= high + 1e-9)
-      svg += "<text class='tick' x='" + fixed(x + 17, 1) + "' y='" +
-             fixed(top + bar * (high - level) / (high - low) + 4, 1) + "'>" + fixed(level, 0) +
-             "</text>";
-  return svg + "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(top - 8, 1) +
-         "'>°C</text>";
-}
-
 }  // namespace
 
 bool consistent(const v1::Frame& frame) {
@@ -220,7 +162,7 @@ bool consistent(const v1::Frame& frame) {
 SectionPicture draw_section(const v1::Frame& frame) {
   if (!consistent(frame)) return {};
   SectionPicture picture;
-  picture.displacement_scale = scale_for(frame);
+  picture.displacement_scale = displacement_scale(frame);
   const auto node = nodes_of(frame, picture.displacement_scale);
   const auto still = nodes_of(frame, 0.0);
   const std::vector<double> temperature(frame.temperature_c().begin(), frame.temperature_c().end());
@@ -233,14 +175,16 @@ SectionPicture draw_section(const v1::Frame& frame) {
     height_m = std::max(height_m, p.y);
   }
   const auto [low, high] = std::minmax_element(temperature.begin(), temperature.end());
-  const double span_low = *low, span_high = std::max(*high, *low + 1.0);
+  const ColourBands bands{*low, std::max(*high, *low + 1.0)};
   picture.svg =
       "<svg class='section' viewBox='0 0 " + fixed(view.width(), 0) + " " +
       fixed(view.height(), 0) + "' role='img' aria-label='Deformed section with isotherms'>" +
-      fill(view, node, temperature, triangles, span_low, span_high) +
+      fill(view, node, temperature, triangles, bands) +
       outline(view, still, triangles, "undeformed") + outline(view, node, triangles, "deformed") +
       isotherms(view, node, temperature, triangles, frame) + axes(view, width_m, height_m) +
-      colour_bar(view, span_low, span_high) + "</svg>";
+      colour_bar(bands, "°C", view.width() - margin_right + 24, margin_top,
+                 view.height() - margin_top - margin_bottom) +
+      "</svg>";
   return picture;
 }
 

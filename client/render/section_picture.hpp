@@ -12,12 +12,13 @@ struct SectionPicture {
   double displacement_scale = 1.0;  ///< factor by which displacements are drawn larger
 };
 
-/// Draws a frame. Displacements are enlarged by a round factor, so that the largest of the bottom
+/// Draws a frame of a plane or axisymmetric section; one of a quarter slab has no picture here, see
+/// slab_picture.hpp. Displacements are enlarged by a round factor, so that the largest of the bottom
 /// is about a fifteenth of the section's width. Isotherms every 100 °C, and those of liquidus and
 /// solidus.
 SectionPicture draw_section(const v1::Frame& frame);
 
-/// Whether array sizes and node numbers of a frame fit each other.
+/// Whether array sizes and node numbers of a frame in two dimensions fit each other.
 bool consistent(const v1::Frame& frame);
 
 }  // namespace dccast::client::render

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "client/render/table.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 
 // Of the view box; the page scales it.
 constexpr double width = 640, height = 320, left = 62, right = 16, top = 30, bottom = 46;
+constexpr double legend_row = 17;
 constexpr int line_colours = 6;
 
 struct Axis {
@@ -34,6 +36,7 @@ std::vector<double> all_y(const Chart& chart) {
   for (const ChartLine& line : chart.lines)
     for (const auto* part : {&line.y, &line.band.low, &line.band.high})
       values.insert(values.end(), part->begin(), part->end());
+  if (chart.wanted) values.insert(values.end(), {chart.wanted->low, chart.wanted->high});
   return values;
 }
 
@@ -132,18 +135,48 @@ std::string region_beyond(const Chart& chart, const Axis& x) {
          fixed(height - bottom - 6, 1) + "'>" + html_escaped(chart.beyond_name) + "</text>";
 }
 
-std::string legend(const Chart& chart) {
-  if (chart.lines.size() < 2) return {};
+/// Dashed edges where the region has them, and its name under the upper one.
+std::string region_wanted(const Chart& chart, const Axis& y) {
+  if (!chart.wanted) return {};
+  const bool below = std::isfinite(chart.wanted->low), above = std::isfinite(chart.wanted->high);
+  const double foot = below ? place_y(y, chart.wanted->low) : height - bottom,
+               head = above ? place_y(y, chart.wanted->high) : top;
+  const std::string x0 = fixed(left, 1), x1 = fixed(width - right, 1);
+  std::string svg = "<rect class='wanted' x='" + x0 + "' y='" + fixed(head, 1) + "' width='" +
+                    fixed(width - right - left, 1) + "' height='" + fixed(foot - head, 1) + "'/>";
+  for (const auto& [drawn, at] : {std::pair{below, foot}, std::pair{above, head}})
+    if (drawn)
+      svg += "<line class='edge' x1='" + x0 + "' x2='" + x1 + "' y1='" + fixed(at, 1) + "' y2='" +
+             fixed(at, 1) + "'/>";
+  return svg + "<text class='tick' x='" + fixed(left + 6, 1) + "' y='" + fixed(head + 14, 1) +
+         "'>" + html_escaped(chart.wanted->name) + "</text>";
+}
+
+/// Names in as many rows as they need; the first is where a single one would be.
+struct Legend {
   std::string svg;
+  int rows = 1;
+};
+
+Legend legend(const Chart& chart) {
+  Legend drawn;
+  if (chart.lines.size() < 2) return drawn;
   double at = left;
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
-    const std::string colour = "var(--line-" + std::to_string(i % line_colours) + ")";
-    svg += "<line x1='" + fixed(at, 1) + "' x2='" + fixed(at + 18, 1) +
-           "' y1='14' y2='14' stroke='" + colour + "' stroke-width='3'/><text class='tick' x='" +
-           fixed(at + 23, 1) + "' y='18'>" + html_escaped(chart.lines[i].name) + "</text>";
-    at += 40.0 + 7.0 * static_cast<double>(chart.lines[i].name.size());
+    const double space = 36.0 + 7.4 * static_cast<double>(chart.lines[i].name.size());
+    if (at > left && at + space > width) {
+      at = left;
+      ++drawn.rows;
+    }
+    const double y = 14.0 + legend_row * (drawn.rows - 1);
+    drawn.svg += "<line x1='" + fixed(at, 1) + "' x2='" + fixed(at + 18, 1) + "' y1='" +
+                 fixed(y, 0) + "' y2='" + fixed(y, 0) + "' stroke='var(--line-" +
+                 std::to_string(i % line_colours) + ")' stroke-width='3'/><text class='tick' x='" +
+                 fixed(at + 23, 1) + "' y='" + fixed(y + 4, 0) + "'>" +
+                 html_escaped(chart.lines[i].name) + "</text>";
+    at += space;
   }
-  return svg;
+  return drawn;
 }
 
 }  // namespace
@@ -189,9 +222,13 @@ std::vector<double> round_ticks(double low, double high, int count) {
 std::string svg_chart(const Chart& chart) {
   const Axis x = axis_over(all_x(chart), false, 7);
   const Axis y = axis_over(all_y(chart), true, 5);
-  std::string svg = "<svg class='chart' viewBox='0 0 640 320' role='img' aria-label='" +
-                    html_escaped(chart.title) + "'>" + region_beyond(chart, x) + grid(x, y) +
-                    legend(chart);
+  const Legend names = legend(chart);
+  const double above = legend_row * (names.rows - 1);  // further rows of names stand above the rest
+  std::string svg = "<svg class='chart' viewBox='0 " + fixed(above > 0.0 ? -above : 0.0, 0) +
+                    " 640 " + fixed(height + above, 0) + "' role='img' aria-label='" +
+                    html_escaped(chart.title) + "'>" + region_beyond(chart, x) +
+                    region_wanted(chart, y) + grid(x, y) + "<g transform='translate(0 " +
+                    fixed(above > 0.0 ? -above : 0.0, 0) + ")'>" + names.svg + "</g>";
   for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, x, y);
   for (std::size_t i = 0; i < chart.lines.size(); ++i)
     svg += "<path class='line' style='stroke:var(--line-" + std::to_string(i % line_colours) +

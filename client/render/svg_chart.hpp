@@ -30,6 +30,14 @@ struct Chart {
   /// The region from here to the right end is hatched and named; nothing: there is none.
   std::optional<double> beyond_from{};
   std::string beyond_name{};
+  /// A horizontal region that is drawn in and named, of values that are wanted; NaN or infinite
+  /// edges reach to the end of the axis.
+  struct Wanted {
+    double low;
+    double high;
+    std::string name;
+  };
+  std::optional<Wanted> wanted{};
 };
 
 /// A chart as inline SVG with axes, round ticks and a legend. Colours come from the page's CSS
