@@ -124,6 +124,8 @@ double CastingSchedule::step_at(double time) const {
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
 
+constexpr std::int64_t worth_it = 200;  // fewer steps are made one by one, exactly as the run does
+
 /// All frames up to the next change at once, where the step is the same all the way: each takes as
 /// many steps as the first.
 std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
@@ -134,13 +136,13 @@ std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
   const double frames = std::floor((*next - time) / frame_interval_ - same_time);
   if (frames < 2.0) return std::nullopt;
   const double steps = std::ceil(frame_interval_ / step_(time) - same_time);
-  return Leap{static_cast<std::int64_t>(std::min(frames * std::max(steps, 1.0), 1e15)),
-              time + frames * frame_interval_};
+  const double all = std::min(frames * std::max(steps, 1.0), 1e15);
+  if (all <= static_cast<double>(worth_it)) return std::nullopt;
+  return Leap{static_cast<std::int64_t>(all), time + frames * frame_interval_};
 }
 
 Leap CastingSchedule::leap(double time) const {
-  constexpr std::int64_t worth_it = 200;  // fewer are made one by one, exactly as the run does
-  constexpr double last_steps = 4.0;      // before an event, too, where a remainder is halved
+  constexpr double last_steps = 4.0;  // before an event, too, where a remainder is halved
   const Leap one{1, time + step_at(time)};
   if (const auto frames = leap_over_frames(time)) return *frames;
   const double step = step_(time), slope = step_.derivative(time + same_time);

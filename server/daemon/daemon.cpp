@@ -168,6 +168,41 @@ int wait_for_signal() {
   return signal;
 }
 
+/// What serves, in the order in which it has to stop.
+struct Serving {
+  service::PublicServer& server;
+  studies::Studies& studies;
+  jobs::Scheduler& scheduler;
+  service::Context& context;
+  jobs::EventLogs& logs;
+};
+
+void say_where(const v1::DaemonConfig& config, const service::PublicServer& server,
+               const DataDirectory& directory) {
+  if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
+  spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
+               directory.path().string(), worker_count(config));
+}
+
+/// Processes that compute queries; they check the cases of queries too: nothing that others do
+/// keeps a query waiting.
+jobs::CheckerLimits query_pool(const v1::DaemonConfig& config) {
+  return {.option = "--serve-queries",
+          .kept = checker_count(config),
+          .answers = 200,
+          .largest_bytes = most_memory};
+}
+
+void stop_serving(const Serving& of) {
+  of.server.announce_end();
+  of.studies.stop();
+  of.scheduler.shut_down();
+  of.context.leaving = true;
+  of.studies.notifier().wake_all();
+  of.logs.wake_all();  // watchers are told that the daemon leaves, and from where to watch again
+  of.server.shut_down();
+}
+
 }  // namespace
 
 int serve(const v1::DaemonConfig& config) {
@@ -177,11 +212,7 @@ int serve(const v1::DaemonConfig& config) {
   const fs::path worker = worker_program(config);
   const std::size_t connections = connection_count(config);
   jobs::CheckerPool checkers(worker, {.kept = checker_count(config)});
-  // They check the cases of queries too: nothing that others do keeps a query waiting.
-  jobs::CheckerPool query_workers(worker, {.option = "--serve-queries",
-                                           .kept = checker_count(config),
-                                           .answers = 200,
-                                           .largest_bytes = most_memory});
+  jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
   const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
                                     ceilings(config));
@@ -222,20 +253,11 @@ int serve(const v1::DaemonConfig& config) {
   query_workers.warm_up();
   scheduler.start();
   studies.start();
-  if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
-  spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
-               directory.path().string(), context.workers);
-
+  say_where(config, server, directory);
   const int signal = wait_for_signal();
   spdlog::info("{}: running jobs stop at a checkpoint and go back into the queue",
                ::strsignal(signal));
-  server.announce_end();
-  studies.stop();
-  scheduler.shut_down();
-  context.leaving = true;
-  studies.notifier().wake_all();
-  logs.wake_all();  // watchers are told that the daemon leaves, and from where to watch again
-  server.shut_down();
+  stop_serving({server, studies, scheduler, context, logs});
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   spdlog::info("dccastd has stopped");
   return 0;

@@ -137,11 +137,12 @@ std::int64_t Checker::resident_bytes() const {
 void Checker::wait_until(short events, const Patience& patience) const {
   pollfd look{socket_.get(), events, 0};
   for (;;) {
-    if (::poll(&look, 1, look_interval_ms) > 0) return;
+    // Asked first: a worker whose parts come faster than this looks would never be called off.
     if (patience.called_off())
       throw WorkerDidNotAnswer(Why::called_off, "nobody waits for this answer any more");
     if (std::chrono::steady_clock::now() > patience.deadline)
       throw WorkerDidNotAnswer(Why::too_slow, name_ + " took longer than it may");
+    if (::poll(&look, 1, look_interval_ms) > 0) return;
     if (resident_bytes() > largest_bytes_)
       throw WorkerDidNotAnswer(Why::too_large,
                                name_ + " took more than " + megabytes(largest_bytes_));

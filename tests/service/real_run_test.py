@@ -77,7 +77,7 @@ class RealRun(ServiceTest):
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for right, wrong in (('half_width = "0.28 m"', "half_width = 0.28"),  # unit missing
-                             ('coherency = "620 degC"', 'coherency = "700 degC"'),
+                             ('coherency_solid_fraction = 1.0', 'coherency = "700 degC"'),
                              ('name = "mid"', 'name = "corner"'),
                              ('\nend = "145 s"', '\nend = "9e5 s"')):
             self.assertEqual(text.count(right), 1, right)

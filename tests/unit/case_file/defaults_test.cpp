@@ -14,11 +14,13 @@ using testing::HasSubstr;
 
 TEST(Defaults, FillEveryAbsentKeyOnce) {
   v1::Case message;
+  message.mutable_section()->set_half_width_m(0.28);
+  message.mutable_section()->set_initial_depth_m(0.1);
   message.mutable_mesh()->set_columns(7);
   message.add_monitor();
   apply_defaults(message);
   EXPECT_EQ(message.mesh().columns(), 7);
-  EXPECT_EQ(message.mesh().rows(), 22);
+  EXPECT_EQ(message.mesh().rows(), 44);  // by quality
   EXPECT_EQ(message.section().kind(), v1::Section::PLANE_STRAIN);
   EXPECT_NEAR(message.schedule().casting_speed_m_per_s().value(0), 1e-3, 1e-15);
   EXPECT_EQ(message.cooling().bottom_block().gap_coefficient_w_per_m2_k().at_size(), 3);

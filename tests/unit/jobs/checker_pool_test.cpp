@@ -4,9 +4,11 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "tests/unit/jobs/temporary_folder.hpp"
 
@@ -19,6 +21,7 @@ using Why = WorkerDidNotAnswer::Why;
 constexpr const char* program_text = R"(#!/usr/bin/python3
 import os, signal, socket, struct, sys, time
 link = socket.socket(fileno=0)
+open(os.path.join(os.path.dirname(sys.argv[0]), "ready-%d" % os.getpid()), "w").close()
 held = []
 def receive(size):
     data = b""
@@ -38,7 +41,7 @@ while True:
     if text == b"grow": held.append(b"x" * 300000000); time.sleep(1000)
     if text == b"nonsense": link.sendall(b"nonsense" * 2)
     if text == b"refuse": outcome = 1
-    if kind == 3:
+    if kind == 6:
         for part in range(1000): link.sendall(struct.pack("=II", 2, 4) + struct.pack("=I", part))
     if kind == 2: text = b"frame"
     answer = b"%d " % os.getpid() + text
@@ -69,6 +72,13 @@ protected:
     }
     ADD_FAILURE() << "was answered";
     return Why::refused;
+  }
+
+  /// Programs that are past reading their own text.
+  long programs_begun() const {
+    return std::ranges::count_if(
+        std::filesystem::directory_iterator(folder_.path()),
+        [](const auto& entry) { return entry.path().filename().string().starts_with("ready-"); });
   }
 
   TemporaryFolder folder_;
@@ -102,6 +112,7 @@ TEST_F(CheckerPoolTest, PartsOfAnAnswerComeInOrderBeforeItsEnd) {
 TEST_F(CheckerPoolTest, OneThatWasKilledIsReplacedAtOnce) {
   CheckerPool pool(program_);
   EXPECT_EQ(reason(pool, "abort"), Why::died);
+  while (programs_begun() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   std::ofstream(program_) << "no program any more";
   EXPECT_EQ(ask(pool, "again").second, "again");
 }
