@@ -46,7 +46,10 @@ void find_largest(const Answer& first, const Series& mine, const Answer& other,
 Weight weight_of(const CurlDifference& difference) {
   if (!difference.uncertainty_m || !difference.first_uncertainty_m) return Weight::unknown;
   const double size = std::abs(difference.end_m);
-  const double mine = *difference.first_uncertainty_m, theirs = *difference.uncertainty_m;
+  // A monitor that stands on the block has a band of nothing, and its curl round-off.
+  constexpr double least = 1e-6;  // [m]
+  const double mine = std::max(*difference.first_uncertainty_m, least);
+  const double theirs = std::max(*difference.uncertainty_m, least);
   if (size < std::min(mine, theirs)) return Weight::below_either;
   return size < mine + theirs ? Weight::below_both : Weight::beyond_errors;
 }

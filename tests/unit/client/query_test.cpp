@@ -135,6 +135,9 @@ TEST(Comparison, ADifferenceIsWeighedAgainstTheErrorsOfBoth) {
   EXPECT_EQ(weight_of(row), Weight::below_both);
   row.end_m = 1.0;
   EXPECT_EQ(weight_of(row), Weight::beyond_errors);
+  row.first_uncertainty_m = row.uncertainty_m = 0.0;
+  row.end_m = 1e-12;
+  EXPECT_EQ(weight_of(row), Weight::below_either) << "round-off of a node that stands on the block";
 }
 
 TEST(Comparison, KeysThatDifferAreNamedOnce) {
