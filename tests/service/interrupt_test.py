@@ -134,10 +134,11 @@ class Interrupt(ServiceTest):
         self.addCleanup(os.close, terminal)
         # setsid gives it the terminal as its own, so that the key becomes a signal.
         process = subprocess.Popen(["setsid", "--ctty", *self.command("watch", job.id)],
-                                   stdin=theirs, stdout=theirs, stderr=theirs)
+                                   stdin=theirs, stdout=theirs, stderr=theirs,
+                                   env={**os.environ, "TERM": "xterm"})
         os.close(theirs)
         shown = b""
-        while shown.count(b"it  eta") < 2:
+        while shown.count(b"eta ") < 2:
             shown += os.read(terminal, 65536)
         os.write(terminal, b"\x03")
         try:
