@@ -4,6 +4,7 @@
 
 #include "client/case_options.hpp"
 #include "client/discretisation_error.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/progress.hpp"
 #include "client/render/table.hpp"
@@ -11,17 +12,6 @@
 
 namespace dccast::client::render {
 namespace {
-
-std::string severity_text(v1::Finding::Severity severity) {
-  switch (severity) {
-    case v1::Finding::DANGER:
-      return "danger";
-    case v1::Finding::WARNING:
-      return "warning";
-    default:
-      return "note";
-  }
-}
 
 std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {
   const double curl_m = series.curl_m.back();

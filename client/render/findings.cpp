@@ -8,7 +8,6 @@
 #include "client/render/validity.hpp"
 
 namespace dccast::client::render {
-namespace {
 
 std::string severity_text(v1::Finding::Severity severity) {
   switch (severity) {
@@ -20,6 +19,8 @@ std::string severity_text(v1::Finding::Severity severity) {
       return "note";
   }
 }
+
+namespace {
 
 /// "1 danger", "2 dangers".
 std::string count_text(const Findings& findings, v1::Finding::Severity severity) {

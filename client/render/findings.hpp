@@ -8,6 +8,9 @@ namespace dccast::client::render {
 
 using Findings = google::protobuf::RepeatedPtrField<v1::Finding>;
 
+/// "danger", "warning" or "note".
+std::string severity_text(v1::Finding::Severity severity);
+
 /// "danger: bleed_out_at_exit at 15.00 s: The surface leaves the mould at ... [1.2 mm, limit 5 mm;
 /// x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]", one line.
 std::string finding_line(const v1::Finding& finding);

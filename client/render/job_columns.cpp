@@ -90,10 +90,6 @@ const Column& column_of(const std::string& name) {
   return *std::ranges::find(columns, name, [](const Column& c) { return std::string(c.name); });
 }
 
-std::string counted(int count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 }  // namespace
 
 std::vector<std::string> job_columns() {

@@ -112,9 +112,14 @@ double CastingSchedule::next_frame(double time) const {
   return begin_ + (passed + 1.0) * frame_interval_;
 }
 
-double CastingSchedule::next_event(double time) const {
+double CastingSchedule::next_change(double time) const {
   const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
-  return next == events_.end() ? INFINITY : std::min(*next, next_frame(time));
+  return next == events_.end() ? INFINITY : *next;
+}
+
+double CastingSchedule::next_event(double time) const {
+  const double change = next_change(time);
+  return change == INFINITY ? change : std::min(change, next_frame(time));
 }
 
 double CastingSchedule::step_at(double time) const {
@@ -129,11 +134,11 @@ constexpr std::int64_t worth_it = 200;  // fewer steps are made one by one, exac
 /// All frames up to the next change at once, where the step is the same all the way: each takes as
 /// many steps as the first.
 std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  const double change = next_change(time);
   const double to_frame = next_frame(time) - time;
-  if (next == events_.end() || step_.derivative(time + same_time) != 0.0) return std::nullopt;
+  if (change == INFINITY || step_.derivative(time + same_time) != 0.0) return std::nullopt;
   if (to_frame < frame_interval_ - same_time) return std::nullopt;  // not at a frame
-  const double frames = std::floor((*next - time) / frame_interval_ - same_time);
+  const double frames = std::floor((change - time) / frame_interval_ - same_time);
   if (frames < 2.0) return std::nullopt;
   const double steps = std::ceil(frame_interval_ / step_(time) - same_time);
   const double all = std::min(frames * std::max(steps, 1.0), 1e15);

@@ -50,6 +50,9 @@ public:
 private:
   double speed(double time, double length) const;
   double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
+  /// Next time at which something changes at once, and the same or the next frame [s]; infinite
+  /// after the end.
+  double next_change(double time) const;
   double next_event(double time) const;
   std::optional<Leap> leap_over_frames(double time) const;
 

@@ -168,7 +168,7 @@ int wait_for_signal() {
   return signal;
 }
 
-/// What serves, in the order in which it has to stop.
+/// What has to stop, and in an order: see stop_serving().
 struct Serving {
   service::PublicServer& server;
   studies::Studies& studies;
