@@ -207,7 +207,10 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
   if (view(*record).state() != v1::STUDY_RUNNING) return {StudyReply::Kind::done, view(*record)};
-  store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
+  {
+    const std::lock_guard lock(queueing_mutex_);
+    store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
+  }
   for (const auto& [job, about] : jobs_of(id))
     if (!jobs::is_terminal(about.state())) scheduler_.cancel(job, reason);
   notifier_.note(id);

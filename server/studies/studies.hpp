@@ -98,6 +98,8 @@ private:
   Fed not_examined(const StudyRecord& study, const RunRecord& run,
                    const jobs::WorkerDidNotAnswer& error);
   void refuse(const StudyRecord& study, const RunRecord& run, const std::string& why);
+  /// Nothing when the run was cancelled meanwhile.
+  void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
   void wake_feeder();
   bool rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most);
 
@@ -120,6 +122,7 @@ private:
   Predictions predictions_;
 
   std::mutex requests_mutex_;  ///< one creation, resumption or removal at a time
+  std::mutex queueing_mutex_;  ///< a run gets its job and knows it, or is cancelled, as one
   std::mutex plans_mutex_;
   std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
   std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended

@@ -114,19 +114,27 @@ Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run) {
   job.complete_case = examined.complete.SerializeAsString();
   job.answer_key = desk_.answer_key(examined.complete, study.request.attachments());
   try {
-    v1::Job queued;
-    // A job that was made before a crash and cancelled after it is not this attempt's.
-    do {
-      job.request_id = job_request_id(study.id, planned.key, ++run.attempt);
-      queued = scheduler_.submit(job, study.request.attachments());
-    } while (queued.state() == v1::CANCELLED);
-    run.job = queued.id();
+    make_job(study, std::move(run), planned.key, std::move(job));
   } catch (const jobs::RequestIdTaken& error) {
     refuse(study, run, error.what());
     return Fed::refused;
   }
-  if (!store_.set_job(study.id, run)) scheduler_.cancel(run.job, "the study was cancelled");
   return Fed::yes;
+}
+
+void Studies::make_job(const StudyRecord& study, RunRecord run, const std::string& key,
+                       jobs::NewJob job) {
+  const std::lock_guard lock(queueing_mutex_);
+  const auto next = store_.next_to_queue(study.id);
+  if (!next || next->number != run.number) return;  // cancelled meanwhile
+  v1::Job queued;
+  // A job that was made before a crash and cancelled after it is not this attempt's.
+  do {
+    job.request_id = job_request_id(study.id, key, ++run.attempt);
+    queued = scheduler_.submit(job, study.request.attachments());
+  } while (queued.state() == v1::CANCELLED);
+  run.job = queued.id();
+  store_.set_job(study.id, run);
 }
 
 /// A case that brings checkers down again and again is at fault itself.
