@@ -10,7 +10,7 @@
 #include "core/casting/run_failure.hpp"
 #include "core/results/finding.hpp"
 #include "core/results/frame.hpp"
-#include "core/results/sections.hpp"
+#include "core/restart/sections.hpp"
 #include "core/results/step_report.hpp"
 #include "core/results/validity_loss.hpp"
 
@@ -42,11 +42,11 @@ public:
   virtual const std::vector<results::Finding>& findings() const = 0;
 
   /// Everything that a checkpoint of the run has to keep.
-  virtual results::Sections state_sections() const = 0;
+  virtual restart::Sections state_sections() const = 0;
   /// Goes on from another state of the same case. Asked of a run that has made no step.
   /// @return  why it cannot be of this run: a section that is missing, an array that does not fit
   ///          the mesh, a time outside the case; empty when it can. The run stays as it was then.
-  virtual std::string restore(const results::Sections& state) = 0;
+  virtual std::string restore(const restart::Sections& state) = 0;
 };
 
 /// The run of a case, in the dimension of its section.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/casting/case.hpp"
-#include "core/results/temperature_file.hpp"
+#include "core/prescribed/temperature_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 
 namespace dccast::casting {
@@ -34,7 +34,7 @@ private:
 
   material::ThermalProperties properties_;
   std::optional<thermal::HeatSolver> solver_;  ///< or
-  std::optional<results::TemperatureHistory> history_;
+  std::optional<prescribed::TemperatureHistory> history_;
 };
 
 }  // namespace dccast::casting

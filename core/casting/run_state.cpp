@@ -7,7 +7,7 @@ namespace dccast::casting {
 
 namespace {
 
-using results::Sections;
+using restart::Sections;
 template <int Dim>
 using Tensors = std::vector<SymmetricTensor<Dim>>;
 

@@ -7,7 +7,7 @@
 #include "core/casting/run_failure.hpp"
 #include "core/casting/validity/validity_state.hpp"
 #include "core/mechanics/slab_state.hpp"
-#include "core/results/sections.hpp"
+#include "core/restart/sections.hpp"
 #include "core/thermal/heat_solver.hpp"
 
 namespace dccast::casting {
@@ -34,14 +34,14 @@ struct RunState {
 /// A state as the sections of a checkpoint, and back. The lengths of the arrays remain to be held
 /// against the mesh: misfit() of state_fit.hpp.
 template <int Dim>
-results::Sections to_sections(const RunState<Dim>& state);
+restart::Sections to_sections(const RunState<Dim>& state);
 /// @throws std::out_of_range  a section is missing or not what it should be
 template <int Dim>
-RunState<Dim> state_of(const results::Sections& sections);
+RunState<Dim> state_of(const restart::Sections& sections);
 
-extern template results::Sections to_sections(const RunState<2>&);
-extern template results::Sections to_sections(const RunState<3>&);
-extern template RunState<2> state_of<2>(const results::Sections&);
-extern template RunState<3> state_of<3>(const results::Sections&);
+extern template restart::Sections to_sections(const RunState<2>&);
+extern template restart::Sections to_sections(const RunState<3>&);
+extern template RunState<2> state_of<2>(const restart::Sections&);
+extern template RunState<3> state_of<3>(const restart::Sections&);
 
 }  // namespace dccast::casting

@@ -221,7 +221,7 @@ private:
   bool over() const { return std::ranges::any_of(run_->failures(), ends_run, &RunFailure::kind); }
 
   void write_checkpoint() {
-    results::Sections content = run_->state_sections();
+    restart::Sections content = run_->state_sections();
     sign(content, origin());
     writer_->checkpoint(checkpoint(), std::move(content));
     clock_.written();

@@ -108,7 +108,7 @@ void SlabRun<Dim>::go_back_to(const RunState<Dim>& state) {
 }
 
 template <int Dim>
-std::string SlabRun<Dim>::restore(const results::Sections& stored) {
+std::string SlabRun<Dim>::restore(const restart::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
     std::string reason = misfit(state, {case_, schedule_, mesh_, initial_level_,

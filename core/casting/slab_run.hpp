@@ -47,8 +47,8 @@ public:
   const std::vector<results::Finding>& findings() const override {
     return state_.plausibility.raised;
   }
-  results::Sections state_sections() const override { return to_sections(state_); }
-  std::string restore(const results::Sections& state) override;
+  restart::Sections state_sections() const override { return to_sections(state_); }
+  std::string restore(const restart::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }

@@ -2,14 +2,14 @@
 
 #include <stdexcept>
 
-#include "core/results/checkpoint_file.hpp"
+#include "core/restart/checkpoint_file.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {
 
 namespace {
 
-using results::Sections;
+using restart::Sections;
 
 StoredRun none(const std::string& reason) {
   StoredRun stored;
@@ -45,7 +45,7 @@ void sign(Sections& state, const CheckpointOrigin& origin) {
 }
 
 StoredRun read_stored_run(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin) {
-  const results::CheckpointRead read = results::read_checkpoint(checkpoint);
+  const restart::CheckpointRead read = restart::read_checkpoint(checkpoint);
   if (read.other_format) return of_other_version(read.reason);
   if (!read.content) return none(read.reason);
   try {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/results/sections.hpp"
+#include "core/restart/sections.hpp"
 
 namespace dccast::casting {
 
@@ -18,7 +18,7 @@ struct CheckpointOrigin {
 /// A checkpoint of this solver and this case, or why there is none. Whether its state fits the run
 /// is for CastingRun::restore() to say.
 struct StoredRun {
-  std::optional<results::Sections> content;
+  std::optional<restart::Sections> content;
   std::string reason;                ///< in words; empty only with a content
   bool other_version = false;        ///< the reason is that another solver wrote it
   std::int64_t step = 0;             ///< accepted steps
@@ -26,9 +26,9 @@ struct StoredRun {
 };
 
 /// Signs the state of a run, for read_stored_run() to know it again.
-void sign(results::Sections& state, const CheckpointOrigin& origin);
+void sign(restart::Sections& state, const CheckpointOrigin& origin);
 
-/// @throws results::StorageError  the file is there but cannot be read
+/// @throws storage::StorageError  the file is there but cannot be read
 StoredRun read_stored_run(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin);
 
 }  // namespace dccast::casting

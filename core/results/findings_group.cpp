@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/results/hdf5_file.hpp"
-#include "core/results/storage_error.hpp"
+#include "core/hdf5/hdf5_file.hpp"
+#include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
 
@@ -66,7 +66,7 @@ void write_places(File& file, const std::vector<Finding>& findings) {
 Severity severity_named(const File& file, const std::string& name) {
   const auto found = std::ranges::find(severities, name, [](Severity s) { return name_of(s); });
   if (found == severities.end())
-    throw StorageError(EINVAL, file.path().string() + ":/findings/severity", "names " + name);
+    throw storage::StorageError(EINVAL, file.path().string() + ":/findings/severity", "names " + name);
   return *found;
 }
 

@@ -9,8 +9,9 @@
 #include "core/results/findings_group.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
-#include "core/results/storage_error.hpp"
+#include "core/results/run_records.hpp"
 #include "core/results/xdmf.hpp"
+#include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
 
@@ -18,6 +19,9 @@ namespace {
 
 using hdf5::File;
 using hdf5::Shape;
+using restart::Record;
+using restart::RecordKind;
+using storage::StorageError;
 
 void write_header(File& file, const RunHeader& header) {
   file.write_attribute("/", "schema_version", std::int64_t{schema_version});
@@ -141,7 +145,7 @@ ResultFileBuilder::ResultFileBuilder(std::filesystem::path journal,
     : journal_(std::move(journal)), file_(File::create(results)) {}
 
 void ResultFileBuilder::follow() {
-  const bool is_journal = visit_journal(
+  const bool is_journal = restart::visit_journal(
       journal_,
       [this](const Record& record) {
         take(record);
@@ -169,7 +173,7 @@ void ResultFileBuilder::take(const Record& record) {
 
 void ResultFileBuilder::finish(const RunSummary& summary) {
   follow();
-  if (journal_end_ != std::filesystem::file_size(journal_))
+  if (journal_end_ != static_cast<std::int64_t>(std::filesystem::file_size(journal_)))
     throw StorageError(EIO, journal_.string(), "is damaged");
   for (const HistoryField& field : history_fields()) write_field(file_, field, steps_, dimension_);
   write_monitors(file_, steps_, monitors_, dimension_);

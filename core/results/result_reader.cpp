@@ -3,10 +3,10 @@
 #include <cerrno>
 
 #include "core/results/findings_group.hpp"
-#include "core/results/hdf5_file.hpp"
+#include "core/hdf5/hdf5_file.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
-#include "core/results/storage_error.hpp"
+#include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
 
@@ -36,7 +36,7 @@ std::vector<double> point_of(const std::vector<double>& values, std::size_t inde
 void require_rank(const File& file, const std::string& object, const hdf5::Shape& shape,
                   std::size_t rank) {
   if (shape.size() != rank)
-    throw StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
+    throw storage::StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
 }
 
 /// Of a matrix.
@@ -78,7 +78,7 @@ std::optional<ValidityLoss> validity_loss_of(const File& file) {
 ResultReader::ResultReader(const std::filesystem::path& results)
     : file_(std::make_unique<File>(File::open(results))) {
   if (file_->integer_attribute("/", "schema_version") != schema_version)
-    throw StorageError(EINVAL, results.string(), "has a schema version this program does not know");
+    throw storage::StorageError(EINVAL, results.string(), "has a schema version this program does not know");
   frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
 }
 

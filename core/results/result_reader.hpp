@@ -8,16 +8,16 @@
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
 
-namespace dccast::results {
-
-namespace hdf5 {
+namespace dccast::hdf5 {
 class File;
 }
 
-/// Reads a result file. All calls may throw StorageError, which names file and dataset.
+namespace dccast::results {
+
+/// Reads a result file. All calls may throw storage::StorageError, which names file and dataset.
 class ResultReader {
 public:
-  /// @throws StorageError  also when the schema is one that this program does not know
+  /// @throws storage::StorageError  also when the schema is one that this program does not know
   explicit ResultReader(const std::filesystem::path& results);
   ResultReader(ResultReader&&) noexcept;
   ~ResultReader();

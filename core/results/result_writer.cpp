@@ -4,22 +4,26 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/results/background.hpp"
-#include "core/results/checkpoint_file.hpp"
-#include "core/results/durable_file.hpp"
-#include "core/results/journal.hpp"
+#include "core/restart/checkpoint_file.hpp"
 #include "core/results/result_file_builder.hpp"
+#include "core/results/run_records.hpp"
 #include "core/results/xdmf.hpp"
+#include "core/storage/background.hpp"
+#include "core/storage/durable_file.hpp"
 
 namespace dccast::results {
 
 namespace fs = std::filesystem;
+using restart::Journal;
+using restart::Record;
+using restart::RecordKind;
+using restart::Sections;
 
 namespace {
 
 /// Where a journal is cut to go on after a step, and what was found on the way.
 struct Cut {
-  std::uint64_t size = 0;
+  std::int64_t size = 0;
   std::int64_t last_step = 0;
   std::int64_t records = 0;
   bool begins_with_header = false;
@@ -35,7 +39,7 @@ std::int64_t step_number(const Record& record) {
 /// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
 std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
-  const bool is_journal = visit_journal(journal, [&](const Record& record) {
+  const bool is_journal = restart::visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
     const std::int64_t number = step_number(record);
     if (number > step) return false;
@@ -97,7 +101,7 @@ struct ResultWriter::Parts {
   Journal journal;
   std::int64_t records = 0;                  ///< appended to the journal
   std::optional<ResultFileBuilder> builder;  ///< the thread's
-  Background background;                     ///< last: its thread ends before what it works with
+  storage::Background background;                     ///< last: its thread ends before what it works with
 };
 
 ResultWriter::Parts::~Parts() {
@@ -127,9 +131,11 @@ void ResultWriter::Parts::finish(const RunSummary& summary) {
   ResultFileBuilder result_file = take_builder();
   result_file.finish(summary);
   const fs::path sidecar = fs::path(files.results).replace_extension(".xdmf");
-  write_file(unfinished(sidecar), xdmf_of(result_file.frames(), files.results.filename().string()));
+  storage::write_file(unfinished(sidecar),
+                      xdmf_of(result_file.frames(), files.results.filename().string()),
+                      storage::readable_by_all);
   // The sidecar comes first: whoever sees results.h5 finds it there.
-  results::publish({{unfinished(sidecar), sidecar}, {unfinished(files.results), files.results}});
+  storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files.results), files.results}});
 }
 
 ResultWriter::ResultWriter(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -158,7 +164,7 @@ ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step, std
 void ResultWriter::visit_steps(std::int64_t after,
                                const std::function<void(const StepReport&)>& visit) const {
   parts_->journal.write();
-  visit_journal(parts_->files.journal, [&](const Record& record) {
+  restart::visit_journal(parts_->files.journal, [&](const Record& record) {
     if (record.kind != RecordKind::step) return true;
     const StepReport report = step_of(record.content);
     if (report.step > after) visit(report);
@@ -190,7 +196,7 @@ void ResultWriter::checkpoint(const fs::path& path, Sections content) {
   content.set_integer(journal_records, parts_->records);
   parts_->background.post([parts = parts_.get(), path, content = std::move(content)] {
     parts->journal.sync();
-    write_checkpoint(path, content);
+    restart::write_checkpoint(path, content);
   });
 }
 

@@ -7,9 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "core/restart/journal.hpp"
 #include "core/results/frame.hpp"
-#include "core/results/journal.hpp"
-#include "core/results/sections.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::results {
@@ -33,7 +32,7 @@ struct ResumedWriter;
 /// at any moment and resumed from its checkpoint therefore gives the same file, byte for byte, as
 /// one that was not.
 ///
-/// All calls may throw StorageError, also for what the thread could not write since the last call.
+/// All calls may throw storage::StorageError, also for what the thread could not write since the last call.
 class ResultWriter {
 public:
   /// Begins the results of a run, over older ones.
@@ -63,7 +62,7 @@ public:
   void flush();
   /// Writes a checkpoint, with journal_records added, once what was appended would outlive a loss
   /// of power. The thread does both; see wait().
-  void checkpoint(const std::filesystem::path& path, Sections content);
+  void checkpoint(const std::filesystem::path& path, restart::Sections content);
   /// Waits for the thread: what was posted is on the disk.
   void wait();
 
@@ -76,7 +75,7 @@ public:
 private:
   struct Parts;
   explicit ResultWriter(std::unique_ptr<Parts> parts);
-  void append(RecordKind kind, const Sections& content);
+  void append(restart::RecordKind kind, const restart::Sections& content);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/storage/durable_file.hpp"
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/service/answer_key.hpp"
@@ -179,7 +180,7 @@ struct Serving {
 
 void say_where(const v1::DaemonConfig& config, const service::PublicServer& server,
                const DataDirectory& directory) {
-  if (!config.port_file().empty()) jobs::replace_file(config.port_file(), server.address() + "\n");
+  if (!config.port_file().empty()) storage::replace_file(config.port_file(), server.address() + "\n");
   spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
                directory.path().string(), worker_count(config));
 }

@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/storage/megabytes.hpp"
 #include "server/jobs/process.hpp"
 #include "server/jobs/spawn.hpp"
 
@@ -41,16 +42,6 @@ void let_it_end(pid_t process) {
   }
 }
 
-/// Waits for the end of a child. @return its status; nothing when it is not ours to wait for
-std::optional<int> collect(pid_t process) {
-  int status = 0;
-  pid_t collected;
-  do collected = ::waitpid(process, &status, 0);
-  while (collected < 0 && errno == EINTR);
-  if (collected != process) return std::nullopt;
-  return status;
-}
-
 /// Its end of the socket is the program's standard input; what libraries print goes to our log.
 int spawn_checker(const std::filesystem::path& program, const std::string& option, int socket,
                   pid_t* process) {
@@ -69,10 +60,6 @@ int spawn_checker(const std::filesystem::path& program, const std::string& optio
                            "cannot start " + program.string() + ": " + ::strerror(error));
 }
 
-std::string megabytes(std::int64_t bytes) {
-  return std::to_string(bytes / 1000000) + " MB";
-}
-
 }  // namespace
 
 Checker::Checker(const std::filesystem::path& worker_program, const std::string& option,
@@ -81,8 +68,8 @@ Checker::Checker(const std::filesystem::path& worker_program, const std::string&
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     fail_to_start(worker_program, errno);
-  socket_ = FileDescriptor(ends[0]);
-  const FileDescriptor theirs(ends[1]);
+  socket_ = storage::FileDescriptor(ends[0]);
+  const storage::FileDescriptor theirs(ends[1]);
   if (const int error = spawn_checker(worker_program, option, theirs.get(), &process_)) {
     process_ = 0;
     fail_to_start(worker_program, error);
@@ -92,7 +79,7 @@ Checker::Checker(const std::filesystem::path& worker_program, const std::string&
 Checker::~Checker() {
   if (process_ == 0) return;
   ::kill(process_, SIGKILL);
-  collect(process_);
+  collect(process_, Waiting::until_its_end);
 }
 
 std::string Checker::ask(Question question, std::string_view text, const Patience& patience,
@@ -145,7 +132,7 @@ void Checker::wait_until(short events, const Patience& patience) const {
     if (::poll(&look, 1, look_interval_ms) > 0) return;
     if (resident_bytes() > largest_bytes_)
       throw WorkerDidNotAnswer(Why::too_large,
-                               name_ + " took more than " + megabytes(largest_bytes_));
+                               name_ + " took more than " + storage::megabytes(largest_bytes_));
   }
 }
 
@@ -179,7 +166,7 @@ void Checker::receive(std::string& bytes, const Patience& patience) {
 void Checker::report_death() {
   let_it_end(process_);
   ::kill(process_, SIGKILL);
-  const auto status = collect(std::exchange(process_, 0));
+  const auto status = collect(std::exchange(process_, 0), Waiting::until_its_end).status;
   if (!status) throw WorkerDidNotAnswer(Why::died, name_ + " has ended, how is not known");
   const bool by_signal = WIFSIGNALED(*status);
   const bool killed = by_signal && (WTERMSIG(*status) == SIGKILL || WTERMSIG(*status) == SIGTERM);

@@ -10,7 +10,7 @@
 
 #include <sys/types.h>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file_descriptor.hpp"
 
 namespace dccast::jobs {
 
@@ -95,7 +95,7 @@ private:
 
   std::string name_;
   std::int64_t largest_bytes_;
-  FileDescriptor socket_;
+  storage::FileDescriptor socket_;
   pid_t process_ = 0;  ///< 0: collected
   int answers_ = 0;
 };

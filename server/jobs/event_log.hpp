@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/record_log.hpp"
 #include "dccast/v1/job.pb.h"
-#include "server/jobs/durable_file.hpp"
 #include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {
@@ -38,7 +38,7 @@ public:
   void append(v1::JobEvent& event);
 
   /// Syncs what was appended to disk; cheap when nothing was. @throws std::system_error
-  void sync();
+  void sync() { log_.sync(); }
 
   /// The event under the cursor, which moves on. @return nothing when there is none yet
   /// @throws std::runtime_error  the file was damaged after it was opened
@@ -66,19 +66,16 @@ public:
   void on_append(std::function<void()> call) { on_append_ = std::move(call); }
 
 private:
-  void begin(const std::filesystem::path& path);
-  void cut_tail(const std::filesystem::path& path);
+  const std::filesystem::path& path() const { return log_.file().path(); }
+  void cut_tail();
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
   void locate(Cursor& cursor) const;
   v1::JobEvent lost_event(Cursor& cursor, const EventGap& gap) const;
 
-  FileDescriptor file_;
+  storage::RecordLog log_;
   std::function<void()> on_append_;
-  std::mutex sync_mutex_;  ///< one sync at a time; appends go on meanwhile
   mutable std::mutex mutex_;
   EventLogContent content_;
-  std::int64_t synced_ = 0;
-  int sync_error_ = 0;  ///< errno of a sync that failed; the log takes no more events then
 };
 
 }  // namespace dccast::jobs

@@ -6,46 +6,19 @@
 
 #include <algorithm>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/record_format.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/record_frame.hpp"
 
 namespace dccast::jobs {
+
+using storage::short_records;
 
 namespace {
 
 constexpr std::int64_t anchor_spacing = 64;   // [records]
 constexpr std::int64_t smallest_record = 10;  // head, tag and number of the sequence [bytes]
-
-/// A file read through a buffer.
-class FileWindow {
-public:
-  explicit FileWindow(int descriptor) : descriptor_(descriptor), size_(size_of_file(descriptor)) {}
-  std::int64_t size() const { return size_; }
-
-  /// Bytes from `offset` on, fewer at the end of the file; good until the next call.
-  std::string_view at(std::int64_t offset, std::int64_t length) {
-    length = std::clamp<std::int64_t>(size_ - offset, 0, length);
-    if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
-      fill(offset, std::max(length, piece_));
-    const auto have = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
-    return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
-                                           static_cast<std::size_t>(std::min(length, have)));
-  }
-
-private:
-  void fill(std::int64_t offset, std::int64_t length) {
-    begin_ = offset;
-    bytes_.resize(static_cast<std::size_t>(length));
-    bytes_.resize(read_at(descriptor_, offset, bytes_));
-  }
-
-  static constexpr std::int64_t piece_ = 1 << 18;  // [bytes]
-  int descriptor_;
-  std::int64_t size_;
-  std::int64_t begin_ = 0;
-  std::string bytes_;
-};
+constexpr std::int64_t head_size = short_records.head_size;
+constexpr std::int64_t event_start_size = 16;  // in which the sequence of an event stands [bytes]
 
 /// The first fields of a serialised JobEvent, which C++ writes in the order of their numbers.
 struct EventStart {
@@ -70,7 +43,7 @@ std::optional<EventStart> start_of(std::string_view payload) {
 }  // namespace
 
 std::string event_log_header() {
-  return "DCCASTEV" + little_endian(1) + little_endian(0);
+  return "DCCASTEV" + storage::little_endian(1) + storage::little_endian(0);
 }
 
 std::string EventGap::description() const {
@@ -127,7 +100,7 @@ const EventLogContent::Anchor& EventLogContent::anchor_before(std::int64_t seque
 /// held against their checksum but not parsed.
 class EventLogScan {
 public:
-  explicit EventLogScan(int descriptor) : file_(descriptor) {}
+  explicit EventLogScan(const storage::File& file) : file_(file) {}
 
   EventLogContent run() {
     content_.size = file_.size();
@@ -141,6 +114,7 @@ public:
 private:
   struct Record {
     std::int64_t offset = 0;
+    std::int64_t end = 0;
     std::int64_t sequence = 0;
     int what = 0;
     std::string_view payload;  ///< good until the file is read again
@@ -148,15 +122,17 @@ private:
 
   /// The record at `offset` if it is sound and its sequence within these bounds.
   std::optional<Record> record_at(std::int64_t offset, std::int64_t lowest, std::int64_t highest) {
-    const std::string_view head = file_.at(offset, frame_head_size + 16);
-    if (head.size() <= frame_head_size) return std::nullopt;
-    const std::int64_t length = from_little_endian(head.data());
-    const auto start = start_of(head.substr(frame_head_size));
-    if (!start || start->sequence < lowest || start->sequence > highest || length > largest_event)
-      return std::nullopt;
-    const auto payload = payload_of(file_.at(offset, frame_head_size + length), largest_event);
-    if (!payload) return std::nullopt;
-    return Record{offset, start->sequence, start_of(*payload)->what, *payload};
+    const std::string_view head = file_.at(offset, head_size + event_start_size);
+    if (head.size() <= short_records.head_size) return std::nullopt;
+    const auto start = start_of(head.substr(short_records.head_size));
+    if (!start || start->sequence < lowest || start->sequence > highest) return std::nullopt;
+    const auto found = short_records.at(file_, offset, largest_event);
+    if (!found) return std::nullopt;
+    return Record{.offset = offset,
+                  .end = offset + found->size,
+                  .sequence = start->sequence,
+                  .what = start_of(found->payload)->what,
+                  .payload = found->payload};
   }
 
   std::optional<Record> next_record() {
@@ -169,18 +145,16 @@ private:
   }
 
   void take(const Record& record) {
-    const std::int64_t end =
-        record.offset + frame_head_size + static_cast<std::int64_t>(record.payload.size());
     const bool gap = record.offset > content_.end || record.sequence > content_.last_sequence + 1;
     if (gap) note_gap(record);
     if (record.what == v1::JobEvent::kStepFieldNumber) {
       last_step_ = record.payload;
-      return content_.place(record.sequence, record.offset, end);
+      return content_.place(record.sequence, record.offset, record.end);
     }
     settle_last_step();
     v1::JobEvent event;
     event.ParseFromArray(record.payload.data(), static_cast<int>(record.payload.size()));
-    content_.take(event, record.offset, end);
+    content_.take(event, record.offset, record.end);
   }
 
   void note_gap(const Record& record) {
@@ -204,23 +178,23 @@ private:
   }
 
   bool ends_in_part_of_a_record() {
-    const std::string_view head = file_.at(content_.end, frame_head_size);
-    if (head.size() < frame_head_size) return true;
-    const std::int64_t length = from_little_endian(head.data());
-    return length == 0 || content_.end + frame_head_size + length > file_.size();
+    const std::string_view head = file_.at(content_.end, head_size);
+    if (head.size() < short_records.head_size) return true;
+    const auto length = static_cast<std::int64_t>(short_records.length_of(head));
+    return length == 0 || content_.end + head_size + length > file_.size();
   }
 
-  FileWindow file_;
+  storage::FileWindow file_;
   EventLogContent content_;
   std::string last_step_;  ///< serialised event, not parsed yet
 };
 
-EventLogContent scan_event_log(int descriptor) {
-  return EventLogScan(descriptor).run();
+EventLogContent scan_event_log(const storage::File& file) {
+  return EventLogScan(file).run();
 }
 
 EventLogContent scan_event_log(const std::filesystem::path& path) {
-  return scan_event_log(open_file(path, O_RDONLY).get());
+  return scan_event_log(storage::File(path, O_RDONLY));
 }
 
 }  // namespace dccast::jobs

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/storage/file.hpp"
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::jobs {
@@ -66,7 +67,7 @@ struct EventLogContent {
 /// Reads an event log once from its beginning, piece by piece. A damaged record is skipped: the
 /// scan goes on at the next whole record with a right checksum and a later sequence number.
 /// @throws std::system_error  the file cannot be read
-EventLogContent scan_event_log(int descriptor);
+EventLogContent scan_event_log(const storage::File& file);
 
 /// The same of a file that nothing is written to. @throws std::system_error
 EventLogContent scan_event_log(const std::filesystem::path& path);

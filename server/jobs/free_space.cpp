@@ -7,18 +7,17 @@
 #include <string>
 #include <system_error>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/megabytes.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
+using storage::megabytes;
+
 constexpr std::size_t probe_size =
     256 * 1024;  // about what a step and a frame of a small case take
-
-std::string megabytes(std::int64_t bytes) {
-  return std::to_string(bytes / 1000000) + " MB";
-}
 
 }  // namespace
 
@@ -37,9 +36,9 @@ void require_free_space(const std::filesystem::path& directory, std::int64_t min
 void probe_directory(const std::filesystem::path& directory) {
   const std::filesystem::path path = directory / ".probe";
   {
-    const FileDescriptor file = open_file(path, O_WRONLY | O_CREAT | O_TRUNC);
-    write_at(file.get(), 0, std::string(probe_size, '\0'));
-    sync_file(file.get());
+    const storage::File file(path, O_WRONLY | O_CREAT | O_TRUNC);
+    file.write_at(0, std::string(probe_size, '\0'));
+    file.sync();
   }
   std::filesystem::remove(path);
 }

@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "server/jobs/durable_file.hpp"
-#include "server/jobs/record_frame.hpp"
+#include "core/storage/durable_file.hpp"
+#include "core/storage/record_format.hpp"
 
 namespace dccast::jobs {
 
@@ -12,19 +12,19 @@ namespace {
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a case is bounded where it is taken
 
 std::string header() {
-  return "DCCASTJD" + little_endian(1) + little_endian(0);
+  return "DCCASTJD" + storage::little_endian(1) + storage::little_endian(0);
 }
 
 /// One byte in front, as a frame is never empty but a message may be.
 std::string part(std::string_view content) {
-  return framed('\1' + std::string(content));
+  return storage::short_records.framed('\1' + std::string(content));
 }
 
 std::string_view take_part(std::string_view& rest) {
-  const auto payload = payload_of(rest, largest_part);
-  if (!payload) throw std::runtime_error("is damaged (wrong checksum)");
-  rest.remove_prefix(frame_head_size + payload->size());
-  return payload->substr(1);
+  const auto record = storage::short_records.first_of(rest, largest_part);
+  if (!record) throw std::runtime_error("is damaged (wrong checksum)");
+  rest.remove_prefix(static_cast<std::size_t>(record->size));
+  return record->payload.substr(1);
 }
 
 JobDescription parse(std::string_view bytes) {
@@ -41,9 +41,10 @@ JobDescription parse(std::string_view bytes) {
 }  // namespace
 
 void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
-  write_durably(folder / description_file, header() + part(description.job.SerializeAsString()) +
-                                               part(description.submitted_case) +
-                                               part(description.complete_case));
+  storage::create_durably(folder / description_file,
+                          header() + part(description.job.SerializeAsString()) +
+                              part(description.submitted_case) +
+                              part(description.complete_case));
 }
 
 JobDescription read_job_description(const std::filesystem::path& folder) {
@@ -52,7 +53,7 @@ JobDescription read_job_description(const std::filesystem::path& folder) {
     throw std::runtime_error(std::string("it has no ") + description_file +
                              ": it was submitted to an earlier version of dccastd");
   try {
-    return parse(read_file(path));
+    return parse(storage::read_file(path));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string("its ") + description_file + " " + error.what());
   }

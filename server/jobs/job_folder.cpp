@@ -8,14 +8,14 @@
 #include <system_error>
 
 #include "proto/values/uuid.hpp"
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/durable_file.hpp"
 #include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
+constexpr const char* checkpoint_name = "checkpoint.bin";  // core/restart/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
 
 void remove_folder(const std::filesystem::path& folder) {
@@ -33,7 +33,7 @@ void write_attachments(const std::filesystem::path& folder, const Attachments& a
   make_directory(folder);
   make_directory(folder / attachments_folder);
   for (const v1::Attachment& attachment : attachments)
-    write_durably(folder / attachments_folder / attachment.name(), attachment.content());
+    storage::create_durably(folder / attachments_folder / attachment.name(), attachment.content());
 }
 
 }  // namespace
@@ -48,9 +48,9 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
   try {
     write_attachments(folder, attachments);
     write_job_description(folder, description);
-    if (!attachments.empty()) sync_directory(folder / attachments_folder);
-    sync_directory(folder);
-    sync_directory(folder.parent_path());
+    if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
+    storage::sync_directory(folder);
+    storage::sync_directory(folder.parent_path());
   } catch (...) {
     remove_folder(folder);
     throw;
@@ -75,7 +75,7 @@ void set_checkpoint_aside(const std::filesystem::path& folder) {
 
 void mark_accepted(const std::filesystem::path& folder) {
   try {
-    open_file(folder / accepted_file, O_WRONLY | O_CREAT);
+    storage::File(folder / accepted_file, O_WRONLY | O_CREAT);
   } catch (const std::system_error& error) {
     spdlog::warn("{}", error.what());
   }

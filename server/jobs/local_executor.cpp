@@ -23,6 +23,8 @@ namespace dccast::jobs {
 
 namespace {
 
+using storage::FileDescriptor;
+
 std::vector<std::string> job_environment(const std::string& link) {
   std::vector<std::string> variables = worker_environment();
   variables.insert(variables.end(), {"DCCAST_WORKER_LINK=" + link,
@@ -134,7 +136,7 @@ void LocalExecutor::hand_over(const WorkerLaunch& launch) {
 /// One that dies while it waits is replaced with the next job only: it may well die again.
 void LocalExecutor::keep_one_ready() {
   if (ready_) {
-    if (::waitpid(ready_->process, nullptr, WNOHANG) != 0) ready_.reset();
+    if (!jobs::collect(ready_->process, Waiting::not_at_all).running) ready_.reset();
     return;
   }
   if (!used_) return;
@@ -160,15 +162,12 @@ void LocalExecutor::wait_for_something() {
 
 void LocalExecutor::collect() {
   for (auto at = children_.begin(); at != children_.end();) {
-    int status = 0;
-    const pid_t collected = ::waitpid(at->second.process, &status, WNOHANG);
-    if (collected == 0 || (collected < 0 && errno == EINTR)) {
+    const ChildState child = jobs::collect(at->second.process, Waiting::not_at_all);
+    if (child.running) {
       ++at;
       continue;
     }
-    const std::string how =
-        collected > 0 ? describe_exit(status)
-                      : "an end nobody saw (" + std::generic_category().message(errno) + ")";
+    const std::string how = child.status ? describe_exit(*child.status) : "an end nobody saw";
     const auto [job_id, attempt] = at->first;
     at = children_.erase(at);
     calls_.ended(job_id, attempt, how);
@@ -193,7 +192,7 @@ void LocalExecutor::run() {
   if (ready_) children_[{"", 0}] = std::move(*ready_);
   for (const auto& [key, child] : children_) {
     ::kill(child.process, SIGKILL);
-    ::waitpid(child.process, nullptr, 0);
+    jobs::collect(child.process, Waiting::until_its_end);
   }
 }
 

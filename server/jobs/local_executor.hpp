@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file_descriptor.hpp"
 #include "server/jobs/executor.hpp"
 
 namespace dccast::jobs {
@@ -40,8 +40,8 @@ private:
   /// A process that waits for a job, or has one.
   struct Child {
     pid_t process = 0;
-    FileDescriptor handle;  ///< pidfd: readable when the process has ended
-    FileDescriptor orders;  ///< its standard input, until it has its job
+    storage::FileDescriptor handle;  ///< pidfd: readable when the process has ended
+    storage::FileDescriptor orders;  ///< its standard input, until it has its job
   };
   void run();
   void post(std::function<void()> order);
@@ -55,7 +55,7 @@ private:
   const std::string link_address_;
   const int capacity_;
   Calls calls_;
-  FileDescriptor wake_;  ///< eventfd
+  storage::FileDescriptor wake_;  ///< eventfd
   std::mutex mutex_;
   std::deque<std::function<void()>> orders_;
 

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <sstream>
@@ -33,13 +34,22 @@ bool kill_stray(const ProcessIdentity& recorded) {
   };
   if (recorded.id <= 0 || !same()) return false;
   ::kill(recorded.id, SIGKILL);
-  // It is not our child: its parent (init by now) collects it. A killed process writes no more once
+  // Its parent collects it: init by now, or this process in a test. A killed process writes no more once
   // it is a zombie, but that would take parsing its state; waiting for its end is as good.
   for (int i = 0; i < 500 && same(); ++i) {
-    ::waitpid(recorded.id, nullptr, WNOHANG);
+    collect(recorded.id, Waiting::not_at_all);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return true;
+}
+
+ChildState collect(pid_t child, Waiting waiting) {
+  int status = 0;
+  pid_t collected;
+  do collected = ::waitpid(child, &status, waiting == Waiting::not_at_all ? WNOHANG : 0);
+  while (collected < 0 && errno == EINTR);
+  if (collected == child) return {.running = false, .status = status};
+  return {.running = collected == 0, .status = std::nullopt};
 }
 
 std::string describe_exit(int wait_status) {

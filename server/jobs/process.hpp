@@ -22,6 +22,16 @@ std::optional<ProcessIdentity> identify(pid_t id);
 /// @return whether it was there
 bool kill_stray(const ProcessIdentity& recorded);
 
+/// What has become of a child.
+struct ChildState {
+  bool running = false;
+  std::optional<int> status;  ///< of waitpid(); nothing: it is not ours to wait for, how it ended unknown
+};
+enum class Waiting { until_its_end, not_at_all };
+
+/// Collects a child that has ended.
+ChildState collect(pid_t child, Waiting waiting);
+
 /// How a process ended, from the status of waitpid(), as people say it: "exit code 3",
 /// "signal 11 (Segmentation fault)".
 std::string describe_exit(int wait_status);

@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "proto/values/uuid.hpp"
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/durable_file.hpp"
 
 namespace dccast::jobs {
 
@@ -29,8 +29,8 @@ std::string utc_now() {
 /// A rename that survives a crash of the machine.
 void move(const fs::path& from, const fs::path& to) {
   fs::rename(from, to);
-  sync_directory(to.parent_path());
-  if (from.parent_path() != to.parent_path()) sync_directory(from.parent_path());
+  storage::sync_directory(to.parent_path());
+  if (from.parent_path() != to.parent_path()) storage::sync_directory(from.parent_path());
 }
 
 fs::path free_name(const fs::path& wanted) {
@@ -74,7 +74,7 @@ fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id
   const fs::path quarantine = quarantine_of(jobs_directory);
   if (fs::create_directories(quarantine)) {
     fs::permissions(quarantine, fs::perms::owner_all);
-    sync_directory(quarantine.parent_path());
+    storage::sync_directory(quarantine.parent_path());
   }
   const fs::path target = free_name(quarantine / (id + "-" + utc_now()));
   move(jobs_directory / id, target);

@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/storage/durable_file.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
@@ -102,7 +103,7 @@ std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const N
     v1::JobEvent event = state_event(record.job, "submitted");
     log->append(event);
     log->sync();
-    sync_directory(folder);
+    storage::sync_directory(folder);
     const auto there = store_.insert(record, new_job.submitted_case, new_job.complete_case);
     if (!there) {
       mark_accepted(folder);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file_descriptor.hpp"
 
 namespace dccast::service {
 
@@ -31,7 +31,7 @@ private:
   const int listening_;
   const std::size_t maximum_connections_;
   const std::function<void(int)> admit_;
-  const jobs::FileDescriptor ended_;
+  const storage::FileDescriptor ended_;
   std::vector<std::pair<int, ino_t>> admitted_;  ///< descriptor and socket behind it
   bool full_ = false;
   std::thread thread_;

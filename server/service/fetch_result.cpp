@@ -1,11 +1,10 @@
 #include <fcntl.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
 #include <optional>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/service/status.hpp"
 #include "server/service/streams.hpp"
 
@@ -74,9 +73,8 @@ private:
       return {grpc::StatusCode::OUT_OF_RANGE, artifact.name() + " has " +
                                                   std::to_string(artifact.size_bytes()) +
                                                   " bytes; begin again from 0"};
-    file_ = jobs::open_file(path, O_RDONLY);
-    struct stat status;
-    if (::fstat(file_.get(), &status) != 0 || status.st_size != artifact.size_bytes())
+    file_ = storage::File(path, O_RDONLY);
+    if (file_.size() != artifact.size_bytes())
       return {
           grpc::StatusCode::DATA_LOSS,
           artifact.name() + " on the server has not the size its worker wrote; run the job again"};
@@ -92,7 +90,7 @@ private:
     const grpc::Status status = guarded([&] {
       chunk_.set_offset(next_);
       chunk_.mutable_data()->resize(size);
-      if (jobs::read_at(file_.get(), next_, *chunk_.mutable_data()) == size)
+      if (file_.read_at(next_, *chunk_.mutable_data()) == size)
         return grpc::Status::OK;
       return grpc::Status(grpc::StatusCode::DATA_LOSS, "the file became shorter while it was read");
     });
@@ -103,7 +101,7 @@ private:
 
   Context& context_;
   std::atomic<bool> cancelled_{false};
-  jobs::FileDescriptor file_;
+  storage::File file_;
   v1::FetchResultResponse chunk_;
   std::int64_t next_ = 0;
 };

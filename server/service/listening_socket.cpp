@@ -63,7 +63,7 @@ bool is_loopback(const std::string& address) {
 
 ListeningSocket::ListeningSocket(const std::string& address) {
   const Addresses found = resolve(address);
-  socket_ = jobs::FileDescriptor(
+  socket_ = storage::FileDescriptor(
       ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket_) fail(address, ::strerror(errno));
   set(socket_.get(), SOL_SOCKET, SO_REUSEADDR);  // connections of a daemon that has ended linger

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file_descriptor.hpp"
 
 namespace dccast::service {
 
@@ -22,7 +22,7 @@ public:
   const std::string& address() const { return address_; }
 
 private:
-  jobs::FileDescriptor socket_;
+  storage::FileDescriptor socket_;
   std::string address_;
 };
 

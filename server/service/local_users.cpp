@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file_descriptor.hpp"
 
 namespace dccast::service {
 
@@ -78,7 +78,7 @@ Request request_for(const Endpoint& client, const Endpoint& server) {
 
 /// @return the user id of the client's socket
 std::optional<unsigned> owner(const Endpoint& client, const Endpoint& server) {
-  const jobs::FileDescriptor socket(
+  const storage::FileDescriptor socket(
       ::socket(AF_NETLINK, SOCK_DGRAM | SOCK_CLOEXEC, NETLINK_SOCK_DIAG));
   const Request request = request_for(client, server);
   if (!socket || ::send(socket.get(), &request, sizeof request, 0) < 0) return std::nullopt;

@@ -24,7 +24,7 @@ public:
   ~LinkAddress();
   std::string grpc_address() const { return "unix:" + socket_.string(); }
   /// A socket that listens there. @throws std::system_error
-  jobs::FileDescriptor listen() const;
+  storage::FileDescriptor listen() const;
 
 private:
   std::filesystem::path socket_;
@@ -41,7 +41,7 @@ public:
   ~LinkServer();
 
 private:
-  jobs::FileDescriptor listening_;
+  storage::FileDescriptor listening_;
   WorkerLink link_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<Door> door_;

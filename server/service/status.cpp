@@ -5,6 +5,7 @@
 #include <new>
 #include <system_error>
 
+#include "core/storage/resource_fault.hpp"
 #include "proto/values/shortened.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/checker.hpp"
@@ -28,12 +29,6 @@ grpc::Status disk_refuses(const std::string& what) {
   return {
       grpc::StatusCode::RESOURCE_EXHAUSTED,
       what + "; the server's data directory takes nothing more: free space there, then try again"};
-}
-
-bool is_disk_error(const std::error_code& code) {
-  return code == std::errc::no_space_on_device || code == std::errc::file_too_large ||
-         code == std::errc::io_error || code == std::errc::read_only_file_system ||
-         code.value() == EDQUOT;
 }
 
 grpc::Status no_uuid(const std::string& given, const std::string& of_what,
@@ -117,7 +112,7 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
   } catch (const jobs::WorkerDidNotAnswer& error) {
     return not_answered(error);
   } catch (const std::system_error& error) {
-    if (!is_disk_error(error.code())) return internal(error.what());
+    if (!storage::is_disk_fault(error.code())) return internal(error.what());
     spdlog::error("{}", error.what());
     return disk_refuses(error.what());
   } catch (const std::bad_alloc&) {

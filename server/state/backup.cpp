@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/storage/durable_file.hpp"
 #include "proto/values/sha256.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/state/store_guard.hpp"
@@ -66,8 +67,8 @@ bool copied(const fs::path& from, const fs::path& to) {
 
 /// Syncs the file system of `path` to disk.
 void sync_file_system(const fs::path& path) {
-  const auto directory = jobs::open_file(path, O_RDONLY | O_DIRECTORY);
-  if (::syncfs(directory.get()) != 0)
+  const storage::File directory(path, O_RDONLY | O_DIRECTORY);
+  if (::syncfs(directory.descriptor()) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot sync " + path.string());
 }
 
@@ -122,7 +123,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   copy_studies(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
   sync_file_system(to);
-  jobs::replace_file(to / manifest_file, manifest_of(to));
+  storage::replace_file(to / manifest_file, manifest_of(to));
   sync_file_system(to);
   out << count << " jobs copied to " << to.string() << std::endl;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 
+#include "core/storage/durable_file.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/state/adoption.hpp"
@@ -94,9 +95,9 @@ private:
       else
         fs::rename(file, aside / file.filename());
     }
-    jobs::sync_directory(aside);
-    jobs::sync_directory(folder_.quarantine());
-    jobs::sync_directory(folder_.path());
+    storage::sync_directory(aside);
+    storage::sync_directory(folder_.quarantine());
+    storage::sync_directory(folder_.path());
     return aside.string();
   }
 

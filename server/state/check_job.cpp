@@ -3,6 +3,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/storage/durable_file.hpp"
 #include "proto/values/sha256.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
@@ -84,7 +85,7 @@ private:
     }
     fs::remove(folder_ / jobs::description_file);
     jobs::write_job_description(folder_, description());
-    jobs::sync_directory(folder_);
+    storage::sync_directory(folder_);
     report_.repaired(subject_ + jobs::description_file + " is written from the store");
   }
 
@@ -135,7 +136,7 @@ private:
                                                v1::JobEvent::Message::WARNING);
     log.append(message);
     append_state(log);
-    jobs::sync_directory(folder_);
+    storage::sync_directory(folder_);
     report_.repaired(what + "; begun again with the state the store has");
   }
 

@@ -1,6 +1,7 @@
 #include <sstream>
 
 #include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
 #include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 
@@ -19,7 +20,7 @@ std::vector<ManifestLine> read_manifest(const fs::path& backup) {
   if (!fs::exists(backup / manifest_file))
     throw std::runtime_error(backup.string() + " has no " + manifest_file +
                              ": it is no backup, or one that did not come to its end");
-  std::istringstream text(jobs::read_file(backup / manifest_file));
+  std::istringstream text(storage::read_file(backup / manifest_file));
   std::vector<ManifestLine> lines;
   for (std::string line; std::getline(text, line);)
     if (line.size() > 66) lines.push_back({line.substr(0, 64), line.substr(66)});

@@ -6,8 +6,8 @@
 namespace dccast::state {
 
 StateLock::StateLock(const StateFolder& folder)
-    : lock_(jobs::open_file(folder.lock(), O_RDWR | O_CREAT)) {
-  if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0)
+    : lock_(folder.lock(), O_RDWR | O_CREAT) {
+  if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
     throw std::runtime_error("another dccastd uses the data directory " + folder.path().string() +
                              "; stop it, or set another data_directory");
 }

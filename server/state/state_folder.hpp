@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::state {
 
@@ -35,7 +35,7 @@ public:
   explicit StateLock(const StateFolder& folder);
 
 private:
-  jobs::FileDescriptor lock_;
+  storage::File lock_;
 };
 
 /// Makes the data directory, the owner's alone. @throws std::filesystem::filesystem_error

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::state {
 
@@ -64,7 +64,7 @@ bool any_of_generation(std::string_view frames, std::size_t frame_size, std::str
 
 WalState inspect_wal(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return WalState::empty;
-  const std::string content = jobs::read_file(path);
+  const std::string content = storage::read_file(path);
   if (content.size() <= header_size) return WalState::empty;
   const std::string_view header = std::string_view(content).substr(0, header_size);
   Checksum checksum{.big_endian_words = (big_endian(header, 0) & 1) != 0};

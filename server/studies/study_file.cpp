@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 #include "proto/values/uuid.hpp"
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/durable_file.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/record_frame.hpp"
+#include "core/storage/record_format.hpp"
 
 namespace dccast::studies {
 
@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a request is bounded where it is taken
 
 std::string header() {
-  return "DCCASTSD" + jobs::little_endian(1) + jobs::little_endian(0);
+  return "DCCASTSD" + storage::little_endian(1) + storage::little_endian(0);
 }
 
 std::string take_part(std::string_view& rest) {
-  const auto payload = jobs::payload_of(rest, largest_part);
-  if (!payload) throw std::runtime_error("is damaged");
-  rest.remove_prefix(static_cast<std::size_t>(jobs::frame_head_size) + payload->size());
-  return std::string(*payload);
+  const auto record = storage::short_records.first_of(rest, largest_part);
+  if (!record) throw std::runtime_error("is damaged");
+  rest.remove_prefix(static_cast<std::size_t>(record->size));
+  return std::string(record->payload);
 }
 
 StudyRecord parse(std::string_view bytes) {
@@ -51,18 +51,17 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
   study.set_id(record.id);
   study.set_owner(record.owner);
   *study.mutable_create_time() = jobs::timestamp(record.created_ms);
-  jobs::replace_file(study_file(directory, record.id),
-                     header() + jobs::framed(study.SerializeAsString()) +
-                         jobs::framed(record.request.SerializeAsString()) +
-                         jobs::framed(record.case_sha256));
-  jobs::sync_directory(directory);
+  storage::replace_file(study_file(directory, record.id),
+                     header() + storage::short_records.framed(study.SerializeAsString()) +
+                         storage::short_records.framed(record.request.SerializeAsString()) +
+                         storage::short_records.framed(record.case_sha256));
 }
 
 StudyRecord read_study_file(const fs::path& directory, const std::string& id) {
   const fs::path path = study_file(directory, id);
   if (!fs::exists(path)) throw std::runtime_error("its file " + path.string() + " is missing");
   try {
-    StudyRecord record = parse(jobs::read_file(path));
+    StudyRecord record = parse(storage::read_file(path));
     if (record.id == id) return record;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error("its file " + path.string() + " " + error.what());
@@ -71,7 +70,7 @@ StudyRecord read_study_file(const fs::path& directory, const std::string& id) {
 }
 
 void remove_study_file(const fs::path& directory, const std::string& id) {
-  if (fs::remove(study_file(directory, id))) jobs::sync_directory(directory);
+  if (fs::remove(study_file(directory, id))) storage::sync_directory(directory);
 }
 
 std::set<std::string> ids_of_study_files(const fs::path& directory) {

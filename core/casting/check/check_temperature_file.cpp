@@ -1,7 +1,7 @@
 #include "core/casting/check/checks.hpp"
 
 #include "core/mesh/slab_mesh.hpp"
-#include "core/results/temperature_file.hpp"
+#include "core/prescribed/temperature_file.hpp"
 
 namespace dccast::casting {
 
@@ -18,7 +18,7 @@ std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
                                    : mesh::SlabMesh2D(s).mesh().nodes());
 }
 
-void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {
+void temperature_range(CaseFindings& found, const prescribed::TemperatureHistory& history) {
   if (history.begin() <= -found.casting.schedule.hold + 1e-9 &&
       history.end() >= found.casting.time.end - 1e-9) {
     return;
@@ -37,7 +37,7 @@ void check_temperature_file(CaseFindings& found) {
   const auto nodes = nodes_at_the_start(found);
   if (!nodes) return;
   const auto history =
-      results::read_temperature_file(found.casting.thermal.file, *nodes, found.faults);
+      prescribed::read_temperature_file(found.casting.thermal.file, *nodes, found.faults);
   if (history && found.sound({"time.end", "schedule.hold"})) temperature_range(found, *history);
 }
 

@@ -7,7 +7,7 @@ namespace dccast::casting {
 
 namespace {
 
-using results::Sections;
+using restart::Sections;
 
 /// Of what may be absent: nothing or one value.
 Sections::Reals as_reals(const std::optional<double>& value) {

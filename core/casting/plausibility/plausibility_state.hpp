@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/results/finding.hpp"
-#include "core/results/sections.hpp"
+#include "core/restart/sections.hpp"
 
 namespace dccast::casting {
 
@@ -17,8 +17,8 @@ struct PlausibilityState {
 };
 
 /// The state as sections of a checkpoint, and back.
-void write_plausibility(const PlausibilityState& state, results::Sections& sections);
+void write_plausibility(const PlausibilityState& state, restart::Sections& sections);
 /// @throws std::out_of_range  a section is missing or names an unknown severity
-PlausibilityState read_plausibility(const results::Sections& sections);
+PlausibilityState read_plausibility(const restart::Sections& sections);
 
 }  // namespace dccast::casting

@@ -4,7 +4,7 @@
 
 namespace dccast::casting {
 
-using results::Sections;
+using restart::Sections;
 
 void write_validity(const ValidityState& state, Sections& s) {
   s.set_integer("validity/shell_stood", state.shell_stood ? 1 : 0);

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/results/sections.hpp"
+#include "core/restart/sections.hpp"
 #include "core/results/validity_loss.hpp"
 
 namespace dccast::casting {
@@ -18,8 +18,8 @@ struct ValidityState {
 };
 
 /// The state as sections of a checkpoint, and back.
-void write_validity(const ValidityState& state, results::Sections& sections);
+void write_validity(const ValidityState& state, restart::Sections& sections);
 /// @throws std::out_of_range  a section is missing
-ValidityState read_validity(const results::Sections& sections);
+ValidityState read_validity(const restart::Sections& sections);
 
 }  // namespace dccast::casting

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/mesh/slab_mesh.hpp"
-#include "core/results/hdf5_file.hpp"
+#include "core/hdf5/hdf5_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 
@@ -26,7 +26,7 @@ void write_temperature(int nodes, const std::filesystem::path& path) {
   const std::vector<double> time{0.0, duration};
   std::vector<double> temperature(std::size_t(2 * nodes), hot);
   std::fill(temperature.begin() + nodes, temperature.end(), cold);
-  auto file = results::hdf5::File::create(path);
+  auto file = hdf5::File::create(path);
   file.write("/time_s", {time.size()}, time.data(), "s", "time");
   file.write("/temperature_c", {time.size(), std::size_t(nodes)}, temperature.data(), "degC",
              "temperature");

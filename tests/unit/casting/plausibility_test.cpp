@@ -330,9 +330,9 @@ TEST(PlausibilityState, ComesBackFromACheckpoint) {
   state.thickest_bottom_shell = 1.0 / 3.0;
   state.raised = {{"no_superheat", Severity::danger, "Cold.", {}, {}, -20.0, 5.0, "K", "a.key"},
                   {"hot_tears", Severity::note, "Tears.", 12.5, {0.1, 0.2}, {}, {}, "", ""}};
-  results::Sections sections;
+  restart::Sections sections;
   write_plausibility(state, sections);
-  const auto decoded = results::decode(results::encode(sections));
+  const auto decoded = restart::decode(restart::encode(sections));
   ASSERT_TRUE(decoded);
   const PlausibilityState back = read_plausibility(*decoded);
   EXPECT_EQ(back.raised, state.raised);

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/mesh/slab_mesh.hpp"
-#include "core/results/hdf5_file.hpp"
+#include "core/hdf5/hdf5_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
@@ -55,7 +55,7 @@ void write_temperature(const mesh::Mesh2D& mesh, const std::filesystem::path& pa
       temperature.push_back(warmest - 5.0 * t * (1.0 + 4.0 * x * x) - 300.0 * t * (0.1 - y));
     }
   }
-  auto file = results::hdf5::File::create(path);
+  auto file = hdf5::File::create(path);
   file.write("/time_s", {time.size()}, time.data(), "s", "time");
   file.write("/temperature_c", {time.size(), std::size_t(mesh.nodes())}, temperature.data(), "degC",
              "temperature");

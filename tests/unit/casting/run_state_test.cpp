@@ -6,7 +6,7 @@
 
 #include "core/casting/run_state.hpp"
 #include "core/casting/solver_identity.hpp"
-#include "core/results/checkpoint_file.hpp"
+#include "core/restart/checkpoint_file.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
 namespace dccast::casting {
@@ -147,13 +147,13 @@ protected:
     recorder.act_after = 17;
     recorder.then = Order::stop_at_checkpoint;
     ASSERT_EQ(run(c_, {folder_ / "", false}, recorder).end, RunEnd::stopped);
-    content_ = *results::read_checkpoint(folder_ / "checkpoint.bin").content;
+    content_ = *restart::read_checkpoint(folder_ / "checkpoint.bin").content;
     journal_ = bytes_of(folder_ / "journal.bin");
   }
 
   /// Goes on from `content` for one step. @return what the run said, and "resumed" where it did
-  std::string resume_from(const results::Sections& content) {
-    results::write_checkpoint(folder_ / "checkpoint.bin", content);
+  std::string resume_from(const restart::Sections& content) {
+    restart::write_checkpoint(folder_ / "checkpoint.bin", content);
     std::ofstream(folder_ / "journal.bin", std::ios::binary) << journal_;
     Recorder recorder;
     recorder.die = true;
@@ -168,14 +168,14 @@ protected:
 
   const TemporaryFolder folder_;
   Case c_ = small_casting(mesh::ElementKind::q1);
-  results::Sections content_;
+  restart::Sections content_;
   std::string journal_;
 };
 
 TEST_F(Damage, OfNoArrayIsTakenForAState) {
   ASSERT_EQ(resume_from(content_), "resumed");
   for (const auto& [name, value] : content_.all()) {
-    if (const auto* reals = std::get_if<results::Sections::Reals>(&value)) {
+    if (const auto* reals = std::get_if<restart::Sections::Reals>(&value)) {
       // Of any length, and of no mesh: what was said.
       if (name.starts_with("failure") || name.starts_with("finding")) continue;
       for (const int change : {-3, -1, 1, 4}) {
@@ -183,7 +183,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
         longer.resize(std::size_t(std::max(0, int(reals->size()) + change)), 1.0);
         if (reals->size() == 1 && change > 0) continue;  // a number, of which the first is read
         if (longer == *reals) continue;
-        results::Sections content = content_;
+        restart::Sections content = content_;
         content.set(name, longer);
         EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts over"))
             << name << " by " << change;
@@ -193,7 +193,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
 }
 
 TEST_F(Damage, NamesTheArray) {
-  results::Sections content = content_;
+  restart::Sections content = content_;
   auto strain = content.reals("slab/inelastic_strain");
   strain.resize(strain.size() - 4);
   content.set("slab/inelastic_strain", strain);
@@ -208,7 +208,7 @@ TEST_F(Damage, NamesTheArray) {
 /// starts over or fails in words. Seeded, so that what it finds can be found again.
 TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
   std::mt19937 random(20240607);
-  const std::string whole = results::encode(content_);
+  const std::string whole = restart::encode(content_);
   int begun_anew = 0;
   for (int i = 0; i < 150; ++i) {
     std::string bytes = whole;
@@ -219,7 +219,7 @@ TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
       bytes.resize(place());
     else
       for (int flip = 0; flip <= i % 4; ++flip) bytes[place()] ^= char(1 << (random() % 8));
-    const auto content = results::decode(bytes);
+    const auto content = restart::decode(bytes);
     if (!content) continue;
     const std::string said = resume_from(*content);
     EXPECT_FALSE(said.empty());

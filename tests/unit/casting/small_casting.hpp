@@ -11,12 +11,10 @@
 
 #include "core/casting/case_check.hpp"
 #include "core/casting/simulation.hpp"
-#include "tests/unit/results/sample_run.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/thermal/casting_case.hpp"
 
 namespace dccast::casting::testing {
-
-using results::TemporaryFolder;
 
 /// The paper's alloy in a few cells: ten seconds of hold, twenty of casting.
 inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {

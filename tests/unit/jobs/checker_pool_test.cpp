@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {

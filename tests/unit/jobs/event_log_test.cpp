@@ -12,7 +12,7 @@
 
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/events.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/durable_file.hpp"
+#include "core/storage/durable_file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -1,18 +1,22 @@
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
 #include <stdexcept>
 
-#include "core/results/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "core/results/history_fields.hpp"
-#include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
-#include "core/results/storage_error.hpp"
+#include "core/results/run_records.hpp"
+#include "core/storage/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
 namespace {
+
+using restart::encode;
+using storage::read_file;
+using storage::StorageError;
+using storage::write_file;
 
 void publish_sample(const std::filesystem::path& results, int nodes_per_element, int cells) {
   auto writer = ResultWriter::create({results.string() + ".journal", results}, sample_header());
@@ -153,7 +157,7 @@ TEST(ResultReader, NamesFileAndDatasetOfADamagedArray) {
   H5Dclose(dataset);
   H5Fclose(file);
   bytes[address + size / 2] = static_cast<char>(bytes[address + size / 2] ^ 1);
-  write_file_atomically(folder / "r.h5", bytes);
+  write_file(folder / "r.h5", bytes);
   const ResultReader reader(folder / "r.h5");
   EXPECT_NO_THROW(reader.frame(0));
   try {
@@ -168,10 +172,10 @@ TEST(ResultReader, NamesFileAndDatasetOfADamagedArray) {
 TEST(ResultReader, RefusesWhatIsNotAResultFile) {
   const TemporaryFolder folder;
   EXPECT_THROW(ResultReader(folder / "none.h5"), StorageError);
-  FileDescriptor(folder / "text.h5", O_WRONLY | O_CREAT).write("not HDF5");
+  write_file(folder / "text.h5", "not HDF5");
   EXPECT_THROW(ResultReader(folder / "text.h5"), StorageError);
   publish_sample(folder / "r.h5", 3, 3);
-  write_file_atomically(folder / "half.h5", read_file(folder / "r.h5").substr(0, 3000));
+  write_file(folder / "half.h5", read_file(folder / "r.h5").substr(0, 3000));
   EXPECT_THROW(ResultReader(folder / "half.h5"), StorageError);
 }
 

@@ -1,31 +1,15 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <utility>
 
 #include "core/results/frame.hpp"
 #include "core/results/result_writer.hpp"
 #include "core/results/step_report.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::results {
-
-/// A folder of its own for each test, gone at its end.
-class TemporaryFolder {
-public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "dccast-results-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
-private:
-  std::filesystem::path path_;
-};
 
 inline RunHeader sample_header() {
   RunHeader header;

@@ -7,12 +7,16 @@
 #include <functional>
 #include <iostream>
 
-#include "core/results/checkpoint_file.hpp"
-#include "core/results/storage_error.hpp"
+#include "core/restart/checkpoint_file.hpp"
+#include "core/storage/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
 namespace {
+
+using restart::read_checkpoint;
+using restart::Sections;
+using restart::write_checkpoint;
 
 constexpr int told = 17;    ///< the exit code of a process that was told of the fault
 constexpr int untold = 18;  ///< ... that was not
@@ -84,7 +88,7 @@ TEST(MissingFolder, IsNamed) {
   try {
     ResultWriter::create({folder / "none/j", folder / "none/r.h5"}, sample_header());
     FAIL() << "written to a folder that is not there";
-  } catch (const StorageError& error) {
+  } catch (const storage::StorageError& error) {
     EXPECT_EQ(error.code().value(), ENOENT);
     EXPECT_NE(std::string(error.what()).find("none/j"), std::string::npos);
   }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/results/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
@@ -17,7 +17,7 @@ std::string sidecar_of(const Frame& frame) {
   auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
   writer.append(frame);
   writer.publish({});
-  return read_file(folder / "r.xdmf");
+  return storage::read_file(folder / "r.xdmf");
 }
 
 TEST(Xdmf, ShowsTrianglesAndQuadrilaterals) {

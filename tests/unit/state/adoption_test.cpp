@@ -1,5 +1,6 @@
 #include "server/state/adoption.hpp"
 
+#include "core/storage/durable_file.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {
@@ -65,7 +66,7 @@ TEST_F(AdoptionTest, RefusesWhatItCannotKnowWithTheReason) {
   EXPECT_NE(reason(renamed).find("another job"), std::string::npos);
   const std::string silent = add_job("", false);
   fs::remove(folder_.jobs() / silent / "events.log");
-  jobs::write_durably(folder_.jobs() / silent / "results.h5", "results");
+  storage::create_durably(folder_.jobs() / silent / "results.h5", "results");
   EXPECT_NE(reason(silent).find("events.log is lost"), std::string::npos);
   EXPECT_EQ(store_->ids().size(), 1u);
 }

@@ -11,7 +11,7 @@
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/state/state_folder.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::state {
 

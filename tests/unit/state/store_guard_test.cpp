@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "core/storage/durable_file.hpp"
 #include "server/state/check.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
@@ -47,9 +48,9 @@ TEST_F(StoreGuardTest, MarksWaitingJobsAsAccepted) {
 TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
   for (int i = 0; i < 20; ++i) add_job();
   store_.reset();
-  std::string bytes = jobs::read_file(folder_.store());
+  std::string bytes = storage::read_file(folder_.store());
   for (std::size_t at = 8192; at < 8192 + 512; ++at) bytes[at] = 'x';
-  jobs::replace_file(folder_.store(), bytes);
+  storage::replace_file(folder_.store(), bytes);
   try {
     open_store(folder_);
     FAIL() << "it was taken";
@@ -63,11 +64,11 @@ TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
 TEST_F(StoreGuardTest, RefusesARowThatHoldsAnotherCase) {
   const std::string id = add_job();
   store_.reset();
-  std::string bytes = jobs::read_file(folder_.store());
+  std::string bytes = storage::read_file(folder_.store());
   const auto at = bytes.find(std::string(40, 'c'));
   ASSERT_NE(at, std::string::npos);
   bytes[at + 20] ^= 1;
-  jobs::replace_file(folder_.store(), bytes);
+  storage::replace_file(folder_.store(), bytes);
   EXPECT_THROW(open_store(folder_), StoreLost);
   std::ostringstream said;
   EXPECT_EQ(check(folder_, {}, said), 1) << said.str();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/storage/durable_file.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {
@@ -18,10 +19,10 @@ protected:
     fs::copy_file(folder_.wal(), copy_);
   }
   WalState with_flipped_bit(std::size_t byte) const {
-    std::string bytes = jobs::read_file(copy_);
+    std::string bytes = storage::read_file(copy_);
     bytes.at(byte) = static_cast<char>(bytes[byte] ^ 16);
     const auto path = folder_.path() / "flipped-wal";
-    jobs::replace_file(path, bytes);
+    storage::replace_file(path, bytes);
     return inspect_wal(path);
   }
   fs::path copy_;

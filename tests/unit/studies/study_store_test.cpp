@@ -10,7 +10,7 @@
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/studies/study_file.hpp"
-#include "tests/unit/jobs/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::studies {
 namespace {

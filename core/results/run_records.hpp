@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/restart/sections.hpp"
+#include "core/results/frame.hpp"
+#include "core/results/step_report.hpp"
+
+/// How the header, a step and a frame of a run are laid out as sections of a journal record.
+namespace dccast::results {
+
+restart::Sections to_sections(const RunHeader& header);
+restart::Sections to_sections(const StepReport& report);
+restart::Sections to_sections(const Frame& frame);
+/// @throws std::out_of_range  a section is missing: the record was written by other software
+RunHeader header_of(const restart::Sections& content);
+StepReport step_of(const restart::Sections& content);
+Frame frame_of(const restart::Sections& content);
+
+}  // namespace dccast::results

@@ -1,0 +1,64 @@
+#include "core/storage/background.hpp"
+
+#include <utility>
+
+namespace dccast::storage {
+
+namespace {
+
+constexpr std::size_t most_tasks = 3;  // one being done, two waiting
+
+}  // namespace
+
+Background::~Background() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Background::post(std::function<void()> task) {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return tasks_.size() < most_tasks; });
+    rethrow_background_error();
+    tasks_.push_back(std::move(task));
+  }
+  changed_.notify_all();
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+}
+
+void Background::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return tasks_.empty(); });
+  rethrow_background_error();
+}
+
+void Background::rethrow_background_error() {
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void Background::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return !tasks_.empty() || ending_; });
+    if (tasks_.empty()) return;
+    if (!failure_) {
+      lock.unlock();
+      std::exception_ptr failure;
+      try {
+        tasks_.front()();  // nobody else takes the first one away
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      lock.lock();
+      failure_ = failure;
+    }
+    tasks_.pop_front();
+    changed_.notify_all();
+  }
+}
+
+}  // namespace dccast::storage

@@ -1,0 +1,69 @@
+#include "core/storage/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "core/storage/storage_error.hpp"
+
+namespace dccast::storage {
+
+File::File(const std::filesystem::path& path, int flags, mode_t permissions)
+    : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, permissions)), path_(path) {
+  if (!descriptor_) throw StorageError(errno, path.string(), "cannot be opened");
+}
+
+std::int64_t File::size() const {
+  struct stat status;
+  if (::fstat(descriptor(), &status) != 0)
+    throw StorageError(errno, path_.string(), "cannot be looked at");
+  return status.st_size;
+}
+
+std::size_t File::read_at(std::int64_t offset, std::span<char> bytes) const {
+  std::size_t read = 0;
+  while (read < bytes.size()) {
+    const ssize_t got = ::pread(descriptor(), bytes.data() + read, bytes.size() - read,
+                                offset + static_cast<std::int64_t>(read));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw StorageError(errno, path_.string(), "cannot be read");
+    if (got == 0) break;
+    read += static_cast<std::size_t>(got);
+  }
+  return read;
+}
+
+void File::write_at(std::int64_t offset, std::string_view bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(descriptor(), bytes.data(), bytes.size(), offset);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw StorageError(errno, path_.string(), "cannot be written");
+    bytes.remove_prefix(static_cast<std::size_t>(put));
+    offset += put;
+  }
+}
+
+void File::cut(std::int64_t size) const {
+  if (::ftruncate(descriptor(), size) != 0)
+    throw StorageError(errno, path_.string(), "cannot be cut");
+}
+
+void File::sync() const {
+  if (::fdatasync(descriptor()) != 0)
+    throw StorageError(errno, path_.string(), "cannot be synchronised");
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  const File file(path, O_RDONLY);
+  std::string content(static_cast<std::size_t>(file.size()), '\0');
+  content.resize(file.read_at(0, content));
+  return content;
+}
+
+void write_file(const std::filesystem::path& path, std::string_view bytes, mode_t permissions) {
+  File(path, O_WRONLY | O_CREAT | O_TRUNC, permissions).write_at(0, bytes);
+}
+
+}  // namespace dccast::storage

@@ -1,0 +1,72 @@
+#include "core/storage/record_log.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/storage/storage_error.hpp"
+
+namespace dccast::storage {
+
+namespace {
+
+/// The part that a failed write has left would be overwritten by the next one: cutting it off is
+/// for readers of the file. Where that fails, too, they find a record with a wrong checksum.
+void cut_part(const File& file, std::int64_t end) {
+  try {
+    file.cut(end);
+  } catch (const StorageError&) {
+    // The error of the write is on its way, and is the cause.
+  }
+}
+
+}  // namespace
+
+RecordLog::RecordLog(File file) : file_(std::move(file)), end_(file_.size()), synced_(end_) {}
+
+std::int64_t RecordLog::end() const {
+  const std::lock_guard lock(mutex_);
+  return end_;
+}
+
+std::int64_t RecordLog::append(std::string_view records) {
+  const std::lock_guard lock(mutex_);
+  if (sync_error_ != 0)
+    throw StorageError(sync_error_, file_.path().string(), "could not be synchronised");
+  try {
+    file_.write_at(end_, records);
+  } catch (const StorageError&) {
+    cut_part(file_, end_);
+    throw;
+  }
+  return std::exchange(end_, end_ + static_cast<std::int64_t>(records.size()));
+}
+
+void RecordLog::cut(std::int64_t end) {
+  const std::lock_guard lock(mutex_);
+  file_.cut(end);
+  end_ = end;
+  synced_ = std::min(synced_, end);
+}
+
+void RecordLog::sync() {
+  const std::lock_guard one_at_a_time(sync_mutex_);
+  std::int64_t reached;
+  {
+    const std::lock_guard lock(mutex_);
+    if (synced_ == end_) return;
+    reached = end_;
+  }
+  try {
+    file_.sync();
+  } catch (const StorageError& error) {
+    // What the kernel could not write it may have dropped: a later sync that succeeds proves
+    // nothing.
+    const std::lock_guard lock(mutex_);
+    sync_error_ = error.code().value();
+    throw;
+  }
+  const std::lock_guard lock(mutex_);
+  synced_ = reached;
+}
+
+}  // namespace dccast::storage

@@ -1,0 +1,68 @@
+#include "core/storage/background.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <stdexcept>
+#include <vector>
+
+namespace dccast::storage {
+namespace {
+
+TEST(Background, DoesItsTasksInTheirOrder) {
+  std::vector<int> done;
+  Background background;
+  for (int i = 0; i < 100; ++i) background.post([&done, i] { done.push_back(i); });
+  background.wait();
+  ASSERT_EQ(done.size(), 100u);
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+}
+
+TEST(Background, EndsWhatWasPostedBeforeItGoes) {
+  std::atomic<int> done = 0;
+  {
+    Background background;
+    for (int i = 0; i < 3; ++i)
+      background.post([&done] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        ++done;
+      });
+  }
+  EXPECT_EQ(done, 3);
+}
+
+TEST(Background, HoldsBackWhoIsFarAhead) {
+  std::atomic<int> waiting = 0, most = 0;
+  Background background;
+  for (int i = 0; i < 20; ++i) {
+    background.post([&waiting] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      --waiting;
+    });
+    most = std::max<int>(most, ++waiting);
+  }
+  EXPECT_LE(most, 4);  // one done, two waiting, one posted before it was counted
+}
+
+TEST(Background, TellsOfAFailureOnceAndDropsWhatFollowed) {
+  std::atomic<bool> followed = false;
+  std::promise<void> both_posted;
+  Background background;
+  background.post([&both_posted] {
+    both_posted.get_future().wait();
+    throw std::runtime_error("the disk is full");
+  });
+  background.post([&followed] { followed = true; });
+  both_posted.set_value();
+  EXPECT_THROW(background.wait(), std::runtime_error);
+  EXPECT_FALSE(followed);
+  background.post([&followed] { followed = true; });
+  background.wait();
+  EXPECT_TRUE(followed);
+}
+
+}  // namespace
+}  // namespace dccast::storage
