@@ -27,9 +27,10 @@ struct Attempt {
   // Fixed when the attempt begins.
   std::string job_id;
   int number = 0;  ///< counts the attempts at the job from 1
-  std::string token;
+  std::string token_sha256;  ///< of what its worker proves itself with
   std::shared_ptr<EventLog> log;
   Clock::time_point begun;
+  bool adopted = false;  ///< its worker was started by an earlier daemon
 
   // Of the scheduler's mutex.
   JobRecord record;

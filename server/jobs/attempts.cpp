@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "proto/values/hexadecimal.hpp"
+#include "proto/values/sha256.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 
@@ -23,8 +24,11 @@ constexpr std::chrono::seconds leaving_time{5};
 /// From the end of a worker's process to that of its link, should the link not end by itself.
 constexpr std::chrono::seconds last_words_time{2};
 
-bool same_token(const std::string& a, const std::string& b) {
-  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+/// Whether a worker has the token of an attempt. The token is random, so that its hash needs no salt.
+bool knows_token(const Attempt& attempt, const std::string& token) {
+  const std::string hash = values::sha256(token);
+  return hash.size() == attempt.token_sha256.size() &&
+         CRYPTO_memcmp(hash.data(), attempt.token_sha256.data(), hash.size()) == 0;
 }
 
 v1::WorkerOrder stop_order(bool checkpoint) {
@@ -52,26 +56,46 @@ Attempts::Attempts(AttemptOptions options, JobStore& store, EventLogs& logs, Led
       ledger_(ledger),
       executor_(executor) {}
 
-void Attempts::begin(JobRecord record) {
+std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLog> log) {
   auto attempt = std::make_shared<Attempt>();
   attempt->job_id = record.job.id();
-  attempt->number = record.job.attempts() + 1;
-  attempt->token = values::random_hexadecimal(token_bytes);
-  attempt->log = logs_.open(attempt->job_id);
+  attempt->number = record.job.attempts();
+  attempt->token_sha256 = record.worker_token_sha256;
+  attempt->log = std::move(log);
   attempt->begun = Clock::now();
-  record.job.set_attempts(attempt->number);
+  attempt->record = std::move(record);
+  return attempts_[attempt->job_id] = attempt;
+}
+
+void Attempts::begin(JobRecord record) {
+  const std::string token = values::random_hexadecimal(token_bytes);
+  auto log = logs_.open(record.job.id());
+  record.job.set_attempts(record.job.attempts() + 1);
   if (!record.job.has_start_time())
     *record.job.mutable_start_time() = timestamp(milliseconds(now()));
   record.worker_handle.clear();
-  ledger_.transition(record, v1::RUNNING, start_cause(attempt->number));
-  attempt->record = std::move(record);
-  attempts_[attempt->job_id] = attempt;
+  record.worker_token_sha256 = values::sha256(token);
+  ledger_.transition(record, v1::RUNNING, start_cause(record.job.attempts()));
+  const auto attempt = add(std::move(record), std::move(log));
   try {
-    executor_.start({attempt->job_id, attempt->number, attempt->token,
-                     options_.jobs_directory / attempt->job_id});
+    executor_.start(
+        {attempt->job_id, attempt->number, token, options_.jobs_directory / attempt->job_id});
   } catch (const std::exception& error) {
     withdraw(attempt, error.what());
   }
+}
+
+void Attempts::adopt(JobRecord record) {
+  const v1::JobState state = record.job.state();
+  // Of a job that does not run nothing is heard any more, and its log may be damaged.
+  auto log = state == v1::RUNNING ? logs_.open(record.job.id()) : nullptr;
+  const auto attempt = add(std::move(record), std::move(log));
+  attempt->adopted = true;
+  if (state == v1::RUNNING) return;
+  attempt->settled = true;
+  attempt->requeue = state == v1::QUEUED;
+  attempt->kill_at = Clock::now() + last_words_time;  // tried again should the kill get lost
+  executor_.kill(attempt->job_id, attempt->number);
 }
 
 /// The worker was not even started: the job waits as if this attempt had not been.
@@ -135,7 +159,7 @@ v1::WorkerOrder Attempts::start_order(const Attempt& attempt) const {
   if (!complete_case || !start->mutable_case_()->ParseFromString(*complete_case))
     throw std::runtime_error("the job store has no readable case of job " + attempt.job_id);
   start->set_directory(options_.jobs_directory / attempt.job_id);
-  start->set_resume(attempt.number > 1);
+  start->set_resume(attempt.number > 1 || attempt.adopted);
   start->set_last_reported_step(attempt.log->reached_step());
   start->set_heartbeat_interval_s(
       std::chrono::duration<double>(options_.heartbeat_interval).count());
@@ -157,8 +181,8 @@ v1::WorkerOrder Attempts::order_or_blame(Attempt& attempt) const {
 std::shared_ptr<Attempt> Attempts::attach(const v1::WorkerMessage::Hello& hello,
                                           std::shared_ptr<WorkerChannel> channel) {
   const auto found = attempts_.find(hello.job_id());
-  if (found == attempts_.end() || found->second->channel ||
-      !same_token(found->second->token, hello.token())) {
+  if (found == attempts_.end() || found->second->settled || found->second->channel ||
+      !knows_token(*found->second, hello.token())) {
     spdlog::warn("worker link: a caller without a valid token was refused (process {})",
                  hello.process_id());
     return nullptr;
@@ -171,6 +195,9 @@ std::shared_ptr<Attempt> Attempts::attach(const v1::WorkerMessage::Hello& hello,
     attempt.last_word = attempt.last_advance = Clock::now();
   }
   attempt.channel->send(order);  // here, so that no order to stop can come before it
+  // What was requested before a restart of the daemon.
+  if (attempt.record.requested_action != RequestedAction::none)
+    order_stop(attempt, attempt.record.requested_action == RequestedAction::pause);
   return found->second;
 }
 
@@ -230,6 +257,7 @@ void Attempts::finish(Attempt& attempt, const Finished& finished) {
 void Attempts::settle(Attempt& attempt, const Settlement& settlement) {
   attempt.settled = true;
   attempt.record.worker_handle.clear();
+  attempt.record.worker_token_sha256.clear();
   const std::string error = ledger_.settle(attempt.record, settlement.state, settlement.cause);
   attempt.requeue = attempt.record.job.state() == v1::QUEUED;
   count_storage_failure(attempt, settlement);

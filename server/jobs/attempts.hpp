@@ -47,6 +47,10 @@ public:
   /// Starts a worker for a queued job, which is RUNNING from then on.
   /// @throws std::exception  nothing has changed: the job still waits
   void begin(JobRecord record);
+  /// Goes on with an attempt whose worker the executor has found again after a restart. A running
+  /// job waits for the worker to call, for as long as a new one may take; of any other the worker is
+  /// ended, and the job goes on once it is gone.
+  void adopt(JobRecord record);
   int count() const { return static_cast<int>(attempts_.size()); }
   int running() const;
 
@@ -91,6 +95,7 @@ public:
 private:
   using Finished = v1::WorkerMessage::Finished;
   std::shared_ptr<Attempt> find(const std::string& job_id, int number) const;
+  std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log);
   v1::WorkerOrder start_order(const Attempt& attempt) const;
   v1::WorkerOrder order_or_blame(Attempt& attempt) const;
   void withdraw(const std::shared_ptr<Attempt>& attempt, const std::string& why);

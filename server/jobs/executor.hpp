@@ -9,9 +9,15 @@ namespace dccast::jobs {
 /// One start of a worker.
 struct WorkerLaunch {
   std::string job_id;
-  int attempt = 0;    ///< together with the job's id it names this start
-  std::string token;  ///< what the worker proves itself with on the link
-  std::filesystem::path folder;
+  int attempt = 0;      ///< together with the job's id it names this start
+  std::string token{};  ///< what the worker proves itself with on the link; empty in adopt()
+  std::filesystem::path folder{};
+};
+
+/// What has become of a worker that an earlier daemon started.
+enum class Adoption {
+  found,  ///< it is there, running or still waiting for a machine; it is this executor's from now on
+  gone,   ///< nothing of it is left that could write into the folder of its job
 };
 
 /// Starts workers somewhere and tells when they end. Nothing else: what a worker does goes over the
@@ -21,7 +27,7 @@ class Executor {
 public:
   /// All are called from the executor's thread and may take their time.
   struct Calls {
-    /// @param handle  the worker in the executor's own words, for end_stray()
+    /// @param handle  the worker in the executor's own words, for adopt(); kept in the job store
     std::function<void(const std::string& job_id, int attempt, const std::string& handle)> started;
     /// The executor lacks a resource (descriptors, memory, the program): no fault of the job.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
@@ -37,9 +43,12 @@ public:
   virtual void start(const WorkerLaunch& launch) = 0;
   /// Ends a worker at once. Nothing happens when it is gone; `ended` follows otherwise.
   virtual void kill(const std::string& job_id, int attempt) = 0;
-  /// Sees to it that a worker which an earlier daemon started is gone when this returns.
-  /// @param handle  as `started` gave it @return whether it was still there
-  virtual bool end_stray(const std::string& handle) = 0;
+  /// Looks for a worker that an earlier daemon started, before the first start; may take its time,
+  /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended` tells
+  /// of its end. What the executor cannot lead on with it ends here, and answers gone.
+  /// @param handle  as `started` gave it; empty when the earlier daemon was not told of it any more:
+  ///                the job's id and attempt still name the worker
+  virtual Adoption adopt(const std::string& handle, const WorkerLaunch& launch) = 0;
 };
 
 }  // namespace dccast::jobs

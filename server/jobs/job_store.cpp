@@ -1,192 +1,14 @@
 #include "server/jobs/job_store.hpp"
 
-#include <array>
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/job_rows.hpp"
+#include "server/jobs/job_schema.hpp"
 
 namespace dccast::jobs {
 
 namespace {
-
-// The schema as the steps that led to it: the one at index i makes version i + 1 out of version i,
-// and is never changed again, as there are stores that took it. Version 0 is an empty file.
-//
-// Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
-// serialised messages of job.proto.
-constexpr std::array schema_steps{
-    R"sql(
-CREATE TABLE job (
-  id TEXT PRIMARY KEY,
-  request_id TEXT UNIQUE,
-  case_sha256 TEXT NOT NULL,
-  title TEXT NOT NULL,
-  priority INTEGER NOT NULL,
-  state INTEGER NOT NULL,
-  created_ms INTEGER NOT NULL,
-  started_ms INTEGER NOT NULL,
-  ended_ms INTEGER NOT NULL,
-  attempts INTEGER NOT NULL,
-  failure BLOB,
-  outcome BLOB,
-  wish INTEGER NOT NULL,
-  wish_reason TEXT NOT NULL,
-  losses INTEGER NOT NULL,
-  lost_step INTEGER NOT NULL,
-  first_loss TEXT NOT NULL,
-  worker_process INTEGER NOT NULL,
-  worker_start_ticks INTEGER NOT NULL
-) STRICT;
-CREATE INDEX job_by_age ON job (created_ms, id);
-CREATE INDEX job_by_state ON job (state);
-CREATE TABLE job_case (
-  id TEXT PRIMARY KEY REFERENCES job (id) ON DELETE CASCADE,
-  submitted BLOB NOT NULL,
-  complete BLOB NOT NULL
-) STRICT;
-PRAGMA user_version = 1;
-)sql",
-    R"sql(
-ALTER TABLE job ADD COLUMN study TEXT NOT NULL DEFAULT '';
-CREATE INDEX job_by_study ON job (study) WHERE study <> '';
-PRAGMA user_version = 2;
-)sql",
-    R"sql(
-ALTER TABLE job ADD COLUMN owner TEXT NOT NULL DEFAULT '';
-ALTER TABLE job ADD COLUMN bytes INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE job ADD COLUMN worker_handle TEXT NOT NULL DEFAULT '';
-ALTER TABLE job DROP COLUMN worker_process;
-ALTER TABLE job DROP COLUMN worker_start_ticks;
-CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
-PRAGMA user_version = 3;
-)sql",
-    // Labels stand one a line, each between two line ends; `changes` is a Job with only these.
-    R"sql(
-ALTER TABLE job ADD COLUMN labels TEXT NOT NULL DEFAULT '';
-ALTER TABLE job ADD COLUMN changes BLOB;
-ALTER TABLE job ADD COLUMN answer_key TEXT NOT NULL DEFAULT '';
-ALTER TABLE job ADD COLUMN solver TEXT NOT NULL DEFAULT '';
-CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
-PRAGMA user_version = 4;
-)sql",
-    // Studies, see server/studies/study_store: the request of each, and the job of each of its runs.
-    R"sql(
-CREATE TABLE study (
-  id TEXT PRIMARY KEY,
-  request_id TEXT UNIQUE,
-  owner TEXT NOT NULL,
-  created_ms INTEGER NOT NULL,
-  changed_ms INTEGER NOT NULL,
-  removing INTEGER NOT NULL,
-  case_sha256 TEXT NOT NULL,
-  request BLOB NOT NULL
-) STRICT;
-CREATE INDEX study_by_age ON study (created_ms, id);
-CREATE TABLE study_run (
-  study TEXT NOT NULL REFERENCES study (id) ON DELETE CASCADE,
-  number INTEGER NOT NULL,
-  attempt INTEGER NOT NULL,
-  job TEXT NOT NULL,
-  outcome INTEGER NOT NULL,
-  failure BLOB,
-  PRIMARY KEY (study, number)
-) STRICT, WITHOUT ROWID;
-CREATE INDEX study_run_to_queue ON study_run (study, number) WHERE job = '' AND outcome = 0;
-PRAGMA user_version = 5;
-)sql"};
-
-constexpr std::string_view columns =
-    "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
-    "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
-    "worker_handle, study, owner, bytes, labels, changes, answer_key, solver";
-
-void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
-  *time = timestamp(milliseconds);
-}
-
-/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity and the
-/// findings set.
-std::string outcome_of(const v1::Job& job) {
-  v1::Job outcome;
-  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
-  *outcome.mutable_artifacts() = job.artifacts();
-  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
-  *outcome.mutable_findings() = job.findings();
-  return outcome.SerializeAsString();
-}
-
-std::string label_lines(const v1::Job& job) {
-  std::string lines;
-  for (const std::string& label : job.labels()) lines += (lines.empty() ? "\n" : "") + label + "\n";
-  return lines;
-}
-
-void read_labels(const std::string& lines, v1::Job& job) {
-  for (std::size_t begin = 1; begin < lines.size();) {
-    const std::size_t end = lines.find('\n', begin);
-    job.add_labels(lines.substr(begin, end - begin));
-    begin = end + 1;
-  }
-}
-
-std::string changes_of(const v1::Job& job) {
-  v1::Job changes;
-  *changes.mutable_changes() = job.changes();
-  return changes.SerializeAsString();
-}
-
-JobRecord row(const Statement& statement) {
-  JobRecord record;
-  v1::Job& job = record.job;
-  job.ParseFromString(statement.text(11));
-  job.MergeFromString(statement.text(22));
-  job.set_id(statement.text(0));
-  job.set_request_id(statement.text(1));
-  job.set_case_sha256(statement.text(2));
-  job.set_title(statement.text(3));
-  job.set_priority(static_cast<v1::Priority>(statement.integer(4)));
-  job.set_state(static_cast<v1::JobState>(statement.integer(5)));
-  set_time(statement.integer(6), job.mutable_create_time());
-  if (statement.integer(7) != 0) set_time(statement.integer(7), job.mutable_start_time());
-  if (statement.integer(8) != 0) set_time(statement.integer(8), job.mutable_end_time());
-  job.set_attempts(static_cast<int>(statement.integer(9)));
-  if (const std::string failure = statement.text(10); !failure.empty())
-    job.mutable_failure()->ParseFromString(failure);
-  record.requested_action = static_cast<RequestedAction>(statement.integer(12));
-  record.request_reason = statement.text(13);
-  record.losses = static_cast<int>(statement.integer(14));
-  record.lost_step = statement.integer(15);
-  record.first_loss = statement.text(16);
-  record.worker_handle = statement.text(17);
-  job.set_study(statement.text(18));
-  job.set_owner(statement.text(19));
-  record.bytes = statement.integer(20);
-  read_labels(statement.text(21), job);
-  record.answer_key = statement.text(23);
-  record.solver = statement.text(24);
-  return record;
-}
-
-/// Binds the columns that change in a job's life, in the order of the UPDATE below.
-void bind_changing(Statement& statement, const JobRecord& record) {
-  const v1::Job& job = record.job;
-  statement.bind(job.state())
-      .bind(milliseconds(job.start_time()))
-      .bind(milliseconds(job.end_time()))
-      .bind(job.attempts());
-  if (job.has_failure())
-    statement.bind_blob(job.failure().SerializeAsString());
-  else
-    statement.bind_null();
-  statement.bind_blob(outcome_of(job))
-      .bind(static_cast<int>(record.requested_action))
-      .bind(record.request_reason)
-      .bind(record.losses)
-      .bind(record.lost_step)
-      .bind(record.first_loss)
-      .bind(record.worker_handle)
-      .bind(record.solver);
-}
 
 /// What a job of the page has to fulfil; its question marks are bound in list().
 std::string condition_of(const JobStore::Page& page) {
@@ -209,26 +31,7 @@ std::string condition_of(const JobStore::Page& page) {
 JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
       "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
-  bring_up_to_date(path);
-}
-
-void JobStore::bring_up_to_date(const std::filesystem::path& path) {
-  std::int64_t version = 0;
-  {
-    Statement statement(database_, "PRAGMA user_version");
-    statement.step();
-    version = statement.integer(0);
-  }
-  constexpr auto newest = static_cast<std::int64_t>(schema_steps.size());
-  if (version > newest)
-    throw StoreError("job store " + path.string() + " was written by a later version of dccastd (" +
-                         std::to_string(version) + "); use that one, or another data_directory",
-                     0);
-  if (version == newest) return;
-  Transaction transaction(database_);
-  for (std::int64_t step = version; step < newest; ++step)
-    database_.execute(schema_steps[static_cast<std::size_t>(step)]);
-  transaction.commit();
+  bring_up_to_date(database_, path);
 }
 
 void JobStore::set_durability(Durability durability) {
@@ -246,9 +49,9 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
   Transaction transaction(database_);
   {
     Statement statement(database_,
-                        "INSERT INTO job (" + std::string(columns) +
+                        "INSERT INTO job (" + std::string(job_columns) +
                             ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "'', ?, ?, ?, ?, ?, ?, '')");
+                            "'', ?, ?, ?, ?, ?, ?, '', '')");
     statement.bind(job.id());
     if (job.request_id().empty())
       statement.bind_null();
@@ -282,7 +85,8 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
                       "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
-                      "lost_step = ?, first_loss = ?, worker_handle = ?, solver = ? WHERE id = ?");
+                      "lost_step = ?, first_loss = ?, worker_handle = ?, solver = ?, "
+                      "worker_token_sha256 = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
 }
@@ -299,10 +103,10 @@ std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
                                         const std::string& argument) {
   const std::lock_guard lock(mutex_);
   Statement statement(
-      database_, "SELECT " + std::string(columns) + " FROM job " + std::string(where_and_order));
+      database_, "SELECT " + std::string(job_columns) + " FROM job " + std::string(where_and_order));
   if (!argument.empty()) statement.bind(argument);
   std::vector<JobRecord> records;
-  while (statement.step()) records.push_back(row(statement));
+  while (statement.step()) records.push_back(read_row(statement));
   return records;
 }
 
@@ -395,7 +199,7 @@ std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
 }
 
 std::vector<JobRecord> JobStore::list(const Page& page) {
-  const std::string sql = "SELECT " + std::string(columns) + " FROM job WHERE " +
+  const std::string sql = "SELECT " + std::string(job_columns) + " FROM job WHERE " +
                           condition_of(page) + " ORDER BY created_ms DESC, id DESC LIMIT ?";
   const std::lock_guard lock(mutex_);
   Statement statement(database_, sql);
@@ -407,7 +211,7 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
   for (const std::string& label : page.labels) statement.bind("\n" + label + "\n");
   statement.bind(page.size);
   std::vector<JobRecord> records;
-  while (statement.step()) records.push_back(row(statement));
+  while (statement.step()) records.push_back(read_row(statement));
   return records;
 }
 

@@ -26,6 +26,9 @@ struct JobRecord {
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
   std::string worker_handle{};  ///< of the last start, in the words of its executor
+  /// SHA-256 of the token of that worker, with which it calls again after a restart of the daemon.
+  /// Not the token itself: whoever reads the store or a backup could pass for the worker.
+  std::string worker_token_sha256{};
   std::int64_t bytes = 0;       ///< of the case and its attachments
   std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
   std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
@@ -91,7 +94,6 @@ public:
   void copy_to(const std::filesystem::path& path);
 
 private:
-  void bring_up_to_date(const std::filesystem::path& path);
   void set_durability(Durability durability);
   std::vector<JobRecord> select(std::string_view where_and_order, const std::string& argument);
 

@@ -90,11 +90,13 @@ void LocalExecutor::kill(const std::string& job_id, int attempt) {
   });
 }
 
-bool LocalExecutor::end_stray(const std::string& handle) {
+Adoption LocalExecutor::adopt(const std::string& handle, const WorkerLaunch& launch) {
   std::istringstream words(handle);
   ProcessIdentity identity;
   words >> identity.id >> identity.start_ticks;
-  return words && kill_stray(identity);
+  if (words && kill_stray(identity))
+    spdlog::warn("job {}: ended a worker of the last daemon ({})", launch.job_id, handle);
+  return Adoption::gone;
 }
 
 LocalExecutor::Child LocalExecutor::spawn() const {

@@ -34,7 +34,11 @@ public:
   int capacity() const override { return capacity_; }
   void start(const WorkerLaunch& launch) override;
   void kill(const std::string& job_id, int attempt) override;
-  bool end_stray(const std::string& handle) override;
+  /// Always gone. The link of a local worker is a socket of the daemon that started it: the worker
+  /// leaves when that daemon ends, and goes on from its checkpoint in another process. One that is
+  /// still there hangs, and is killed: it is no child of this process, so that nobody would tell how
+  /// it ended.
+  Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override;
 
 private:
   /// A process that waits for a job, or has one.

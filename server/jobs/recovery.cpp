@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <set>
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -18,9 +19,20 @@ void take_over_end(const v1::JobEvent& event, v1::Job& job) {
   *job.mutable_end_time() = timestamp(milliseconds(event.time()));
 }
 
+/// Whether a worker that was found may go on with its job: it runs for store and log, nobody has
+/// cancelled it, and the worker can prove itself.
+bool may_go_on(const EventLog& log, const JobRecord& record) {
+  return log.last_state() == v1::RUNNING && record.job.state() == v1::RUNNING &&
+         record.requested_action != RequestedAction::cancel && !record.worker_token_sha256.empty();
+}
+
 /// Brings one job into the state in which the next daemon finds it.
-void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record) {
+void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record, bool has_worker) {
   const auto log = logs.open(record.job.id());
+  if (has_worker && may_go_on(*log, record))
+    return spdlog::info("job {}: its worker ({}) was found again", record.job.id(),
+                        record.worker_handle);
+  record.worker_token_sha256.clear();
   if (const auto end = log->terminal_event()) {
     take_over_end(*end, record.job);
     return ledger.transition(
@@ -53,28 +65,36 @@ void recover_damaged(Ledger& ledger, JobRecord& record, const std::exception& er
 
 }  // namespace
 
-std::vector<v1::Job> recover_jobs(JobStore& store, EventLogs& logs, Ledger& ledger,
-                                  Executor& executor) {
+RecoveredJobs recover_jobs(const std::filesystem::path& jobs_directory, JobStore& store,
+                           EventLogs& logs, Ledger& ledger, Executor& executor) {
   std::vector<JobRecord> unfinished = store.unfinished();
-  // All strays first: none of them may still write when anything of theirs is looked at.
+  // All workers first: none that is to go may still write when anything of theirs is looked at.
+  std::set<std::string> found;
   for (JobRecord& record : unfinished) {
-    if (!record.worker_handle.empty() && executor.end_stray(record.worker_handle))
-      spdlog::warn("job {}: ended a worker of the last daemon ({})", record.job.id(),
-                   record.worker_handle);
-    record.worker_handle.clear();
+    const std::string& id = record.job.id();
+    const WorkerLaunch launch{
+        .job_id = id, .attempt = record.job.attempts(), .folder = jobs_directory / id};
+    if (executor.adopt(record.worker_handle, launch) == Adoption::found)
+      found.insert(id);
+    else
+      record.worker_handle.clear();
   }
-  std::vector<v1::Job> waiting;
+  RecoveredJobs recovered;
   for (JobRecord& record : unfinished) {
+    const bool has_worker = found.contains(record.job.id());
     try {
-      recover_job(logs, ledger, record);
+      recover_job(logs, ledger, record, has_worker);
     } catch (const StoreError&) {
       throw;
     } catch (const std::exception& error) {
       recover_damaged(ledger, record, error);
     }
-    if (record.job.state() == v1::QUEUED) waiting.push_back(record.job);
+    if (has_worker)
+      recovered.with_worker.push_back(std::move(record));
+    else if (record.job.state() == v1::QUEUED)
+      recovered.waiting.push_back(record.job);
   }
-  return waiting;
+  return recovered;
 }
 
 }  // namespace dccast::jobs

@@ -10,10 +10,16 @@
 
 namespace dccast::jobs {
 
-/// Puts in order what the last daemon left, before anything else happens: no worker of it is left,
-/// store and event logs agree. @return the jobs that wait
-/// @throws StoreError
-std::vector<v1::Job> recover_jobs(JobStore& store, EventLogs& logs, Ledger& ledger,
-                                  Executor& executor);
+/// What the last daemon left to do.
+struct RecoveredJobs {
+  std::vector<v1::Job> waiting;
+  /// Jobs whose workers were found again: those that run go on, of the others the worker is to go.
+  std::vector<JobRecord> with_worker;
+};
+
+/// Puts in order what the last daemon left, before anything else happens: the executor has looked
+/// for its workers, store and event logs agree. @throws StoreError
+RecoveredJobs recover_jobs(const std::filesystem::path& jobs_directory, JobStore& store,
+                           EventLogs& logs, Ledger& ledger, Executor& executor);
 
 }  // namespace dccast::jobs

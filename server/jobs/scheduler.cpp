@@ -48,7 +48,9 @@ Scheduler::~Scheduler() {
 
 void Scheduler::recover() {
   const std::lock_guard lock(mutex_);
-  for (const v1::Job& job : recover_jobs(store_, logs_, ledger_, executor_)) queue_.push(job);
+  RecoveredJobs recovered = recover_jobs(jobs_directory_, store_, logs_, ledger_, executor_);
+  for (const v1::Job& job : recovered.waiting) queue_.push(job);
+  for (JobRecord& record : recovered.with_worker) attempts_.adopt(std::move(record));
   quarantine_unknown_folders(jobs_directory_, store_.ids());
   take_news();
 }

@@ -82,9 +82,9 @@ public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
   ~Scheduler();
 
-  /// Puts in order what the last daemon left: lets store and event logs agree, sees that no worker
-  /// of an earlier attempt is left, puts running jobs back into the queue, quarantines unknown
-  /// folders.
+  /// Puts in order what the last daemon left: lets store and event logs agree, goes on with the
+  /// workers that the executor finds again, puts the other running jobs back into the queue,
+  /// quarantines unknown folders.
   void recover();
   /// Begins to run jobs.
   void start();

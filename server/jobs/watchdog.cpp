@@ -16,7 +16,8 @@ SilenceDeadline silence_deadline(Attempt& attempt, const WatchdogLimits& limits)
   const std::lock_guard lock(attempt.mutex);
   if (!attempt.channel)
     return {attempt.begun + limits.hello,
-            fmt::format("did not call within {:g} s of its start", seconds(limits.hello))};
+            fmt::format("did not call within {:g} s of {}", seconds(limits.hello),
+                        attempt.adopted ? "the restart of dccastd" : "its start")};
   const SilenceDeadline heartbeat{
       attempt.last_word + limits.heartbeat,
       fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -34,11 +35,12 @@ public:
   void kill(const std::string& job_id, int attempt) override {
     // Not from here: the scheduler calls with its lock held, as executors have threads of their
     // own.
+    ++kills_;
     killer_ = std::jthread([this, job_id, attempt] { calls_.ended(job_id, attempt, "signal 9"); });
   }
-  bool end_stray(const std::string& handle) override {
-    strays.push_back(handle);
-    return true;
+  Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override {
+    asked_for.push_back(handle + " of attempt " + std::to_string(launch.attempt));
+    return workers_survive ? Adoption::found : Adoption::gone;
   }
   WorkerLaunch wait_for_launch(std::size_t number) {
     std::unique_lock lock(mutex_);
@@ -53,7 +55,16 @@ public:
     calls_.not_started(launch.job_id, launch.attempt, why);
   }
   std::atomic<bool> lacks_something = false;
-  std::vector<std::string> strays;
+  bool workers_survive = false;  ///< a restart of the daemon
+  std::vector<std::string> asked_for;
+  int kills() const { return kills_; }
+  std::size_t launches() {
+    const std::lock_guard lock(mutex_);
+    return launches_.size();
+  }
+  void started(const WorkerLaunch& launch, const std::string& handle) {
+    calls_.started(launch.job_id, launch.attempt, handle);
+  }
 
 private:
   const int workers_;
@@ -61,6 +72,7 @@ private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<WorkerLaunch> launches_;
+  std::atomic<int> kills_ = 0;
   std::jthread killer_;
 };
 
@@ -117,7 +129,7 @@ private:
 /// Everything a daemon has, over one folder; made again it stands for a daemon started again.
 struct Daemon {
   explicit Daemon(const fs::path& folder, WatchdogLimits watchdog = {},
-                  v1::OtherVersion other_version = v1::BEGIN_ANEW)
+                  v1::OtherVersion other_version = v1::BEGIN_ANEW, bool workers_survive = false)
       : store(folder / "jobs.sqlite"),
         logs(folder),
         executor(1),
@@ -128,6 +140,7 @@ struct Daemon {
                                 .other_version = other_version},
                    .maximum_queued = 2},
                   store, logs, executor) {
+    executor.workers_survive = workers_survive;
     scheduler.recover();
   }
   FailingStore store;
