@@ -14,6 +14,8 @@ struct Sample {
   const char* name;
   RecordFormat format;
   std::string bytes;  ///< of the payload "step 7" with kind 2, as versions 0.1 of dccast wrote it
+
+  friend void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
 };
 
 class RecordFormats : public testing::TestWithParam<Sample> {
