@@ -37,7 +37,8 @@ TEST_P(RecordFormats, WriteTheBytesTheyAlwaysWrote) {
 }
 
 TEST_P(RecordFormats, ReadARecordAndSayWhereTheNextOneBegins) {
-  const auto record = format.first_of(GetParam().bytes + "what follows", UINT64_MAX);
+  const std::string bytes = GetParam().bytes + "what follows";
+  const auto record = format.first_of(bytes, UINT64_MAX);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->payload, "step 7");
   EXPECT_EQ(record->kind, kind);
