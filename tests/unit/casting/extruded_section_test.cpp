@@ -15,7 +15,6 @@ namespace {
 
 using testing::Recorder;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 /// A section of quadrilaterals as one layer of hexahedra, in Gmsh's format 2.2.
 class ExtrudedSection {

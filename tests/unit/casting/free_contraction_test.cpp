@@ -13,7 +13,6 @@ namespace {
 
 using testing::Recorder;
 using testing::small_quarter_slab;
-using testing::TemporaryFolder;
 
 constexpr double hot = 600.0, cold = 20.0, duration = 29.0;  // [°C], [°C], [s]
 

@@ -15,7 +15,6 @@ namespace {
 
 using testing::bytes_of;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 const Finding* find(const std::vector<Finding>& findings, const std::string& code) {
   const auto found = std::ranges::find(findings, code, &Finding::code);

@@ -13,7 +13,6 @@ namespace {
 
 using testing::Recorder;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 /// A built-in mesh as Gmsh 2.2 would have written it.
 void write_gmsh(const mesh::Mesh2D& mesh, const std::filesystem::path& path) {

@@ -13,7 +13,6 @@ using testing::bytes_of;
 using testing::equal_except_timing;
 using testing::Recorder;
 using testing::small_quarter_slab;
-using testing::TemporaryFolder;
 
 class QuarterSlab : public ::testing::TestWithParam<mesh::ElementKind> {};
 

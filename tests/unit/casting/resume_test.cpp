@@ -15,7 +15,6 @@ using testing::bytes_of;
 using testing::equal_except_timing;
 using testing::Recorder;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 std::string uninterrupted(const Case& c, std::int64_t& steps, int* failed_attempts = nullptr) {
   const TemporaryFolder folder;

@@ -16,7 +16,6 @@ using testing::bytes_of;
 using testing::equal_except_timing;
 using testing::Recorder;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 /// Everything that a run gives. Two runs are equal when all of it is, but for the seconds of the
 /// processor in the step reports: results.h5 and results.xdmf hold no reading of a clock.

@@ -11,7 +11,6 @@ namespace {
 
 using testing::Recorder;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 class Run : public ::testing::TestWithParam<mesh::ElementKind> {};
 

@@ -13,7 +13,6 @@ namespace {
 using testing::bytes_of;
 using ::testing::HasSubstr;
 using testing::small_casting;
-using testing::TemporaryFolder;
 
 class Recorder : public testing::Recorder {
 public:
