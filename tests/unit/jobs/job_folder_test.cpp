@@ -64,11 +64,11 @@ TEST(JobFolder, SaysWhatItsJobIs) {
 TEST(JobFolder, ADamagedDescriptionIsToldWhereverItIsDamaged) {
   const TemporaryFolder parent;
   write_job_description(parent.path(), description());
-  const std::string sound = read_file(parent.path() / description_file);
+  const std::string sound = storage::read_file(parent.path() / description_file);
   for (std::size_t byte = 0; byte < sound.size(); ++byte) {
     std::string damaged = sound;
     damaged[byte] = static_cast<char>(damaged[byte] ^ 4);
-    replace_file(parent.path() / description_file, damaged);
+    storage::replace_file(parent.path() / description_file, damaged);
     EXPECT_THROW(read_job_description(parent.path()), std::runtime_error) << byte;
   }
   EXPECT_THROW(read_job_description(parent.path() / "other"), std::runtime_error);
