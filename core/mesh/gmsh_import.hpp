@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/base/errors.hpp"
+#include "core/mesh/gmsh_file.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace dccast::mesh {
+
+/// A mesh on its way out of a Gmsh file, with the faults found so far.
+template <int Dim>
+struct GmshImport {
+  const gmsh::File& file;
+  std::string name;  ///< of the file, for faults
+  int shape;         ///< of the elements that are wanted, as in gmsh_file.hpp
+  Faults& faults;
+  Mesh<Dim> mesh{};
+  std::unordered_map<long, int> number{};  ///< of a node, by Gmsh's tag
+
+  void fault(const std::string& message,
+             const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
+             const std::string& remedy = "correct the mesh and export it again") {
+    faults.add("mesh.file", name, message, permitted, remedy);
+  }
+
+  /// Numbers of the nodes of an element; false (and a fault) when it names one that is not there.
+  bool look_up(const gmsh::Element& element, std::vector<int>& nodes) {
+    nodes.clear();
+    for (int i = 0; i < gmsh::nodes_of(element.shape); ++i) {
+      const long tag = element.node[static_cast<std::size_t>(i)];
+      const auto found = number.find(tag);
+      if (found == number.end()) {
+        fault("has an element with the unknown node " + std::to_string(tag));
+        return false;
+      }
+      nodes.push_back(found->second);
+    }
+    return true;
+  }
+};
+
+/// Takes over nodes and elements, all of one shape and none turned inside out.
+template <int Dim>
+void import_elements(GmshImport<Dim>& imported);
+
+/// Makes patches of the physical groups of the boundary. @pre the elements are taken over
+template <int Dim>
+void import_patches(GmshImport<Dim>& imported);
+
+extern template void import_elements(GmshImport<2>&);
+extern template void import_elements(GmshImport<3>&);
+extern template void import_patches(GmshImport<2>&);
+extern template void import_patches(GmshImport<3>&);
+
+}  // namespace dccast::mesh
