@@ -32,7 +32,7 @@ struct Options {
   double liquid_beta = 1.0;      ///< [1]
   bool confinement = true;
   Confinement confinement_by = Confinement::exact;
-  double confinement_stiffness = 1e13;  ///< [Pa/m] of the springs
+  double confinement_stiffness = 1e12;  ///< [Pa/m] of the springs
   /// A side that the mould has let go of may lean on its wall and not pass it.
   bool mould_wall = false;
   double mould_length = 0.0;  ///< [m] of the mould below the metal level, for `mould_wall`

@@ -61,6 +61,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   record.lost_step = 16;
   record.first_loss = "signal 9";
   record.worker_handle = "1234 567890";
+  record.worker_token_sha256 = "af01";
   store_.update(record, Durability::full);
   JobStore again(folder_.path() / "jobs.sqlite");
   const auto found = again.find(record.job.id());
@@ -72,6 +73,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   EXPECT_EQ(found->lost_step, 16);
   EXPECT_EQ(found->first_loss, "signal 9");
   EXPECT_EQ(found->worker_handle, "1234 567890");
+  EXPECT_EQ(found->worker_token_sha256, "af01");
 }
 
 TEST_F(JobStoreTest, TakesARequestIdOnceAndNoneAnyNumberOfTimes) {
