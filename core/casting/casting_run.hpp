@@ -8,9 +8,9 @@
 
 #include "core/casting/case.hpp"
 #include "core/casting/run_failure.hpp"
+#include "core/restart/sections.hpp"
 #include "core/results/finding.hpp"
 #include "core/results/frame.hpp"
-#include "core/restart/sections.hpp"
 #include "core/results/step_report.hpp"
 #include "core/results/validity_loss.hpp"
 

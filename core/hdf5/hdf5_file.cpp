@@ -100,7 +100,7 @@ Answer File::checked(Answer answer, const std::string& object, const char* what)
   if (answer >= 0) return answer;
   const LibraryError cause = last_error();
   throw storage::StorageError(cause.system_code, path_.string() + ":" + object,
-                     std::string(what) + " (" + cause.message + ")");
+                              std::string(what) + " (" + cause.message + ")");
 }
 
 File File::create(const std::filesystem::path& path) {

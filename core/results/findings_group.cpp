@@ -66,7 +66,8 @@ void write_places(File& file, const std::vector<Finding>& findings) {
 Severity severity_named(const File& file, const std::string& name) {
   const auto found = std::ranges::find(severities, name, [](Severity s) { return name_of(s); });
   if (found == severities.end())
-    throw storage::StorageError(EINVAL, file.path().string() + ":/findings/severity", "names " + name);
+    throw storage::StorageError(EINVAL, file.path().string() + ":/findings/severity",
+                                "names " + name);
   return *found;
 }
 

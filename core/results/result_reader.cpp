@@ -2,8 +2,8 @@
 
 #include <cerrno>
 
-#include "core/results/findings_group.hpp"
 #include "core/hdf5/hdf5_file.hpp"
+#include "core/results/findings_group.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_file.hpp"
 #include "core/storage/storage_error.hpp"
@@ -78,7 +78,8 @@ std::optional<ValidityLoss> validity_loss_of(const File& file) {
 ResultReader::ResultReader(const std::filesystem::path& results)
     : file_(std::make_unique<File>(File::open(results))) {
   if (file_->integer_attribute("/", "schema_version") != schema_version)
-    throw storage::StorageError(EINVAL, results.string(), "has a schema version this program does not know");
+    throw storage::StorageError(EINVAL, results.string(),
+                                "has a schema version this program does not know");
   frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
 }
 

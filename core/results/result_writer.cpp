@@ -101,7 +101,7 @@ struct ResultWriter::Parts {
   Journal journal;
   std::int64_t records = 0;                  ///< appended to the journal
   std::optional<ResultFileBuilder> builder;  ///< the thread's
-  storage::Background background;                     ///< last: its thread ends before what it works with
+  storage::Background background;            ///< last: its thread ends before what it works with
 };
 
 ResultWriter::Parts::~Parts() {

@@ -32,7 +32,8 @@ struct ResumedWriter;
 /// at any moment and resumed from its checkpoint therefore gives the same file, byte for byte, as
 /// one that was not.
 ///
-/// All calls may throw storage::StorageError, also for what the thread could not write since the last call.
+/// All calls may throw storage::StorageError, also for what the thread could not write since the
+/// last call.
 class ResultWriter {
 public:
   /// Begins the results of a run, over older ones.

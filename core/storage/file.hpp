@@ -13,7 +13,7 @@
 namespace dccast::storage {
 
 // Permissions of new files, less the umask.
-inline constexpr mode_t owner_only = 0600;      ///< the daemon's own files
+inline constexpr mode_t owner_only = 0600;       ///< the daemon's own files
 inline constexpr mode_t readable_by_all = 0644;  ///< the files of a run
 
 /// An open file. Reads and writes name their place, so that threads need not share a position. All

@@ -17,9 +17,10 @@ struct Record {
   std::int64_t size = 0;  ///< with its head [bytes]
 };
 
-/// How records stand in a file: a head, then the payload. In the head are the length of the payload,
-/// a CRC-32C of all that stands behind the checksum in the record, and perhaps the record's kind.
-/// Numbers are little-endian and unsigned. No payload is empty, so that zeros are no record.
+/// How records stand in a file: a head, then the payload. In the head are the length of the
+/// payload, a CRC-32C of all that stands behind the checksum in the record, and perhaps the
+/// record's kind. Numbers are little-endian and unsigned. No payload is empty, so that zeros are no
+/// record.
 struct RecordFormat {
   std::size_t head_size;    ///< [bytes]
   std::size_t length_at;    ///< byte of the head

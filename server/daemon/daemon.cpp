@@ -180,7 +180,8 @@ struct Serving {
 
 void say_where(const v1::DaemonConfig& config, const service::PublicServer& server,
                const DataDirectory& directory) {
-  if (!config.port_file().empty()) storage::replace_file(config.port_file(), server.address() + "\n");
+  if (!config.port_file().empty())
+    storage::replace_file(config.port_file(), server.address() + "\n");
   spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
                directory.path().string(), worker_count(config));
 }
@@ -216,9 +217,9 @@ int serve(const v1::DaemonConfig& config) {
   jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
   const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
-                                    ceilings(config));
-  const service::CaseIntake query_intake(query_workers, config.alloy_directory(),
-                                         directory.check(), ceilings(config));
+                                   ceilings(config));
+  const service::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
+                                         ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());

@@ -26,7 +26,7 @@ struct Attempt {
 
   // Fixed when the attempt begins.
   std::string job_id;
-  int number = 0;  ///< counts the attempts at the job from 1
+  int number = 0;            ///< counts the attempts at the job from 1
   std::string token_sha256;  ///< of what its worker proves itself with
   std::shared_ptr<EventLog> log;
   Clock::time_point begun;

@@ -24,7 +24,8 @@ constexpr std::chrono::seconds leaving_time{5};
 /// From the end of a worker's process to that of its link, should the link not end by itself.
 constexpr std::chrono::seconds last_words_time{2};
 
-/// Whether a worker has the token of an attempt. The token is random, so that its hash needs no salt.
+/// Whether a worker has the token of an attempt. The token is random, so that its hash needs no
+/// salt.
 bool knows_token(const Attempt& attempt, const std::string& token) {
   const std::string hash = values::sha256(token);
   return hash.size() == attempt.token_sha256.size() &&

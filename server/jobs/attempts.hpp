@@ -48,8 +48,8 @@ public:
   /// @throws std::exception  nothing has changed: the job still waits
   void begin(JobRecord record);
   /// Goes on with an attempt whose worker the executor has found again after a restart. A running
-  /// job waits for the worker to call, for as long as a new one may take; of any other the worker is
-  /// ended, and the job goes on once it is gone.
+  /// job waits for the worker to call, for as long as a new one may take; of any other the worker
+  /// is ended, and the job goes on once it is gone.
   void adopt(JobRecord record);
   int count() const { return static_cast<int>(attempts_.size()); }
   int running() const;

@@ -49,8 +49,7 @@ int spawn_checker(const std::filesystem::path& program, const std::string& optio
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-  const int error =
-      spawn(program, {program, option}, worker_environment(), actions, process);
+  const int error = spawn(program, {program, option}, worker_environment(), actions, process);
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }

@@ -52,8 +52,8 @@ void EventLog::cut_tail() {
     spdlog::warn("{}: the end is damaged after event {}: moved to {}", path().string(),
                  content_.last_sequence, aside);
   }
-  spdlog::info("{}: cut off {} bytes after event {}", path().string(),
-               content_.size - content_.end, content_.last_sequence);
+  spdlog::info("{}: cut off {} bytes after event {}", path().string(), content_.size - content_.end,
+               content_.last_sequence);
   log_.cut(content_.end);
 }
 
@@ -68,8 +68,8 @@ EventLog::~EventLog() {
 std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_t end) const {
   std::array<char, short_records.head_size> head;
   if (log_.file().read_at(offset, head) != head.size()) return std::nullopt;
-  const auto size = static_cast<std::int64_t>(
-      head.size() + short_records.length_of({head.data(), head.size()}));
+  const auto size =
+      static_cast<std::int64_t>(head.size() + short_records.length_of({head.data(), head.size()}));
   if (offset + size > end) return std::nullopt;
   std::string bytes(static_cast<std::size_t>(size), '\0');
   bytes.resize(log_.file().read_at(offset, bytes));
@@ -97,8 +97,8 @@ void EventLog::locate(Cursor& cursor) const {
   for (std::int64_t at = anchor.sequence; at < cursor.sequence; ++at) {
     std::array<char, short_records.head_size> head;
     log_.file().read_at(offset, head);
-    offset += static_cast<std::int64_t>(
-        head.size() + short_records.length_of({head.data(), head.size()}));
+    offset += static_cast<std::int64_t>(head.size() +
+                                        short_records.length_of({head.data(), head.size()}));
   }
   cursor.offset = offset;
 }

@@ -16,7 +16,7 @@ struct WorkerLaunch {
 
 /// What has become of a worker that an earlier daemon started.
 enum class Adoption {
-  found,  ///< it is there, running or still waiting for a machine; it is this executor's from now on
+  found,  ///< it runs or still waits for a machine; this executor leads it from now on
   gone,   ///< nothing of it is left that could write into the folder of its job
 };
 
@@ -44,10 +44,10 @@ public:
   /// Ends a worker at once. Nothing happens when it is gone; `ended` follows otherwise.
   virtual void kill(const std::string& job_id, int attempt) = 0;
   /// Looks for a worker that an earlier daemon started, before the first start; may take its time,
-  /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended` tells
-  /// of its end. What the executor cannot lead on with it ends here, and answers gone.
-  /// @param handle  as `started` gave it; empty when the earlier daemon was not told of it any more:
-  ///                the job's id and attempt still name the worker
+  /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended`
+  /// tells of its end. What the executor cannot lead on with it ends here, and answers gone.
+  /// @param handle  as `started` gave it; empty when the earlier daemon ended before: the job's id
+  ///                and attempt still name the worker
   virtual Adoption adopt(const std::string& handle, const WorkerLaunch& launch) = 0;
 };
 

@@ -43,8 +43,7 @@ JobDescription parse(std::string_view bytes) {
 void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
   storage::create_durably(folder / description_file,
                           header() + part(description.job.SerializeAsString()) +
-                              part(description.submitted_case) +
-                              part(description.complete_case));
+                              part(description.submitted_case) + part(description.complete_case));
 }
 
 JobDescription read_job_description(const std::filesystem::path& folder) {

@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
-#include "proto/values/uuid.hpp"
 #include "core/storage/durable_file.hpp"
+#include "proto/values/uuid.hpp"
 #include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {

@@ -67,7 +67,8 @@ ALTER TABLE job ADD COLUMN solver TEXT NOT NULL DEFAULT '';
 CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
 PRAGMA user_version = 4;
 )sql",
-    // Studies, see server/studies/study_store: the request of each, and the job of each of its runs.
+    // Studies, see server/studies/study_store: the request of each, and the job of each of its
+    // runs.
     R"sql(
 CREATE TABLE study (
   id TEXT PRIMARY KEY,

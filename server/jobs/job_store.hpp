@@ -29,9 +29,9 @@ struct JobRecord {
   /// SHA-256 of the token of that worker, with which it calls again after a restart of the daemon.
   /// Not the token itself: whoever reads the store or a backup could pass for the worker.
   std::string worker_token_sha256{};
-  std::int64_t bytes = 0;       ///< of the case and its attachments
-  std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
-  std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
+  std::int64_t bytes = 0;    ///< of the case and its attachments
+  std::string answer_key{};  ///< of all that decides its figures, see service/answer_key.hpp
+  std::string solver{};      ///< identity of the solver that succeeded with it; empty: none has
 };
 
 /// normal: survives a crash of the daemon. full: survives one of the machine.

@@ -36,8 +36,8 @@ public:
   void kill(const std::string& job_id, int attempt) override;
   /// Always gone. The link of a local worker is a socket of the daemon that started it: the worker
   /// leaves when that daemon ends, and goes on from its checkpoint in another process. One that is
-  /// still there hangs, and is killed: it is no child of this process, so that nobody would tell how
-  /// it ended.
+  /// still there hangs, and is killed: it is no child of this process, so that nobody would tell
+  /// how it ended.
   Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override;
 
 private:

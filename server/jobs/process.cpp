@@ -34,8 +34,8 @@ bool kill_stray(const ProcessIdentity& recorded) {
   };
   if (recorded.id <= 0 || !same()) return false;
   ::kill(recorded.id, SIGKILL);
-  // Its parent collects it: init by now, or this process in a test. A killed process writes no more once
-  // it is a zombie, but that would take parsing its state; waiting for its end is as good.
+  // Its parent collects it: init by now, or this process in a test. A killed process writes no more
+  // once it is a zombie, but that would take parsing its state; waiting for its end is as good.
   for (int i = 0; i < 500 && same(); ++i) {
     collect(recorded.id, Waiting::not_at_all);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

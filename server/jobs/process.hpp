@@ -25,7 +25,7 @@ bool kill_stray(const ProcessIdentity& recorded);
 /// What has become of a child.
 struct ChildState {
   bool running = false;
-  std::optional<int> status;  ///< of waitpid(); nothing: it is not ours to wait for, how it ended unknown
+  std::optional<int> status;  ///< of waitpid(); nothing when it is not ours to wait for
 };
 enum class Waiting { until_its_end, not_at_all };
 

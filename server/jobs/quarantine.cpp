@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <ctime>
 
-#include "proto/values/uuid.hpp"
 #include "core/storage/durable_file.hpp"
+#include "proto/values/uuid.hpp"
 
 namespace dccast::jobs {
 

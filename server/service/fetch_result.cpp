@@ -90,8 +90,7 @@ private:
     const grpc::Status status = guarded([&] {
       chunk_.set_offset(next_);
       chunk_.mutable_data()->resize(size);
-      if (file_.read_at(next_, *chunk_.mutable_data()) == size)
-        return grpc::Status::OK;
+      if (file_.read_at(next_, *chunk_.mutable_data()) == size) return grpc::Status::OK;
       return grpc::Status(grpc::StatusCode::DATA_LOSS, "the file became shorter while it was read");
     });
     if (!status.ok()) return Finish(status);

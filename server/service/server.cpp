@@ -81,7 +81,8 @@ storage::FileDescriptor LinkAddress::listen() const {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   socket_.string().copy(address.sun_path, sizeof address.sun_path - 1);
-  storage::FileDescriptor listening(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  storage::FileDescriptor listening(
+      ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listening ||
       ::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(listening.get(), SOMAXCONN) != 0)

@@ -45,7 +45,8 @@ grpc::Status internal(const std::string& what) {
   return {grpc::StatusCode::INTERNAL, what};
 }
 
-/// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs it.
+/// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs
+/// it.
 grpc::Status store_refuses(const jobs::StoreError& error) {
   spdlog::error("{}", error.what());
   switch (error.code()) {

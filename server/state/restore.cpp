@@ -1,7 +1,7 @@
 #include <sstream>
 
-#include "proto/values/sha256.hpp"
 #include "core/storage/file.hpp"
+#include "proto/values/sha256.hpp"
 #include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 

@@ -5,8 +5,7 @@
 
 namespace dccast::state {
 
-StateLock::StateLock(const StateFolder& folder)
-    : lock_(folder.lock(), O_RDWR | O_CREAT) {
+StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), O_RDWR | O_CREAT) {
   if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
     throw std::runtime_error("another dccastd uses the data directory " + folder.path().string() +
                              "; stop it, or set another data_directory");

@@ -2,10 +2,10 @@
 
 #include <stdexcept>
 
-#include "proto/values/uuid.hpp"
 #include "core/storage/durable_file.hpp"
-#include "server/jobs/events.hpp"
 #include "core/storage/record_format.hpp"
+#include "proto/values/uuid.hpp"
+#include "server/jobs/events.hpp"
 
 namespace dccast::studies {
 
@@ -52,9 +52,9 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
   study.set_owner(record.owner);
   *study.mutable_create_time() = jobs::timestamp(record.created_ms);
   storage::replace_file(study_file(directory, record.id),
-                     header() + storage::short_records.framed(study.SerializeAsString()) +
-                         storage::short_records.framed(record.request.SerializeAsString()) +
-                         storage::short_records.framed(record.case_sha256));
+                        header() + storage::short_records.framed(study.SerializeAsString()) +
+                            storage::short_records.framed(record.request.SerializeAsString()) +
+                            storage::short_records.framed(record.case_sha256));
 }
 
 StudyRecord read_study_file(const fs::path& directory, const std::string& id) {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/results/finding.hpp"
 #include "core/restart/sections.hpp"
+#include "core/results/finding.hpp"
 
 namespace dccast::casting {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/mesh/slab_mesh.hpp"
 #include "core/hdf5/hdf5_file.hpp"
+#include "core/mesh/slab_mesh.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
@@ -210,10 +210,10 @@ TEST_F(ImportedMesh, OfAnotherHeightIsWarnedOf) {
 }
 
 TEST_F(ImportedMesh, WantsEveryGroupThatTheCaseNeeds) {
-  for (const auto& [patch, name] : {std::pair{mesh::PatchKind::side, "'side'"},
-                                    std::pair{mesh::PatchKind::top, "'top'"},
-                                    std::pair{mesh::PatchKind::symmetry, "'symmetry'"},
-                                    std::pair{mesh::PatchKind::bottom, "bottom"}}) {
+  for (const auto& [patch, name] :
+       {std::pair{mesh::PatchKind::side, "'side'"}, std::pair{mesh::PatchKind::top, "'top'"},
+        std::pair{mesh::PatchKind::symmetry, "'symmetry'"},
+        std::pair{mesh::PatchKind::bottom, "bottom"}}) {
     const auto facets = std::exchange(mesh_.facets(patch), {});
     const auto found = faults();
     ASSERT_EQ(found.size(), 1u) << name;

@@ -3,10 +3,10 @@
 
 #include <stdexcept>
 
-#include "core/storage/file.hpp"
 #include "core/results/history_fields.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/run_records.hpp"
+#include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
 

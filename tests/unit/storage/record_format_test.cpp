@@ -25,12 +25,14 @@ protected:
 };
 
 // The bytes are literal: files of earlier versions have to stay readable.
-INSTANTIATE_TEST_SUITE_P(
-    All, RecordFormats,
-    testing::Values(
-        Sample{"Short", short_records, "\x06\0\0\0\xaa\xd2\x31\x7c" "step 7"s},
-        Sample{"Long", long_records, "\x57\x5b\xd9\xfc\x06\0\0\0\0\0\0\0\x02" "step 7"s}),
-    [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, RecordFormats,
+                         testing::Values(Sample{"Short", short_records,
+                                                "\x06\0\0\0\xaa\xd2\x31\x7c"
+                                                "step 7"s},
+                                         Sample{"Long", long_records,
+                                                "\x57\x5b\xd9\xfc\x06\0\0\0\0\0\0\0\x02"
+                                                "step 7"s}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(RecordFormats, WriteTheBytesTheyAlwaysWrote) {
   EXPECT_EQ(format.framed("step 7", kind), GetParam().bytes);
