@@ -1,6 +1,8 @@
 #include "client/case_options.hpp"
 
+#include "client/failure.hpp"
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/quantity.hpp"
 
 namespace dccast::client {
 
@@ -23,6 +25,14 @@ std::vector<v1::CaseChange> changes_of(const std::vector<std::string>& texts) {
   for (const std::string& text : texts)
     if (auto change = case_file::parse_change(text)) changes.push_back(std::move(*change));
   return changes;
+}
+
+double metres_of(const std::string& text, const char* option) {
+  const case_file::Quantity quantity = case_file::parse_quantity(text, "m");
+  if (!quantity.value)
+    throw CommandFailed(ExitCode::invalid, std::string(option) + " \"" + text + "\": " +
+                                               quantity.message + ", for example \"285 mm\"");
+  return *quantity.value;
 }
 
 }  // namespace dccast::client

@@ -16,6 +16,9 @@ CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& changes
 /// The changes that were given, in their order.
 std::vector<v1::CaseChange> changes_of(const std::vector<std::string>& texts);
 
+/// The length in an option's value, "285 mm" [m]. Throws CommandFailed that names the option.
+double metres_of(const std::string& text, const char* option);
+
 /// "schedule.hold = 5 s, mesh.rows = 30"; empty for none.
 template <class Changes>
 std::string changes_text(const Changes& changes) {

@@ -37,15 +37,16 @@ const char* const guide =
     "--help` shows the options of a command with an example.";
 
 void add_subcommands(CLI::App& app, commands::Program& program) {
-  for (const auto add : {commands::add_new,         commands::add_validate,    commands::add_query,
-                         commands::add_submit,      commands::add_watch,       commands::add_wait,
-                         commands::add_list,        commands::add_show,        commands::add_curl,
-                         commands::add_contraction, commands::add_compare,     commands::add_fetch,
-                         commands::add_report,      commands::add_convergence, commands::add_sweep,
-                         commands::add_predict,     commands::add_studies,     commands::add_cancel,
-                         commands::add_pause,       commands::add_resume,      commands::add_delete,
-                         commands::add_schema,      commands::add_alloys,      commands::add_info,
-                         commands::add_completion})
+  for (const auto add :
+       {commands::add_new,         commands::add_validate,     commands::add_query,
+        commands::add_submit,      commands::add_watch,        commands::add_wait,
+        commands::add_list,        commands::add_show,         commands::add_curl,
+        commands::add_contraction, commands::add_compare,      commands::add_fetch,
+        commands::add_report,      commands::add_convergence,  commands::add_sweep,
+        commands::add_predict,     commands::add_design_mould, commands::add_studies,
+        commands::add_cancel,      commands::add_pause,        commands::add_resume,
+        commands::add_delete,      commands::add_schema,       commands::add_alloys,
+        commands::add_info,        commands::add_completion})
     add(app, program);
 }
 

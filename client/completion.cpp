@@ -36,7 +36,8 @@ CommandWords words_of(const CLI::App& command) {
   for (const CLI::Option* const option : command.get_options()) {
     const std::string position = option->get_name(true);
     words.takes_job = words.takes_job || position == "JOB" || position == "RUN";
-    words.takes_file = words.takes_file || position == "FILE" || position == "RUN";
+    words.takes_file =
+        words.takes_file || position == "FILE" || position == "CASE" || position == "RUN";
     if (option->nonpositional()) words.options.push_back(words_of(*option));
   }
   return words;

@@ -41,6 +41,7 @@ void add_fetch(CLI::App& app, Program& program);
 void add_convergence(CLI::App& app, Program& program);
 void add_sweep(CLI::App& app, Program& program);
 void add_predict(CLI::App& app, Program& program);
+void add_design_mould(CLI::App& app, Program& program);
 void add_studies(CLI::App& app, Program& program);
 void add_report(CLI::App& app, Program& program);
 void add_schema(CLI::App& app, Program& program);

@@ -1,17 +1,19 @@
-#include "client/contraction.hpp"
-
 #include <cmath>
 #include <iostream>
 
+#include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/failure.hpp"
 #include "client/job_id.hpp"
 #include "client/job_result.hpp"
 #include "client/message_json.hpp"
 #include "client/render/table.hpp"
-#include "proto/case_file/quantity.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::commands {
 namespace {
+
+using frames::Contraction, frames::FacePoint, frames::FaceRow;
 
 struct Options {
   std::string id;
@@ -26,14 +28,6 @@ struct NamedRow {
   const FaceRow* row;
 };
 
-double metres(const std::string& text, const char* option) {
-  const case_file::Quantity quantity = case_file::parse_quantity(text, "m");
-  if (!quantity.value)
-    throw CommandFailed(ExitCode::invalid, std::string(option) + " \"" + text + "\": " +
-                                               quantity.message + ", for example \"285 mm\"");
-  return *quantity.value;
-}
-
 /// Butt, middle and head, each row once; or the rows that were asked for.
 std::vector<NamedRow> chosen_rows(const Contraction& contraction, const Options& options) {
   constexpr double butt_m = 0.05;  // above the curl of the foot
@@ -43,7 +37,7 @@ std::vector<NamedRow> chosen_rows(const Contraction& contraction, const Options&
   };
   if (!options.heights.empty()) {
     for (const std::string& text : options.heights)
-      add("", contraction.at(metres(text, "--height")));
+      add("", contraction.at(metres_of(text, "--height")));
     return rows;
   }
   const FaceRow &butt = contraction.at(butt_m), &head = contraction.head();
@@ -63,7 +57,7 @@ void print_table(const Contraction& contraction, const Options& options) {
                                     ">now mm",      ">20 °C mm",  ">pull-in now mm", ">%",
                                     ">at 20 °C mm", ">%"};
   const bool compared = !options.wanted.empty();
-  const double wanted_m = compared ? metres(options.wanted, "--wanted") : 0.0;
+  const double wanted_m = compared ? metres_of(options.wanted, "--wanted") : 0.0;
   if (compared) headings.push_back(">over wanted mm");
   render::Table table(headings);
   for (const auto& [name, row] : chosen_rows(contraction, options))
@@ -111,12 +105,21 @@ void print_json(const std::string& id, const Contraction& contraction) {
   std::cout << json.dump() << '\n';
 }
 
+/// @throws CommandFailed
+Contraction read_contraction(const v1::QueryResultResponse& result) {
+  try {
+    return frames::contraction_of(result.case_(), result.frame());
+  } catch (const frames::NoContraction& error) {
+    throw CommandFailed(ExitCode::invalid, error.what());
+  }
+}
+
 ExitCode run(const Options& options, Program& program) {
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
   v1::QueryResultResponse result;
   check(try_query_result(connection, id, true, result), connection.server());
-  const Contraction contraction = contraction_of(result.case_(), result.frame());
+  const Contraction contraction = read_contraction(result);
   if (options.json)
     print_json(id, contraction);
   else

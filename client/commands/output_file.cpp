@@ -1,5 +1,8 @@
 #include "client/commands/output_file.hpp"
 
+#include <fstream>
+#include <iostream>
+
 #include "client/failure.hpp"
 
 namespace dccast::client::commands {
@@ -15,6 +18,17 @@ void require_free(const std::filesystem::path& file, bool force) {
   throw CommandFailed(
       ExitCode::invalid,
       file.string() + " is there already; give another -o, or --force to overwrite it");
+}
+
+void write_output(const std::string& path, const std::string& content) {
+  if (path == "-") {
+    std::cout << content << std::flush;
+    return;
+  }
+  std::ofstream stream(path, std::ios::binary);
+  if (!(stream << content << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + path);
+  std::cerr << "wrote " << path << '\n';
 }
 
 }  // namespace dccast::client::commands

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -11,5 +12,8 @@ void add_force_flag(CLI::App& command, bool& force);
 
 /// Throws CommandFailed if the file is there and must not be overwritten.
 void require_free(const std::filesystem::path& file, bool force);
+
+/// Writes a file and says so; "-" is standard output. Throws CommandFailed.
+void write_output(const std::string& path, const std::string& content);
 
 }  // namespace dccast::client::commands

@@ -1,19 +1,16 @@
-#include <fstream>
 #include <iostream>
 #include <optional>
 
-#include "client/case_faults.hpp"
 #include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/commands/output_file.hpp"
 #include "client/message_json.hpp"
-#include "client/render/study_text.hpp"
 #include "client/render/sweep_page.hpp"
 #include "client/render/sweep_table.hpp"
+#include "client/study_creation.hpp"
 #include "client/study_reading.hpp"
 #include "client/study_watch.hpp"
 #include "client/sweep_request.hpp"
-#include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -54,61 +51,16 @@ SweepFile sweep_of(const Options& options) {
                           "KEY=a,b,c");
 }
 
-v1::CreateStudyRequest request_of(const Options& options, const CaseUnderCheck& checked,
-                                  const v1::SweepPlan& plan) {
-  v1::CreateStudyRequest request;
-  request.set_request_id(values::random_uuid());
-  *request.mutable_case_() = checked.description;
-  *request.mutable_attachments() = {checked.read.attachments.begin(),
-                                    checked.read.attachments.end()};
-  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
-  *request.mutable_labels() = {options.labels.begin(), options.labels.end()};
-  *request.mutable_sweep() = plan;
-  return request;
-}
-
-/// What is wrong with a plan or one of its cases, a line each.
-void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
-  const std::string& message = status.error_message();
-  const std::string run =
-      message.starts_with("run ") ? message.substr(0, message.find(": the case has")) + ": " : "";
-  for (const v1::Fault& fault : faults_of(status))
-    std::cerr << run << describe(fault, checked.read.source) << '\n';
-}
-
-/// @return the study; nothing when it was refused, which is said
 std::optional<v1::Study> create(Connection& connection, const Options& options) {
   const SweepFile sweep = sweep_of(options);
-  const CaseUnderCheck checked = read_case(sweep.case_file, changes_of(options.set));
-  if (!checked.faults.empty()) {
-    print_faults(checked, std::cerr);
-    return std::nullopt;
-  }
-  v1::Study study;
-  const grpc::Status status =
-      connection.try_call(&Stub::CreateStudy, request_of(options, checked, sweep.plan), study);
-  if (!faults_of(status).empty()) {
-    print_refusal(status, checked);
-    return std::nullopt;
-  }
-  check(status, connection.server());
-  return study;
-}
-
-void write_file(const std::string& path, const std::string& content) {
-  if (path == "-") {
-    std::cout << content << std::flush;
-    return;
-  }
-  std::ofstream stream(path, std::ios::binary);
-  if (!(stream << content << std::flush))
-    throw CommandFailed(ExitCode::not_found, "cannot write " + path);
-  std::cerr << "wrote " << path << '\n';
+  return create_study(
+      connection, {sweep.case_file, options.set, options.labels},
+      [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
 }
 
 void print(const Options& options, const v1::StudyResult& result) {
-  if (!options.csv.empty()) write_file(options.csv, render::sweep_csv(result));
-  if (!options.plot.empty()) write_file(options.plot, render::sweep_page(result));
+  if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(result));
+  if (!options.plot.empty()) write_output(options.plot, render::sweep_page(result));
   if (options.json)
     std::cout << to_json(result).dump() << '\n';
   else if (options.csv != "-" && options.plot != "-")
@@ -117,14 +69,7 @@ void print(const Options& options, const v1::StudyResult& result) {
 }
 
 ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
-  try {
-    render::StudyProgress progress(std::cerr, render::terminal_of(2));
-    if (!options.no_wait)
-      follow_study(
-          connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
-  } catch (const Interrupted&) {
-    throw Interrupted("the study goes on. Come back: dccast sweep --study " + id);
-  }
+  if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
   const v1::StudyResult result = evaluate_study(connection, id, options.json);
   print(options, result);
   if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;

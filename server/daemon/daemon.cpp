@@ -88,7 +88,20 @@ studies::StudyOptions study_options(const v1::DaemonConfig& config,
           .check_timeout = milliseconds(config.check_timeout_s())};
 }
 
-studies::CaseDesk case_desk(const service::CaseIntake& intake) {
+studies::SolvedRun solved_run(const service::CaseIntake& intake, jobs::JobStore& store,
+                              const fs::path& jobs_directory, const std::string& job,
+                              const jobs::Patience& patience) {
+  studies::SolvedRun solved;
+  const auto complete = store.complete_case(job);
+  if (!complete || !solved.complete.ParseFromString(*complete))
+    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                   "the case of job " + job + " cannot be read from the job store");
+  solved.frame = intake.last_frame(jobs_directory / job, patience);
+  return solved;
+}
+
+studies::CaseDesk case_desk(const service::CaseIntake& intake, jobs::JobStore& store,
+                            const fs::path& jobs_directory) {
   return {.examine =
               [&intake](const v1::Case& submitted, const jobs::Attachments& attachments,
                         const jobs::Patience& patience) {
@@ -99,7 +112,12 @@ studies::CaseDesk case_desk(const service::CaseIntake& intake) {
                                             {faults.begin(), faults.end()}};
               },
           .fingerprint = service::fingerprint,
-          .answer_key = service::answer_key};
+          .answer_key = service::answer_key,
+          .solved =
+              [&intake, &store, jobs_directory](const std::string& job,
+                                                const jobs::Patience& patience) {
+                return solved_run(intake, store, jobs_directory, job, patience);
+              }};
 }
 
 int checker_count(const v1::DaemonConfig& config) {
@@ -228,7 +246,7 @@ int serve(const v1::DaemonConfig& config) {
   jobs::Scheduler scheduler(scheduler_options(config, directory, solver), store, logs, executor);
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler,
-                           case_desk(intake));
+                           case_desk(intake, store, directory.jobs()));
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,

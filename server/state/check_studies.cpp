@@ -17,7 +17,7 @@ studies::RunRecord run_of(const studies::StudyRecord& study, const studies::Stud
                           int number, jobs::JobStore& jobs) {
   studies::RunRecord run;
   run.number = number;
-  const std::string key = plan.run(number).key;
+  const std::string key = plan.key(number);
   while (const auto job =
              jobs.find_request(studies::job_request_id(study.id, key, run.attempt + 1))) {
     run.job = job->job.id();
@@ -32,8 +32,12 @@ void adopt_study(const StateFolder& folder, studies::StudyStore& store, jobs::Jo
   const studies::StudyRecord record = studies::read_study_file(folder.studies(), id);
   const auto plan = studies::study_plan(record.request);
   std::vector<studies::RunRecord> runs;
-  for (int number = 0; number < plan->runs(); ++number)
+  for (int number = 0; number < plan->most_runs(); ++number) {
     runs.push_back(run_of(record, *plan, number, jobs));
+    // Of a plan that grows the first run without a job waits; the daemon decides whether it is
+    // needed.
+    if (number + 1 >= plan->runs() && runs.back().job.empty()) break;
+  }
   if (!store.insert(record, runs))
     throw std::runtime_error("its request_id \"" + record.request.request_id() +
                              "\" belongs to another study");

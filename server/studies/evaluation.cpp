@@ -1,4 +1,5 @@
 // What studies say: their runs with figures and curves, and what a plan makes of them.
+#include <chrono>
 #include <climits>
 #include <limits>
 
@@ -53,12 +54,42 @@ RunHistory Studies::history_of(const v1::Job& job) {
   return *history;
 }
 
+/// The last frame of a run is read once and its face kept.
+/// @throws jobs::WorkerDidNotAnswer, frames::NoContraction
+std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
+  {
+    const std::lock_guard lock(plans_mutex_);
+    if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
+  }
+  const SolvedRun solved = desk_.solved(
+      job.id(), {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  const auto face = std::make_shared<const RunFace>(
+      RunFace{solved.complete.section(),
+              frames::steady_face(frames::contraction_of(solved.complete, solved.frame))});
+  const std::lock_guard lock(plans_mutex_);
+  if (faces_.size() >= most_histories) faces_.erase(faces_.begin());
+  faces_[job.id()] = face;
+  return face;
+}
+
+void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
+  try {
+    run.face = *face_of(job);
+  } catch (const frames::NoContraction& reason) {
+    run.face_fault = reason.what();
+  } catch (const jobs::WorkerDidNotAnswer& error) {
+    if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
+    run.face_fault = error.what();
+  }
+}
+
 /// Runs whose job was deleted are left out.
-std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, bool histories) {
+std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
   const auto jobs = jobs_of(record.id);
   std::vector<EvaluatedRun> runs;
   for (const RunRecord& kept : store_.runs(record.id)) {
+    if (kept.number >= depth.before) break;
     const auto job = jobs.find(kept.job);
     if (!kept.job.empty() && job == jobs.end()) continue;
     EvaluatedRun& evaluated = runs.emplace_back();
@@ -70,16 +101,26 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, boo
     }
     describe_job(job->second, evaluated.run);
     add_end_curls(record.request.case_(), job->second, evaluated.run);
-    if (histories && evaluated.succeeded()) evaluated.history = history_of(job->second);
+    if (!evaluated.succeeded()) continue;
+    if (depth.histories) evaluated.history = history_of(job->second);
+    if (depth.faces) add_face(job->second, evaluated);
   }
   return runs;
+}
+
+/// Why the first run that failed did.
+std::string Studies::failure_text(const StudyRecord& record) {
+  for (const EvaluatedRun& evaluated : evaluated_runs(record, {}))
+    if (evaluated.run.state() == v1::FAILED) return evaluated.run.failure().message();
+  return {};
 }
 
 std::optional<v1::StudyResult> Studies::evaluate(const std::string& id, bool curves) {
   const auto record = store_.find(id);
   if (!record) return std::nullopt;
   const auto plan = plan_of(*record);
-  auto runs = evaluated_runs(*record, curves || plan->needs_histories());
+  auto runs = evaluated_runs(
+      *record, {.histories = curves || plan->needs_histories(), .faces = plan->grows()});
   v1::StudyResult result;
   *result.mutable_study() = view(*record);
   for (const v1::Monitor& monitor : record->request.case_().monitor())
@@ -99,7 +140,7 @@ std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& re
   const RunCounts counts = store_.counts(record->id);
   const bool running = counts.ended() < counts.all();
   return predictions_.predict(*record, counts.of(v1::SUCCEEDED), running, request,
-                              [&] { return evaluated_runs(*record, true); });
+                              [&] { return evaluated_runs(*record, {.histories = true}); });
 }
 
 }  // namespace dccast::studies

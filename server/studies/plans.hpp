@@ -12,4 +12,7 @@ std::unique_ptr<StudyPlan> refinement_plan(const v1::CreateStudyRequest& request
 std::vector<v1::Fault> sweep_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> sweep_plan(const v1::CreateStudyRequest& request);
 
+std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);
+std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);
+
 }  // namespace dccast::studies

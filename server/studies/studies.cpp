@@ -42,6 +42,7 @@ bool by_the_case_itself(const v1::Failure& failure) {
 bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
   if (a.plan_case() != b.plan_case()) return false;
   if (a.has_refinement()) return true;
+  if (a.has_mould()) return MessageDifferencer::Equals(a.mould(), b.mould());
   return MessageDifferencer::Equals(a.sweep(), b.sweep());
 }
 
@@ -180,6 +181,9 @@ v1::Study Studies::view(const StudyRecord& record) {
   add_counts(counts, study);
   study.set_state(state_of(counts));
   study.set_message(message_of(counts, study.state()));
+  // A plan that grows ends with the run that failed.
+  if (study.state() == v1::STUDY_FAILED && record.request.has_mould())
+    study.set_message(study.message() + ": " + failure_text(record));
   double done = counts.ended();
   if (counts.of(v1::RUNNING) > 0)
     for (const v1::Job& job : scheduler_.list(

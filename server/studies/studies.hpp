@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <climits>
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
@@ -29,6 +30,12 @@ struct ExaminedRun {
   std::vector<v1::Fault> faults;
 };
 
+/// A run that succeeded: its case with defaults and alloy card, and the last frame of its results.
+struct SolvedRun {
+  v1::Case complete;
+  v1::Frame frame;
+};
+
 /// What studies need to know of cases; the service knows it.
 struct CaseDesk {
   std::function<ExaminedRun(const v1::Case&, const jobs::Attachments&, const jobs::Patience&)>
@@ -37,6 +44,8 @@ struct CaseDesk {
   std::function<std::string(const v1::Case&, const jobs::Attachments&)> fingerprint;
   /// What two complete cases with the same answer have in common.
   std::function<std::string(const v1::Case&, const jobs::Attachments&)> answer_key;
+  /// @throws jobs::WorkerDidNotAnswer
+  std::function<SolvedRun(const std::string& job, const jobs::Patience&)> solved;
 };
 
 struct StudyOptions {
@@ -94,7 +103,9 @@ private:
   void feed(const std::stop_token& stop);
   bool feed_round();
   bool feed_study(const std::string& id);
-  Fed feed_run(const StudyRecord& study, RunRecord run);
+  Fed feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned);
+  Fed feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
+  Fed not_needed(const StudyRecord& study, const RunRecord& run);
   Fed not_examined(const StudyRecord& study, const RunRecord& run,
                    const jobs::WorkerDidNotAnswer& error);
   void refuse(const StudyRecord& study, const RunRecord& run, const std::string& why);
@@ -112,7 +123,16 @@ private:
   void remove_now(const std::string& id);
   std::map<std::string, v1::Job> jobs_of(const std::string& id);
   RunHistory history_of(const v1::Job& job);
-  std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, bool histories);
+  std::shared_ptr<const RunFace> face_of(const v1::Job& job);
+  void add_face(const v1::Job& job, EvaluatedRun& run);
+  /// What runs are evaluated with.
+  struct Depth {
+    bool histories = false;
+    bool faces = false;
+    int before = INT_MAX;  ///< only runs of a lower number
+  };
+  std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
+  std::string failure_text(const StudyRecord& record);
 
   const StudyOptions options_;
   StudyStore& store_;
@@ -126,6 +146,7 @@ private:
   std::mutex plans_mutex_;
   std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
   std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended
+  std::map<std::string, std::shared_ptr<const RunFace>> faces_;         ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
   bool feeder_has_news_ = true;

@@ -3,6 +3,7 @@
 // in the store; when it is interrupted it does the last run again, which gives the same job.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -90,13 +91,37 @@ bool Studies::feed_study(const std::string& id) {
   const auto study = store_.find(id);
   const auto run = store_.next_to_queue(id);
   if (!study || !run) return false;
-  const Fed fed = feed_run(*study, *run);
+  const auto plan = plan_of(*study);
+  const Fed fed = run->number < plan->runs() ? feed_run(*study, *run, plan->run(run->number))
+                                             : feed_grown(*study, *plan, *run);
   notifier_.note(id);
   return fed != Fed::later;
 }
 
-Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run) {
-  const PlannedRun planned = plan_of(study)->run(run.number);
+/// A run of a plan that grows waits from the moment the one before it is queued, so that the study
+/// does not end in between. It is queued when all before it have succeeded and do not suffice.
+Studies::Fed Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan,
+                                 const RunRecord& run) {
+  const auto before = evaluated_runs(study, {.faces = true, .before = run.number});
+  for (const EvaluatedRun& other : before)
+    if (!jobs::is_terminal(other.run.state())) return Fed::later;
+  if (!std::ranges::all_of(before, &EvaluatedRun::succeeded)) return not_needed(study, run);
+  for (const EvaluatedRun& other : before)
+    if (!other.face_fault.empty()) {
+      refuse(study, run,
+             "job " + other.run.job() + " says nothing of its mould: " + other.face_fault);
+      return Fed::refused;
+    }
+  const auto next = plan.next(run.number, before);
+  return next ? feed_run(study, run, *next) : not_needed(study, run);
+}
+
+Studies::Fed Studies::not_needed(const StudyRecord& study, const RunRecord& run) {
+  store_.drop(study.id, run.number);
+  return Fed::refused;
+}
+
+Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned) {
   ExaminedRun examined;
   try {
     examined =
@@ -134,7 +159,8 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
     queued = scheduler_.submit(job, study.request.attachments());
   } while (queued.state() == v1::CANCELLED);
   run.job = queued.id();
-  store_.set_job(study.id, run);
+  const auto plan = plan_of(study);
+  store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());
 }
 
 /// A case that brings checkers down again and again is at fault itself.

@@ -12,12 +12,16 @@ v1::Fault no_plan(const std::string& message) {
   v1::Fault fault;
   fault.set_field("plan");
   fault.set_message(message);
-  fault.set_permitted("refinement, sweep");
+  fault.set_permitted("refinement, sweep, mould");
   fault.set_remedy("give one of them");
   return fault;
 }
 
 }  // namespace
+
+std::optional<PlannedRun> StudyPlan::next(int, const std::vector<EvaluatedRun>&) const {
+  return std::nullopt;
+}
 
 void StudyPlan::evaluate(const std::vector<EvaluatedRun>&, v1::StudyResult&) const {}
 
@@ -28,7 +32,7 @@ std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {
     case v1::CreateStudyRequest::kSweep:
       return sweep_faults(request);
     case v1::CreateStudyRequest::kMould:
-      return {no_plan("this dccastd does not search mould openings yet")};
+      return mould_faults(request);
     case v1::CreateStudyRequest::PLAN_NOT_SET:
       break;
   }
@@ -41,6 +45,8 @@ std::unique_ptr<StudyPlan> study_plan(const v1::CreateStudyRequest& request) {
       return refinement_plan(request);
     case v1::CreateStudyRequest::kSweep:
       return sweep_plan(request);
+    case v1::CreateStudyRequest::kMould:
+      return mould_plan(request);
     default:
       throw std::runtime_error("the study has a plan that this version of dccastd does not know");
   }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
+#include "proto/frames/steady_face.hpp"
 #include "server/studies/run_history.hpp"
 
 namespace dccast::studies {
@@ -17,10 +19,18 @@ struct PlannedRun {
   std::vector<v1::CaseChange> changes;  ///< already made in `description`
 };
 
+/// The wide face of a quarter slab where its casting is steady, and the section it was cast in.
+struct RunFace {
+  v1::Section section;
+  frames::SteadyFace steady;
+};
+
 /// A run as it stands, for evaluation.
 struct EvaluatedRun {
-  v1::StudyRun run;
-  RunHistory history;  ///< of a run that succeeded, where the plan asks for histories
+  v1::StudyRun run{};
+  RunHistory history{};           ///< of a run that succeeded, where the plan asks for histories
+  std::optional<RunFace> face{};  ///< of a run that succeeded, where the plan grows
+  std::string face_fault{};       ///< why it cannot be read
 
   bool succeeded() const { return run.state() == v1::SUCCEEDED; }
 };
@@ -29,9 +39,18 @@ struct EvaluatedRun {
 class StudyPlan {
 public:
   virtual ~StudyPlan() = default;
+  /// Those that are laid out beforehand.
   virtual int runs() const = 0;
-  /// @param number  from 0
+  /// @param number  from 0, of these
   virtual PlannedRun run(int number) const = 0;
+  /// That of any run, also one that is not laid out yet.
+  virtual std::string key(int number) const { return run(number).key; }
+  /// A plan grows when it may have more runs than it lays out: each follows from those before it.
+  virtual int most_runs() const { return runs(); }
+  bool grows() const { return most_runs() > runs(); }
+  /// A run that is not laid out, nothing when those before it suffice.
+  /// @param before  all succeeded, with faces; without those whose job was deleted
+  virtual std::optional<PlannedRun> next(int number, const std::vector<EvaluatedRun>& before) const;
   /// Writes into a run of the answer what is particular to the plan: refinement, values.
   virtual void describe(int number, v1::StudyRun& run) const = 0;
   /// Whether evaluate() needs the histories of the runs that succeeded.

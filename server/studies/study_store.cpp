@@ -181,11 +181,12 @@ std::vector<StudyRecord> StudyStore::list(const Page& page) {
 RunCounts StudyStore::counts(const std::string& id) {
   const std::lock_guard lock(mutex_);
   // A run without a job is QUEUED until it has an outcome. A job that was deleted has no state.
-  Statement statement(database_,
-                      "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
-                      "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
-                      "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
-                      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL");
+  Statement statement(
+      database_,
+      "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
+      "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
+      "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
+      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL");
   statement.bind(id);
   RunCounts counts;
   while (statement.step()) {
@@ -224,13 +225,32 @@ std::optional<RunRecord> StudyStore::next_to_queue(const std::string& id) {
   return std::move(found.front());
 }
 
-bool StudyStore::set_job(const std::string& id, const RunRecord& run) {
+bool StudyStore::set_job(const std::string& id, const RunRecord& run, bool followed) {
+  const std::lock_guard lock(mutex_);
+  Transaction transaction(database_);
+  {
+    Statement statement(database_,
+                        "UPDATE study_run SET job = ?, attempt = ? "
+                        "WHERE study = ? AND number = ? AND outcome = 0");
+    statement.bind(run.job).bind(run.attempt).bind(id).bind(run.number).step();
+  }
+  const bool done = database_.changes() > 0;
+  if (done && followed) {
+    Statement statement(database_,
+                        "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
+                        "VALUES (?, ?, 0, '', 0)");
+    statement.bind(id).bind(run.number + 1).step();
+  }
+  transaction.commit();
+  return done;
+}
+
+void StudyStore::drop(const std::string& id, int number) {
   const std::lock_guard lock(mutex_);
   Statement statement(database_,
-                      "UPDATE study_run SET job = ?, attempt = ? "
-                      "WHERE study = ? AND number = ? AND outcome = 0");
-  statement.bind(run.job).bind(run.attempt).bind(id).bind(run.number).step();
-  return database_.changes() > 0;
+                      "DELETE FROM study_run "
+                      "WHERE study = ? AND number = ? AND job = '' AND outcome = 0");
+  statement.bind(id).bind(number).step();
 }
 
 void StudyStore::refuse(const std::string& id, int number, const v1::Failure& failure,

@@ -62,8 +62,11 @@ public:
   std::vector<std::string> to_feed();
   std::optional<RunRecord> next_to_queue(const std::string& id);
 
-  /// A run has its job. @return false when the run was cancelled meanwhile
-  bool set_job(const std::string& id, const RunRecord& run);
+  /// A run has its job. @param followed  the next run waits from now on, if it is not there yet
+  /// @return false when the run was cancelled meanwhile
+  bool set_job(const std::string& id, const RunRecord& run, bool followed = false);
+  /// A run that waits to be queued is not needed.
+  void drop(const std::string& id, int number);
   /// A run whose case is refused ends without a job.
   void refuse(const std::string& id, int number, const v1::Failure& failure, std::int64_t now_ms);
   /// Runs that wait to be queued never will be.

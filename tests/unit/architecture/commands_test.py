@@ -19,7 +19,7 @@ def readme_commands():
     """Subcommands of dccast in the indented or fenced code of README and in the quick start."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     quickstart = (ROOT / "deploy/quickstart").read_text(encoding="utf-8")
-    typed = re.findall(r"^ {4}dccast ([a-z]+)", text, re.MULTILINE)
+    typed = re.findall(r"^ {4}dccast ([a-z-]+)", text, re.MULTILINE)
     typed += re.findall(r'\$bin/dccast" ([a-z]+)', quickstart)
     return sorted(set(typed))
 

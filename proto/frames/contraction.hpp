@@ -1,11 +1,11 @@
 #pragma once
 
-#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
 
-namespace dccast::client {
+namespace dccast::frames {
 
 /// Half the thickness of a quarter slab at one place along its wide face.
 struct FacePoint {
@@ -39,9 +39,18 @@ struct Contraction {
   const FaceRow& head() const;
 };
 
+/// Half the opening of the mould of a quarter slab. @param x_m  from the middle of the wide face
+double half_opening_m(const v1::Section& section, double x_m);
+
+/// A frame from which no contraction can be read: what it lacks, and the remedy.
+class NoContraction : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Reads a frame along its lines of nodes from the middle plane to the wide face.
 /// @param solved  the case of the frame with its alloy card
-/// @throws CommandFailed  no quarter slab, or a mesh without such lines
+/// @throws NoContraction  no quarter slab, or a mesh without such lines
 Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame);
 
-}  // namespace dccast::client
+}  // namespace dccast::frames

@@ -1,4 +1,4 @@
-#include "client/contraction.hpp"
+#include "proto/frames/contraction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "client/failure.hpp"
-
-namespace dccast::client {
+namespace dccast::frames {
 namespace {
 
 constexpr double room_temperature_c = 20.0;
@@ -112,6 +110,10 @@ private:
 
 }  // namespace
 
+double half_opening_m(const v1::Section& section, double x_m) {
+  return value_of(section.half_thickness_m(), x_m);
+}
+
 const FaceRow& Contraction::at(double height_m) const {
   return *std::min_element(rows.begin(), rows.end(), [&](const FaceRow& a, const FaceRow& b) {
     return std::abs(a.height_m - height_m) < std::abs(b.height_m - height_m);
@@ -125,20 +127,19 @@ const FaceRow& Contraction::head() const {
 }
 
 Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame) {
-  if (frame.dimension() != 3 || solved.section().half_thickness_m().at_size() == 0)
-    throw CommandFailed(ExitCode::invalid,
-                        "contraction across the thickness is that of a job with section.kind = "
-                        "\"quarter_slab\"; this one is not");
+  if (frame.dimension() != 3 || solved.section().half_thickness_m().value_size() == 0)
+    throw NoContraction(
+        "contraction across the thickness is that of a job with section.kind = "
+        "\"quarter_slab\"; this one is not");
   if (frame.displacement_m_size() != frame.node_m_size() ||
       3 * frame.temperature_c_size() != frame.node_m_size())
-    throw CommandFailed(ExitCode::invalid,
-                        "the last frame has no displacements: run the case with mechanics");
+    throw NoContraction("the last frame has no displacements: run the case with mechanics");
   Contraction contraction = FaceReading(solved, frame).all();
   if (contraction.rows.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "no line of nodes leads straight from the middle plane to the wide face: "
-                        "run the case on the built-in mesh, without mesh.file");
+    throw NoContraction(
+        "no line of nodes leads straight from the middle plane to the wide face: "
+        "run the case on the built-in mesh, without mesh.file");
   return contraction;
 }
 
-}  // namespace dccast::client
+}  // namespace dccast::frames

@@ -1,0 +1,152 @@
+#include <iostream>
+
+#include "client/case_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
+#include "client/failure.hpp"
+#include "client/message_json.hpp"
+#include "client/mould_design.hpp"
+#include "client/render/mould_page.hpp"
+#include "client/render/mould_text.hpp"
+#include "client/study_creation.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct Options {
+  StudyCase base;
+  std::string study;
+  std::string tolerance = "0.5 mm";
+  std::string wanted;
+  int most_runs = 0;
+  bool flat = false;
+  bool no_wait = false;
+  bool force = false;
+  bool json = false;
+  std::string plot;
+};
+
+v1::MouldPlan plan_of(const Options& options) {
+  v1::MouldPlan plan;
+  plan.set_tolerance_m(metres_of(options.tolerance, "--tolerance"));
+  if (!options.wanted.empty())
+    plan.set_wanted_half_thickness_m(metres_of(options.wanted, "--wanted"));
+  plan.set_maximum_runs(options.most_runs);
+  return plan;
+}
+
+Json run_json(const MouldDesign& design, const MouldRun& run) {
+  Json json{{"job", run.job}, {"state", v1::JobState_Name(run.state)}};
+  if (!run.trouble.empty()) json["trouble"] = run.trouble;
+  if (!run.cast) return json;
+  const v1::Curve& opening = run.cast->section.half_thickness_m();
+  const frames::SteadyFace& face = run.cast->face;
+  json["break_point_m"] = std::vector<double>(opening.at().begin(), opening.at().end());
+  json["half_opening_m"] = std::vector<double>(opening.value().begin(), opening.value().end());
+  json["height_m"] = face.height_m;
+  json["change_around_m"] = face.change_m;
+  json["x_m"] = face.x_m;
+  json["half_thickness_at_20_c_m"] = face.cold_m;
+  json["residual_m"] = face.residual_m(design.wanted_m);
+  return json;
+}
+
+void print_json(const MouldDesign& design) {
+  Json json{{"study", to_json(design.result.study())},
+            {"wanted_half_thickness_m", design.wanted_m},
+            {"found", design.result.has_mould() ? to_json(design.found()) : Json()},
+            {"runs", Json::array()}};
+  for (const MouldRun& run : design.runs) json["runs"].push_back(run_json(design, run));
+  std::cout << json.dump() << '\n';
+}
+
+/// A search that has not ended is none that failed.
+ExitCode exit_code_of(const MouldDesign& design) {
+  if (design.result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
+  return design.found().within_tolerance() ? ExitCode::done : ExitCode::solve_failed;
+}
+
+ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
+  if (!options.no_wait) follow_with_progress(connection, id, "dccast design-mould --study " + id);
+  const MouldDesign design = read_mould_design(connection, id);
+  if (!options.plot.empty()) write_output(options.plot, render::mould_page(design));
+  if (options.json)
+    print_json(design);
+  else if (options.plot != "-")
+    std::cout << render::mould_text(design);
+  std::cout << std::flush;
+  return exit_code_of(design);
+}
+
+ExitCode run(const Options& options, Program& program) {
+  if (options.base.file.empty() == options.study.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "give a CASE to begin, or --study ID to take a design up again");
+  if (options.study.empty() && !options.flat)
+    throw CommandFailed(ExitCode::invalid, "say what the cold slab shall be: --flat");
+  if (!options.plot.empty() && options.plot != "-") require_free(options.plot, options.force);
+  Connection connection = program.connect();
+  if (!options.study.empty()) return wait_and_print(connection, options, options.study);
+  const v1::MouldPlan plan = plan_of(options);
+  const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {
+    *request.mutable_mould() = plan;
+  });
+  if (!study) return ExitCode::invalid;
+  std::cerr << "study " << study->id() << "; taken up again by dccast design-mould --study "
+            << study->id() << '\n';
+  if (!options.no_wait) return wait_and_print(connection, options, study->id());
+  std::cout << study->id() << std::endl;
+  return ExitCode::done;
+}
+
+constexpr const char* examples =
+    "dccast design-mould stationary-3d.toml --flat --wanted \"285 mm\"\n"
+    "  dccast design-mould my.toml --flat --tolerance \"1 mm\" --set schedule.casting_speed=\"50 "
+    "mm/min\"\n"
+    "  dccast design-mould --study ID --plot mould.html   what there is, and a page of charts\n"
+    "\n"
+    "The first run casts in the mould of the case; each further one in an opening corrected by "
+    "what\n"
+    "the cold slab lacked. docs/mould-design.md says how. Exit code 3 when no opening within the\n"
+    "tolerance was found.";
+
+void add_options(CLI::App& command, Options& options) {
+  command.add_option("CASE", options.base.file,
+                     "Case file of a quarter slab that is cast until it is steady");
+  command.add_flag("--flat", options.flat, "The cold slab shall be flat along its wide face");
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "Of the half-thickness of the cold slab, anywhere along the face")
+      ->capture_default_str();
+  command.add_option(
+      "--wanted", options.wanted,
+      "Half-thickness of the cold slab; absent: the half-opening of the case's mould "
+      "at its narrow face");
+  command.add_option("--runs", options.most_runs, "Most runs; 0 for 12")
+      ->check(CLI::Range(0, 50))
+      ->capture_default_str();
+  add_set_option(command, options.base.set);
+  command.add_option("--label", options.base.labels, "Label of the study; repeatable");
+  command.add_option("--study", options.study, "Take this design up again");
+  command.add_flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
+  command.add_option("--plot", options.plot,
+                     "Write an HTML page with mould and cold slab of the runs; - for standard "
+                     "output");
+  add_force_flag(command, options.force);
+  command.add_flag("--json", options.json, "As JSON, in metres, with every run");
+}
+
+}  // namespace
+
+void add_design_mould(CLI::App& app, Program& program) {
+  auto options = make_options<Options>();
+  CLI::App* const command =
+      subcommand(app, "design-mould",
+                 "Find the mould opening of three segments that gives a flat cold slab", examples);
+  add_options(*command, *options);
+  command->callback([options, &program] {
+    program.action = [options, &program] { return run(*options, program); };
+  });
+}
+
+}  // namespace dccast::client::commands

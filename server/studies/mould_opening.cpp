@@ -1,0 +1,157 @@
+#include "server/studies/mould_opening.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr double break_point_unit = 1e-3;  // [m] that a mould maker works to
+constexpr double height_unit = 1e-5;       // [m]
+constexpr int coarse_places = 48;          // of each break point in the first search
+
+/// middle - steeper * (x - first)+ - more * (x - second)+: convex and never widening where neither
+/// slope is negative.
+struct Slopes {
+  double middle = 0.0, first = 0.0, second = 0.0;
+  double error = std::numeric_limits<double>::infinity();  ///< sum of squares [m2]
+};
+
+double beyond(double x, double from) {
+  return std::max(0.0, x - from);
+}
+
+/// Openings with given break points, fitted to half-openings at some places.
+class Fit {
+public:
+  Fit(const std::vector<double>& x, const std::vector<double>& half, const OpeningBounds& bounds)
+      : x_(x), bounds_(bounds), half_(Eigen::Map<const Eigen::VectorXd>(half.data(), size())) {
+    for (double& h : half_) h = std::clamp(h, bounds.least, bounds.most);
+  }
+
+  /// Least squares over slopes that are not negative: of the four choices of slopes that are kept
+  /// the best one without a negative slope.
+  Slopes at(double first, double second) const {
+    Slopes best;
+    for (const bool use_first : {true, false})
+      for (const bool use_second : {true, false}) {
+        const auto found = solved(first, second, use_first, use_second);
+        if (found && found->error < best.error) best = *found;
+      }
+    return best;
+  }
+
+  MouldOpening opening(double first, double second) const {
+    const Slopes s = at(first, second);
+    MouldOpening opening{{0.0, first, second, bounds_.length}, {}};
+    for (std::size_t i = 0; i < 4; ++i)
+      opening.half[i] = s.middle - s.first * beyond(opening.x[i], first) -
+                        s.second * beyond(opening.x[i], second);
+    return opening;
+  }
+
+private:
+  Eigen::Index size() const { return static_cast<Eigen::Index>(x_.size()); }
+
+  std::optional<Slopes> solved(double first, double second, bool use_first, bool use_second) const {
+    Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(size(), 3);
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      const double x = x_[static_cast<std::size_t>(i)];
+      terms(i, 0) = 1.0;
+      if (use_first) terms(i, 1) = -beyond(x, first);
+      if (use_second) terms(i, 2) = -beyond(x, second);
+    }
+    const Eigen::Vector3d value = terms.completeOrthogonalDecomposition().solve(half_);
+    if (value(1) < 0.0 || value(2) < 0.0) return std::nullopt;
+    return Slopes{value(0), value(1), value(2), (terms * value - half_).squaredNorm()};
+  }
+
+  const std::vector<double>& x_;
+  const OpeningBounds& bounds_;
+  Eigen::VectorXd half_;
+};
+
+double rounded(double value, double unit) {
+  return std::round(value / unit) * unit;
+}
+
+double rounded_up(double value, double unit) {
+  constexpr double round_off = 1e-6;
+  return std::ceil(value / unit - round_off) * unit;
+}
+
+struct BreakPoints {
+  double first, second;
+};
+
+/// The best of the break points on a lattice between two pairs.
+/// @param space  [m] least distance of the two
+BreakPoints search(const Fit& fit, double space, const BreakPoints& low, const BreakPoints& high,
+                   double step) {
+  BreakPoints best{low.first, low.second};
+  double least = std::numeric_limits<double>::infinity();
+  constexpr double round_off = 1e-9;
+  for (double first = low.first; first <= high.first + round_off; first += step)
+    for (double second = std::max(low.second, first + space); second <= high.second + round_off;
+         second += step)
+      if (const double error = fit.at(first, second).error; error < least) {
+        least = error;
+        best = {first, second};
+      }
+  return best;
+}
+
+/// Heights that are rounded one by one could be hollow by a hundredth: going outwards each one is
+/// taken as low as a convex mould needs.
+void round_heights(MouldOpening& opening, const OpeningBounds& bounds) {
+  for (double& h : opening.half) h = rounded(std::clamp(h, bounds.least, bounds.most), height_unit);
+  auto& half = opening.half;
+  half[1] = half[0];
+  half[2] = std::min(half[2], half[1]);
+  const double slope = (half[2] - half[1]) / (opening.x[2] - opening.x[1]);
+  const double straight = half[2] + slope * (opening.x[3] - opening.x[2]);
+  constexpr double round_off = 1e-9;
+  half[3] = std::min(half[3], height_unit * std::floor(straight / height_unit + round_off));
+  if (half[3] >= bounds.least) return;
+  // The least opening lies above what is convex: one slope from the first break point on.
+  half[3] = bounds.least;
+  const double share = (opening.x[2] - opening.x[1]) / (opening.x[3] - opening.x[1]);
+  half[2] = height_unit * std::ceil((half[1] + share * (half[3] - half[1])) / height_unit);
+}
+
+}  // namespace
+
+double MouldOpening::at(double place) const {
+  std::size_t right = 1;
+  while (right < 3 && x[right] < place) ++right;
+  const double share = std::clamp((place - x[right - 1]) / (x[right] - x[right - 1]), 0.0, 1.0);
+  return half[right - 1] + share * (half[right] - half[right - 1]);
+}
+
+MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
+                             const OpeningBounds& bounds) {
+  const Fit fit(x, half, bounds);
+  // All places of the lattices are whole millimetres.
+  const double space = rounded_up(bounds.spacing, break_point_unit);
+  const double coarse = rounded_up(bounds.length / coarse_places, break_point_unit);
+  const double last = -rounded_up(bounds.spacing - bounds.length, break_point_unit);
+  const BreakPoints low{space, 2.0 * space}, high{last - space, last};
+  const BreakPoints near = search(fit, space, low, high, coarse);
+  const auto around = [&](double at, double sign, double edge) {
+    const double moved = at + sign * coarse;
+    return sign < 0.0 ? std::max(edge, moved) : std::min(edge, moved);
+  };
+  const BreakPoints found = search(
+      fit, space, {around(near.first, -1, low.first), around(near.second, -1, low.second)},
+      {around(near.first, 1, high.first), around(near.second, 1, high.second)}, break_point_unit);
+  MouldOpening opening =
+      fit.opening(rounded(found.first, break_point_unit), rounded(found.second, break_point_unit));
+  round_heights(opening, bounds);
+  return opening;
+}
+
+}  // namespace dccast::studies
