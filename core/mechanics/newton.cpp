@@ -205,10 +205,7 @@ private:
 
   void store() {
     constraints_.store();
-    unknowns_.deviator.resize(equilibrium_.response().size());
-    for (std::size_t i = 0; i < unknowns_.deviator.size(); ++i) {
-      unknowns_.deviator[i] = equilibrium_.response()[i].deviator;
-    }
+    unknowns_.deviator = equilibrium_.deviators();
   }
 
   const StepProblem<Dim>& problem_;
