@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <utility>
 
+// Lanes are passed by value inside functions compiled for one set of instructions only.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dccast {
 
 /// So many numbers side by side, on which + - * / and comparisons work at once. What a formula says

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
+// Lanes are passed by value inside functions compiled for one set of instructions only.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dccast {
 
 /// A symmetric 3x3 tensor of a plane-strain or axisymmetric (Dim 2: xx, yy, zz, xy; zz around the
