@@ -4,45 +4,51 @@
 #include <cmath>
 #include <cstddef>
 
+// Lanes are passed by value inside functions compiled for one set of instructions only.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dccast {
 
 /// A symmetric 3x3 tensor of a plane-strain or axisymmetric (Dim 2: xx, yy, zz, xy; zz around the
 /// axis) or solid (Dim 3: xx, yy, zz, xy, yz, xz) problem. The out-of-plane normal component is
 /// always kept: it belongs to the deviator and to the norm, as in the paper.
-template <int Dim>
+/// @tparam Number  double, or Lanes for the tensors of several points
+template <int Dim, class Number = double>
 struct SymmetricTensor {
   static constexpr std::size_t components = Dim == 2 ? 4 : 6;
-  std::array<double, components> value{};
+  std::array<Number, components> value{};
 
-  double& operator[](std::size_t i) { return value[i]; }
-  double operator[](std::size_t i) const { return value[i]; }
+  Number& operator[](std::size_t i) { return value[i]; }
+  const Number& operator[](std::size_t i) const { return value[i]; }
 
-  double trace() const { return value[0] + value[1] + value[2]; }
+  Number trace() const { return value[0] + value[1] + value[2]; }
   /// Subtracts the mean normal component.
   SymmetricTensor deviator() const {
     SymmetricTensor d = *this;
-    const double mean = trace() / 3.0;
+    const Number mean = trace() / 3.0;
     for (std::size_t i = 0; i < 3; ++i) d.value[i] -= mean;
     return d;
   }
-  /// Frobenius norm |t| = sqrt(t : t).
-  double norm() const {
-    double normal = 0.0, shear = 0.0;
+  /// t : t.
+  Number squared_norm() const {
+    Number normal{}, shear{};
     for (std::size_t i = 0; i < 3; ++i) normal += value[i] * value[i];
     for (std::size_t i = 3; i < components; ++i) shear += value[i] * value[i];
-    return std::sqrt(normal + 2.0 * shear);
+    return normal + 2.0 * shear;
   }
-  SymmetricTensor& add(double factor, const SymmetricTensor& other) {
+  /// Frobenius norm |t| = sqrt(t : t).
+  double norm() const { return std::sqrt(squared_norm()); }
+  SymmetricTensor& add(const Number& factor, const SymmetricTensor& other) {
     for (std::size_t i = 0; i < components; ++i) value[i] += factor * other.value[i];
     return *this;
   }
   /// Adds `mean` times the identity.
-  SymmetricTensor& add_identity(double mean) {
+  SymmetricTensor& add_identity(const Number& mean) {
     for (std::size_t i = 0; i < 3; ++i) value[i] += mean;
     return *this;
   }
   /// Component (a, b), a and b below Dim.
-  double at(std::size_t a, std::size_t b) const { return value[index(a, b)]; }
+  const Number& at(std::size_t a, std::size_t b) const { return value[index(a, b)]; }
   static constexpr std::size_t index(std::size_t a, std::size_t b) {
     constexpr std::size_t table[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     return table[a][b];

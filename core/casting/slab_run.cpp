@@ -34,8 +34,10 @@ double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
 
 template <int Dim>
 std::unique_ptr<mechanics::MechanicsForms<Dim>> forms_of(const mesh::SectionSpec& section) {
-  if constexpr (Dim == 2) return mechanics::make_mechanics_forms(section.element, section.kind);
-  else return mechanics::make_solid_forms(section.element);
+  if constexpr (Dim == 2)
+    return mechanics::make_mechanics_forms(section.element, section.kind);
+  else
+    return mechanics::make_solid_forms(section.element);
 }
 
 /// The mould ends where the water begins.
@@ -197,12 +199,14 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   state_.cast_length = length;
   state_.time = std::abs(end) < same_time ? 0.0 : end;
 
-  const thermal::HeatField heat_n = state_.heat;
-  const mechanics::SlabState<Dim> slab_n = state_.slab;
   const int rounds = moves && case_.coupling.gap_feedback ? case_.coupling.iterations : 1;
+  std::optional<StepStart<Dim>> again;
+  if (rounds > 1) again = {state_.heat, state_.slab};
   for (int round = 0; round < rounds; ++round) {
-    if (!step_heat(tried, heat_n, entry)) return tried;
-    if (moves && !step_mechanics(tried, slab_n)) return tried;
+    if (round > 0) state_.heat = again->heat;
+    if (!step_heat(tried, entry)) return tried;
+    if (round > 0) state_.slab = again->slab;
+    if (moves && !step_mechanics(tried)) return tried;
   }
   tried.converged = true;
   return tried;
@@ -241,8 +245,7 @@ std::vector<double> SlabRun<Dim>::side_rise() const {
 }
 
 template <int Dim>
-bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
-                             const std::optional<thermal::MetalEntry>& entry) {
+bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry) {
   std::vector<double> gap;
   if (case_.coupling.gap_feedback && (state_.slab.started || has_profile_)) gap = bottom_gap();
   thermal::HeatStepInput input;
@@ -256,15 +259,13 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const thermal::HeatField& from,
   const std::vector<double> rise = side_rise();
   input.rise = rise;
   input.entry = entry;
-  state_.heat = from;
   tried.heat = heat_.step(state_.heat, input);
   if (!tried.heat.converged) tried.why = "heat";
   return tried.heat.converged;
 }
 
 template <int Dim>
-bool SlabRun<Dim>::step_mechanics(Attempt& tried, const mechanics::SlabState<Dim>& from) {
-  state_.slab = from;
+bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
   mechanics::SlabStepInput input;
   input.temperature = state_.heat.temperature;
   input.time_step = tried.time_step;
@@ -312,14 +313,10 @@ template <int Dim>
 void SlabRun<Dim>::judge_plausibility(results::StepReport& r) {
   std::vector<double> lift;
   for (const auto& displacement : r.monitor_displacement) lift.push_back(displacement.back());
-  const StepView<Dim> view{r,
-                           metal_level(),
-                           mesh(),
-                           state_.heat.temperature,
-                           state_.slab,
-                           mesh().elements() - growing_elements(),
-                           lift,
-                           state_.validity.lost};
+  const StepView<Dim> view{r,           metal_level(),
+                           mesh(),      state_.heat.temperature,
+                           state_.slab, mesh().elements() - growing_elements(),
+                           lift,        state_.validity.lost};
   judge(case_, view, r, state_.plausibility);
 }
 

@@ -28,6 +28,13 @@ struct Attempt {
   mechanics::StepOutcome mechanics;
 };
 
+/// Where a step begins that heat and mechanics take in several rounds.
+template <int Dim>
+struct StepStart {
+  thermal::HeatField heat;
+  mechanics::SlabState<Dim> slab;
+};
+
 /// A casting in the dimension of its section: growth, heat step, mechanical step, gap back to the
 /// heat of the next (paper sections 2.1 and 2.2 alternate).
 template <int Dim>
@@ -59,9 +66,8 @@ private:
   void go_back_to(const RunState<Dim>& state);
   Attempt attempt(double dt);
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
-  bool step_heat(Attempt& tried, const thermal::HeatField& from,
-                 const std::optional<thermal::MetalEntry>& entry);
-  bool step_mechanics(Attempt& tried, const mechanics::SlabState<Dim>& from);
+  bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
+  bool step_mechanics(Attempt& tried);
   std::vector<double> bottom_gap() const;
   std::vector<double> side_rise() const;
   double metal_level() const;

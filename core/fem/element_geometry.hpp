@@ -2,9 +2,11 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <vector>
 
+#include "core/base/lanes.hpp"
 #include "core/base/symmetric_tensor.hpp"
 #include "core/fem/element.hpp"
 #include "core/fem/solid_bending.hpp"
@@ -15,88 +17,149 @@ namespace dccast::fem {
 /// What a point of an axisymmetric element needs besides: the hoop strain of a unit displacement of
 /// each node away from the axis, its shape function over the radius [1/m]. Nothing in other
 /// elements.
-template <class Element, bool = is_axisymmetric<Element>>
+template <class Element, class Number, bool = is_axisymmetric<Element>>
 struct HoopGradient {};
-template <class Element>
-struct HoopGradient<Element, true> {
-  std::array<double, Element::nodes> hoop;
+template <class Element, class Number>
+struct HoopGradient<Element, Number, true> {
+  std::array<Number, Element::nodes> hoop;
 };
 
 /// How the strain varies within an element: by the gradients of its shape functions at each point.
-template <class Element, bool = has_bending_modes<Element>>
+template <class Element, class Number, bool = has_bending_modes<Element>>
 struct PointStrain {
-  std::array<std::array<double, Element::dimension>, Element::nodes> gradient;  ///< [1/m] by node
+  std::array<std::array<Number, Element::dimension>, Element::nodes> gradient;  ///< [1/m] by node
 };
 /// Or by bending modes: their levers at a point.
-template <class Element>
-struct PointStrain<Element, true> {
+template <class Element, class Number>
+struct PointStrain<Element, Number, true> {
   /// Reference coordinates across the first axis of the cell and across the second, each less its
   /// volume mean [1].
-  std::array<double, 2> lever;
+  std::array<Number, 2> lever;
 };
-template <>
-struct PointStrain<BendingHexahedron, true> {
-  std::array<double, SolidBending::levers> lever;  ///< @see SolidBending::lever [1]
+template <class Number>
+struct PointStrain<BendingHexahedron, Number, true> {
+  std::array<Number, SolidBending::levers> lever;  ///< @see SolidBending::lever [1]
 };
 
 /// A bending mode of an element: a strain that is linear across an axis of the cell. At a point it
 /// is lever times amplitude times strain.
+template <class Number>
 struct BendingMode {
-  std::size_t lever;                               ///< which one
-  std::array<std::array<double, 2>, 4> amplitude;  ///< of a unit displacement of each node [1/m]
-  SymmetricTensor<2> strain;  ///< a stretch and the opposite across the axis [1]
+  std::array<std::array<Number, 2>, 4> amplitude;  ///< of a unit displacement of each node [1/m]
+  SymmetricTensor<2, Number> strain;  ///< a stretch and the opposite across the axis [1]
 };
-template <class Element, bool = has_bending_modes<Element>>
+template <class Element, class Number, bool = has_bending_modes<Element>>
 struct BendingModes {};
-template <class Element>
-struct BendingModes<Element, true> {
+template <class Element, class Number>
+struct BendingModes<Element, Number, true> {
   /// Stretch along the first axis and along the second; axisymmetric: also around, across either.
-  std::array<BendingMode, is_axisymmetric<Element> ? 4 : 2> bending;
+  std::array<BendingMode<Number>, is_axisymmetric<Element> ? 4 : 2> bending;
+  /// Which lever of a point a mode has.
+  static constexpr std::size_t lever_of(std::size_t mode) { return mode % 2; }
 };
-template <>
-struct BendingModes<BendingHexahedron, true> {
-  SolidBending bending;
+template <class Number>
+struct BendingModes<BendingHexahedron, Number, true> {
+  SolidBendingModes<Number> bending;
 };
 /// Of an axisymmetric element with bending modes, the mean of the hoop gradient, apart from the
 /// mean gradient.
-template <class Element, bool = is_axisymmetric<Element>&& has_bending_modes<Element>>
+template <class Element, class Number, bool = is_axisymmetric<Element>&& has_bending_modes<Element>>
 struct MeanHoop {};
-template <class Element>
-struct MeanHoop<Element, true> {
-  std::array<double, Element::nodes> mean_hoop;  ///< [1/m] by node
+template <class Element, class Number>
+struct MeanHoop<Element, Number, true> {
+  std::array<Number, Element::nodes> mean_hoop;  ///< [1/m] by node
 };
 
-/// Gradients of the shape functions and weights at every quadrature point of a mesh, contiguous by
-/// element, so that assembly streams through memory and never touches coordinates.
+/// An element as mechanics sees it, or with Lanes as Number several of them: nothing but numbers.
+template <class Element, class Number = double>
+struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
+  struct Point : HoopGradient<Element, Number>, PointStrain<Element, Number> {
+    Number weight;  ///< quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r
+                    ///< [m3/rad]
+  };
+  using Gradients =
+      std::array<std::array<Number, Element::dimension>, Element::nodes>;  ///< [1/m] by node
+
+  std::array<Point, Element::points> point;
+  /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
+  /// gradient, across the axis with the hoop gradient if axisymmetric.
+  Gradients mean_gradient;
+  Number volume;  ///< [m^Dim], axisymmetric: [m3/rad]
+};
+
+/// Gradients of the shape functions and weights at every quadrature point of a mesh, so that
+/// assembly streams through memory and never touches coordinates. Elements that follow one another
+/// share the lanes of a register: register_lanes() of them make a group.
 template <class Element>
 class ElementGeometry {
 public:
   static constexpr int dimension = Element::dimension, nodes = Element::nodes,
                        points = Element::points;
-  using Gradients = std::array<std::array<double, dimension>, nodes>;  ///< [1/m] by node
-
-  struct Point : HoopGradient<Element>, PointStrain<Element> {
-    double weight;  ///< quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r
-                    ///< [m3/rad]
-  };
-  struct Cell : BendingModes<Element>, MeanHoop<Element> {
-    std::array<Point, points> point;
-    /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
-    /// gradient, across the axis with the hoop gradient if axisymmetric.
-    Gradients mean_gradient;
-    double volume;  ///< [m^Dim], axisymmetric: [m3/rad]
-  };
+  using Cell = ElementCell<Element>;
+  using Point = typename Cell::Point;
+  using Gradients = typename Cell::Gradients;
 
   /// Computes the elements from `first` on; call with the first element that moved or is new.
   void update(const mesh::Mesh<dimension>& mesh, int first = 0) {
-    cells_.resize(std::size_t(mesh.elements()));
-    for (int e = first; e < mesh.elements(); ++e) compute(mesh, e, cells_[std::size_t(e)]);
+    elements_ = mesh.elements();
+    const std::size_t groups = (std::size_t(elements_) + lanes() - 1) / lanes();
+    line_.resize((groups * lanes() * numbers + line_size - 1) / line_size);
+    Cell cell{};
+    for (int e = first; e < elements_; ++e) {
+      compute(mesh, e, cell);
+      put(std::size_t(e), cell);
+    }
+    if (first >= elements_) return;
+    for (std::size_t e = std::size_t(elements_); e < groups * lanes(); ++e) put(e, cell);
   }
 
-  int elements() const { return static_cast<int>(cells_.size()); }
-  const Cell& cell(int e) const { return cells_[std::size_t(e)]; }
+  int elements() const { return elements_; }
+  Cell cell(int e) const {
+    std::array<double, numbers> number;
+    const double* from = lane_of(std::size_t(e));
+    for (std::size_t k = 0; k < numbers; ++k) number[k] = from[k * lanes()];
+    return std::bit_cast<Cell>(number);
+  }
+  Gradients mean_gradient(int e) const {
+    const double* from = lane_of(std::size_t(e)) + (numbers - 1 - nodes * dimension) * lanes();
+    Gradients gradient;
+    for (auto& of_node : gradient) {
+      for (double& g : of_node) {
+        g = *from;
+        from += lanes();
+      }
+    }
+    return gradient;
+  }
+  double volume(int e) const { return lane_of(std::size_t(e))[(numbers - 1) * lanes()]; }
+  /// A group of elements; the last one of a mesh is filled up with its last element.
+  /// @tparam Count  register_lanes() @param first  number of its first element
+  template <int Count>
+  const ElementCell<Element, Lanes<Count>>& group(std::size_t first) const {
+    using Group = ElementCell<Element, Lanes<Count>>;
+    static_assert(sizeof(Group) == Count * sizeof(Cell));
+    return *reinterpret_cast<const Group*>(lane_of(first));
+  }
 
 private:
+  static constexpr std::size_t numbers = sizeof(Cell) / sizeof(double), line_size = 8;
+  struct alignas(64) Line {
+    double number[line_size];
+  };
+
+  static std::size_t lanes() { return std::size_t(register_lanes()); }
+  static std::size_t place_of(std::size_t e) {
+    return e / lanes() * lanes() * numbers + e % lanes();
+  }
+  const double* lane_of(std::size_t e) const {
+    return reinterpret_cast<const double*>(line_.data()) + place_of(e);
+  }
+  void put(std::size_t e, const Cell& cell) {
+    const auto number = std::bit_cast<std::array<double, numbers>>(cell);
+    double* to = reinterpret_cast<double*>(line_.data()) + place_of(e);
+    for (std::size_t k = 0; k < numbers; ++k) to[k * lanes()] = number[k];
+  }
+
   static void compute(const mesh::Mesh<dimension>& mesh, int e, Cell& cell) {
     const int* node = mesh.nodes_of(e);
     cell.volume = 0.0;
@@ -174,8 +237,7 @@ private:
     for (std::size_t m = 0; m < 2; ++m) {
       const Eigen::Vector2d axis = axes.col(static_cast<int>(m));
       const double square = axis.squaredNorm();
-      BendingMode& mode = cell.bending[m];
-      mode.lever = m;
+      BendingMode<double>& mode = cell.bending[m];
       for (std::size_t i = 0; i < 4; ++i) {
         const double gamma = hourglass[i] - share(0) * reference[i][0] - share(1) * reference[i][1];
         mode.amplitude[i] = {gamma * axis(0) / square, gamma * axis(1) / square};
@@ -206,8 +268,7 @@ private:
 
   /// The hoop strain varies across an axis by what its points say of it. The mean of it stays.
   static void add_hoop_mode(Cell& cell, std::size_t lever) {
-    BendingMode& mode = cell.bending[2 + lever];
-    mode.lever = lever;
+    BendingMode<double>& mode = cell.bending[2 + lever];
     mode.amplitude = {};
     cell.mean_hoop = {};
     double square = 0.0;
@@ -233,7 +294,8 @@ private:
     point.weight *= radius;
   }
 
-  std::vector<Cell> cells_;
+  int elements_ = 0;
+  std::vector<Line> line_;  ///< (group of elements, number of a cell, lane)
 };
 
 }  // namespace dccast::fem

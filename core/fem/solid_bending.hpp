@@ -12,37 +12,44 @@ namespace dccast::fem {
 /// The bending modes of a BendingHexahedron.
 ///
 /// What of a displacement is neither a translation nor a uniform gradient is, with r, s, t the
-/// reference coordinates, q0 st + q1 rt + q2 rs + q3 rst (Flanagan and Belytschko 1981). Across axis
-/// c of the cell, the gradient of it has a part linear in the coordinate c: that of a plate in the
-/// plane of the other two axes, which is kept as far as it lies in that plane, with the opposite of
-/// its trace along the normal. Of q3 the stretch along each axis is kept, half of its opposite along
-/// each direction across. All modes keep the volume.
-struct SolidBending {
+/// reference coordinates, q0 st + q1 rt + q2 rs + q3 rst (Flanagan and Belytschko 1981). Across
+/// axis c of the cell, the gradient of it has a part linear in the coordinate c: that of a plate in
+/// the plane of the other two axes, which is kept as far as it lies in that plane, with the
+/// opposite of its trace along the normal. Of q3 the stretch along each axis is kept, half of its
+/// opposite along each direction across. All modes keep the volume.
+/// @tparam Number  double, or Lanes for the modes of several elements
+template <class Number>
+struct SolidBendingModes {
   static constexpr std::size_t nodes = 8, warps = 4, modes = 12, levers = 6;
 
   /// Weights of the nodes in q0 to q3 [1].
-  std::array<std::array<double, nodes>, warps> warp;
+  std::array<std::array<Number, nodes>, warps> warp;
   /// A mode is at a point lever times amplitude times strain. Modes 3 c to 3 c + 2 are those of the
   /// plate across axis c, modes 9 to 11 the bilinear stretches.
   struct Mode {
-    SymmetricTensor<3> strain;  ///< trace-free [1]
-    /// Amplitude = sum over two warps of share . q [1/m]
-    std::array<std::size_t, 2> warp;
-    std::array<std::array<double, 3>, 2> share;
+    SymmetricTensor<3, Number> strain;  ///< trace-free [1]
+    /// Amplitude = sum over the two warps_of() the mode of share . q [1/m]
+    std::array<std::array<Number, 3>, 2> share;
   };
   std::array<Mode, modes> mode;
 
+  /// The warps a mode is made of: of a plate those across the other two axes.
+  static constexpr std::array<std::size_t, 2> warps_of(std::size_t mode) {
+    if (mode >= 9) return {3, 3};
+    return {(mode / 3 + 2) % 3, (mode / 3 + 1) % 3};
+  }
   /// Lever of a mode: the coordinate across the plate, or the product of the two coordinates across
   /// the stretch.
-  static constexpr std::size_t lever_of(std::size_t mode) {
-    return mode < 9 ? mode / 3 : mode - 6;
-  }
+  static constexpr std::size_t lever_of(std::size_t mode) { return mode < 9 ? mode / 3 : mode - 6; }
   /// The levers at a point of the reference cell, to be reduced by their volume means: r, s, t, st,
   /// rt, rs.
   static std::array<double, levers> lever(const std::array<double, 3>& p) {
     return {p[0], p[1], p[2], p[1] * p[2], p[0] * p[2], p[0] * p[1]};
   }
+};
 
+/// The modes of a cell. @see SolidBendingModes
+struct SolidBending : SolidBendingModes<double> {
   SolidBending() = default;
   explicit SolidBending(const std::array<Eigen::Vector3d, nodes>& corner) {
     const auto reference = Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
@@ -79,17 +86,17 @@ private:
     }
   }
 
-  /// With q_b r_a r_c and q_a r_b r_c the gradient linear in r_c is q_b (x) n_a + q_a (x) n_b, where
-  /// n_a and n_b are the gradients of r_a and r_b.
+  /// With q_b r_a r_c and q_a r_b r_c the gradient linear in r_c is q_b (x) n_a + q_a (x) n_b,
+  /// where n_a and n_b are the gradients of r_a and r_b.
   void set_plate(std::size_t c, const Eigen::Matrix3d& axes, const Eigen::Matrix3d& normals) {
     const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
     const Eigen::Vector3d normal = normals.row(static_cast<int>(c)).normalized();
     const Eigen::Vector3d e1 = axes.col(static_cast<int>(a)).normalized(), e2 = normal.cross(e1);
-    const Eigen::Vector3d na = normals.row(static_cast<int>(a)), nb = normals.row(static_cast<int>(b));
+    const Eigen::Vector3d na = normals.row(static_cast<int>(a)),
+                          nb = normals.row(static_cast<int>(b));
     const auto add = [&](std::size_t number, const Eigen::Matrix3d& strain, auto&& share_of) {
       Mode& m = mode[3 * c + number];
       m.strain = tensor(strain);
-      m.warp = {b, a};
       m.share = {components(share_of(na)), components(share_of(nb))};
     };
     const Eigen::Matrix3d opposite = normal * normal.transpose();
@@ -107,7 +114,6 @@ private:
     Mode& m = mode[9 + along];
     const Eigen::Vector3d t = axis.normalized();
     m.strain = tensor(1.5 * t * t.transpose() - 0.5 * Eigen::Matrix3d::Identity());
-    m.warp = {3, 3};
     m.share = {components(axis / axis.squaredNorm()), {}};
   }
 

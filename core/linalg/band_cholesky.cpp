@@ -1,12 +1,35 @@
 #include "core/linalg/band_cholesky.hpp"
 
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
+#include <new>
 #include <utility>
 
 namespace dccast::linalg {
 
 namespace {
+
+/// A factor larger than this is not in the cache when a solve comes to it [byte]: measured in
+/// docs/factorisation.md.
+constexpr std::size_t cache_bytes = std::size_t(8) << 20;
+constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]
+
+/// Storage for tiles, in huge pages where it is large: a solve goes through all of it.
+Tile* allocate(std::size_t tiles) {
+  const std::size_t bytes = tiles * sizeof(Tile);
+  if (bytes < cache_bytes) return static_cast<Tile*>(std::aligned_alloc(alignof(Tile), bytes));
+  const std::size_t whole = (bytes + huge_page - 1) / huge_page * huge_page;
+  void* storage = std::aligned_alloc(huge_page, whole);
+#ifdef MADV_HUGEPAGE
+  if (storage != nullptr) madvise(storage, whole, MADV_HUGEPAGE);
+#endif
+  return static_cast<Tile*>(storage);
+}
 
 /// Calls use(entry, row, column), row >= column, both places in the order of elimination.
 template <class Use>
@@ -65,6 +88,13 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
   reserve_tiles();
   inverse_.resize(shape_.first.size());
   right_.assign(shape_.first.size(), TileRow{});
+  int reach = 0;
+  for (int j = 0; j < shape_.rows(); ++j) reach = std::max(reach, shape_.last[std::size_t(j)] - j);
+  sums_.assign(streams() ? std::size_t(reach) + 1 : 0, Tile{});
+}
+
+bool BandCholesky::streams() const {
+  return tiles() * sizeof(Tile) > cache_bytes;
 }
 
 /// With room to grow by a few rows of cells: touching new memory costs more than a factorisation.
@@ -72,7 +102,12 @@ void BandCholesky::reserve_tiles() {
   if (tiles() <= tile_capacity_) return;
   tile_capacity_ = tile_capacity_ == 0 ? tiles() : tiles() + tiles() / 4;
   tile_.reset();
-  tile_ = std::make_unique_for_overwrite<Tile[]>(tile_capacity_);
+  tile_.reset(allocate(tile_capacity_));
+  if (tile_ == nullptr) throw std::bad_alloc();
+}
+
+void BandCholesky::Free::operator()(Tile* tiles) const {
+  std::free(tiles);
 }
 
 std::size_t BandCholesky::memory_bytes() const {
@@ -107,8 +142,14 @@ void BandCholesky::take_matrix(std::span<const double> values, int from) {
 }
 
 TileBand BandCholesky::band() {
-  return {tile_.get(),        shape_.start.data(), shape_.first.data(),
-          shape_.last.data(), inverse_.data(),     shape_.rows()};
+  return {tile_.get(),
+          shape_.start.data(),
+          shape_.first.data(),
+          shape_.last.data(),
+          inverse_.data(),
+          shape_.rows(),
+          streams() ? sums_.data() : nullptr,
+          static_cast<int>(sums_.size())};
 }
 
 bool BandCholesky::factorize(std::span<const double> values) {

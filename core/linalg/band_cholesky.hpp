@@ -64,6 +64,7 @@ private:
   void reserve_tiles();
   int first_changed_row(std::span<const double> values) const;
   void take_matrix(std::span<const double> values, int from);
+  bool streams() const;
   TileBand band();
 
   const TileKernels* kernels_;
@@ -73,10 +74,14 @@ private:
   std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
   std::vector<double> values_;      ///< (entry of the pattern) of the present factor
   bool whole_ = false;              ///< the factor is that of `values_`
-  std::unique_ptr<Tile[]> tile_;    ///< not initialised before a factorisation
+  struct Free {
+    void operator()(Tile* tiles) const;
+  };
+  std::unique_ptr<Tile[], Free> tile_;  ///< not initialised before a factorisation
   std::size_t tile_capacity_ = 0;
   std::vector<TileRow> inverse_;
   std::vector<TileRow> right_;
+  std::vector<Tile> sums_;  ///< @see TileBand
   double share_computed_ = 1.0;
 };
 

@@ -6,27 +6,29 @@ namespace dccast::linalg {
 
 namespace {
 
-/// Where each unknown stands in the list of the elements' unknowns.
+/// Where each unknown from a first one on stands in the list of the elements' unknowns.
 struct Incidence {
+  int first;
   std::vector<int> start, position;
 
-  Incidence(int unknowns, std::span<const int> element_unknown) {
-    start.assign(std::size_t(unknowns) + 1, 0);
+  Incidence(int first_unknown, int unknowns, std::span<const int> element_unknown)
+      : first(first_unknown) {
+    start.assign(std::size_t(unknowns - first) + 1, 0);
     for (const int u : element_unknown) {
-      if (u >= 0) ++start[std::size_t(u) + 1];
+      if (u >= first) ++start[std::size_t(u - first) + 1];
     }
     for (std::size_t u = 0; u + 1 < start.size(); ++u) start[u + 1] += start[u];
     position.resize(std::size_t(start.back()));
     std::vector<int> next(start.begin(), start.end() - 1);
     for (std::size_t i = 0; i < element_unknown.size(); ++i) {
       const int u = element_unknown[i];
-      if (u >= 0) position[std::size_t(next[std::size_t(u)]++)] = static_cast<int>(i);
+      if (u >= first) position[std::size_t(next[std::size_t(u - first)]++)] = static_cast<int>(i);
     }
   }
   /// Calls use(element, number within it) for every element of an unknown.
   template <class Use>
   void for_each_element(int unknown, std::size_t per_element, const Use& use) const {
-    const std::size_t u = std::size_t(unknown);
+    const std::size_t u = std::size_t(unknown - first);
     for (int k = start[u]; k < start[u + 1]; ++k) {
       const std::size_t at = std::size_t(position[std::size_t(k)]);
       use(at / per_element, at % per_element);
@@ -39,12 +41,24 @@ struct Incidence {
 SparsityPattern::SparsityPattern(int unknowns, std::span<const int> element_unknown,
                                  int per_element)
     : per_element_(per_element) {
-  const std::size_t width = std::size_t(per_element);
+  extend(unknowns, element_unknown);
+}
+
+void SparsityPattern::extend(int all_unknowns, std::span<const int> element_unknown) {
+  const std::size_t width = std::size_t(per_element_);
   const std::size_t elements = width == 0 ? 0 : element_unknown.size() / width;
-  const Incidence incidence(unknowns, element_unknown);
-  place_.assign(elements * width * width, -1);
-  std::vector<int> column_of(std::size_t(unknowns), -1), place_of(std::size_t(unknowns), -1);
-  for (int column = 0; column < unknowns; ++column) {
+  const std::size_t known = width == 0 ? 0 : place_.size() / width;
+  int first = unknowns();
+  for (const int u : element_unknown.subspan(known)) {
+    if (u >= 0) first = std::min(first, u);
+  }
+  column_start_.resize(std::size_t(first) + 1);
+  row_.resize(std::size_t(column_start_.back()));
+  place_.resize(elements * width * width, -1);
+  const Incidence incidence(first, all_unknowns, element_unknown);
+  const std::size_t size = std::size_t(all_unknowns);
+  std::vector<int> column_of(size, -1), place_of(size, -1);
+  for (int column = first; column < all_unknowns; ++column) {
     const auto diagonal = static_cast<std::ptrdiff_t>(row_.size());
     row_.push_back(column);
     incidence.for_each_element(column, width, [&](std::size_t e, std::size_t) {
@@ -68,20 +82,29 @@ SparsityPattern::SparsityPattern(int unknowns, std::span<const int> element_unkn
     });
     column_start_.push_back(static_cast<int>(row_.size()));
   }
+  find_unknowns_per_node(first);
+}
+
+/// @param first  the columns before are made of nodes as they were
+void SparsityPattern::find_unknowns_per_node(int first) {
+  const int before = unknowns_per_node_;
+  unknowns_per_node_ = 1;
   for (const int per_node : {3, 2}) {
-    if (unknowns_per_node_ == 1 && is_made_of_nodes(per_node)) unknowns_per_node_ = per_node;
+    if (unknowns_per_node_ != 1) return;
+    const int from = per_node == before ? first / per_node * per_node : 0;
+    if (is_made_of_nodes(per_node, from)) unknowns_per_node_ = per_node;
   }
 }
 
 /// The column of a node's first unknown is that of the next one and one entry more, and what lies
 /// below the node comes in whole nodes.
-bool SparsityPattern::is_made_of_nodes(int per_node) const {
+bool SparsityPattern::is_made_of_nodes(int per_node, int first_column) const {
   if (unknowns() % per_node != 0) return false;
   const auto column = [&](int c) {
     return std::span(row_).subspan(std::size_t(diagonal(c)),
                                    std::size_t(column_start_[std::size_t(c) + 1] - diagonal(c)));
   };
-  for (int c = 0; c < unknowns(); c += per_node) {
+  for (int c = first_column; c < unknowns(); c += per_node) {
     const auto first = column(c);
     if (first.size() % std::size_t(per_node) != 0) return false;
     for (std::size_t k = 0; k < first.size(); ++k) {

@@ -9,7 +9,8 @@ namespace dccast::linalg {
 /// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for each
 /// element the place of each of its entries, so that assembly is one addition per entry.
 ///
-/// Built once per mesh; values are kept by the caller as a plain vector of `entries()` numbers.
+/// Built once per mesh and extended as the mesh grows; values are kept by the caller as a plain
+/// vector of `entries()` numbers.
 class SparsityPattern {
 public:
   SparsityPattern() = default;
@@ -17,6 +18,11 @@ public:
   /// @param element_unknown   (element, per_element) unknowns coupled by each element; negative
   ///                          ones do not take part
   SparsityPattern(int unknowns, std::span<const int> element_unknown, int per_element);
+
+  /// Takes a mesh that has grown: columns from the least unknown of a new element on are found
+  /// anew, those before stay where they are. The same pattern as one built of all elements.
+  /// @param element_unknown  of all elements, those the pattern has first
+  void extend(int unknowns, std::span<const int> element_unknown);
 
   int unknowns() const { return static_cast<int>(column_start_.size()) - 1; }
   std::size_t entries() const { return row_.size(); }
@@ -35,7 +41,8 @@ public:
   }
 
 private:
-  bool is_made_of_nodes(int unknowns_per_node) const;
+  bool is_made_of_nodes(int unknowns_per_node, int first) const;
+  void find_unknowns_per_node(int first);
 
   int per_element_ = 0;
   int unknowns_per_node_ = 1;

@@ -26,6 +26,10 @@ struct TileBand {
   const int* last = nullptr;   ///< (column) last row of tiles that reaches it
   TileRow* inverse = nullptr;  ///< (row) reciprocals of the diagonal of the factor
   int rows = 0;
+  /// Where a solve streams the factor from memory, row by row both ways: room for the sums of so
+  /// many columns as a row reaches, zero before and after. Null where the factor is in the cache.
+  Tile* sums = nullptr;
+  int sum_columns = 0;
 
   Tile* at(int row, int column) const { return tile + start[row] + (column - first[row]); }
 };

@@ -1,15 +1,16 @@
 #pragma once
 
+#include "core/base/lanes.hpp"
 #include "core/material/alloy_card.hpp"
 
 namespace dccast::material {
 
 /// Norton-Hoff creep law: viscoplastic strain rate kappa(T) |s|^(q-2) s, paper eq. (21).
 struct NortonHoff {
-  double factor = 0.0;                 ///< kappa without its Arrhenius factor [Pa^-(q-1)/s]
-  double activation_temperature = 0.0; ///< G/R [K]
-  double zero_offset = 273.0;          ///< [K] added to °C; 273 as eq. (20) prints it
-  double exponent = 2.0;               ///< q [1], at least 2
+  double factor = 0.0;                  ///< kappa without its Arrhenius factor [Pa^-(q-1)/s]
+  double activation_temperature = 0.0;  ///< G/R [K]
+  double zero_offset = 273.0;           ///< [K] added to °C; 273 as eq. (20) prints it
+  double exponent = 2.0;                ///< q [1], at least 2
 
   /// kappa(T), eq. (20). @param temperature [°C] @return [Pa^-(q-1)/s]
   double kappa(double temperature) const;
@@ -34,5 +35,57 @@ struct ReturnMap {
 /// Newton from min(R, (R/c)^(1/(q-1))), which lies above the root of a convex increasing function:
 /// the iterates fall monotonically to it.
 ReturnMap return_map(double trial_norm, double creep, double exponent);
+
+/// The same at several points at once.
+template <int Count>
+struct ReturnMaps {
+  Lanes<Count> norm;        ///< |s| [Pa]
+  Lanes<Count> derivative;  ///< d|s| / d|s_trial|, in (0, 1]
+};
+/// @see return_map; where the exponent is the paper's, 6, without a power.
+template <int Count>
+ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
+                              double exponent);
+
+namespace detail {
+
+template <int Count>
+ReturnMaps<Count> each_by_itself(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
+                                 double exponent) {
+  ReturnMaps<Count> maps;
+  for (int i = 0; i < Count; ++i) {
+    const ReturnMap map = return_map(trial_norm[i], creep[i], exponent);
+    maps.norm[i] = map.norm;
+    maps.derivative[i] = map.derivative;
+  }
+  return maps;
+}
+
+/// x + c x^5 = R from an upper bound: (R/c)^(1/5) is at most R strength^(-3/16), strength = c R^4.
+template <int Count>
+ReturnMaps<Count> of_fifth_power(const Lanes<Count>& trial_norm, const Lanes<Count>& creep) {
+  using Numbers = Lanes<Count>;
+  const Numbers square = trial_norm * trial_norm, strength = creep * square * square;
+  const Numbers eighth = root<Count>(root<Count>(root<Count>(strength)));
+  const Numbers bound = trial_norm / (eighth * root<Count>(eighth));
+  Numbers x = strength > 1.0 ? bound : trial_norm;
+  constexpr int most = 60;
+  for (int i = 0; i < most; ++i) {
+    const Numbers power = creep * (x * x) * (x * x);
+    const Numbers step = (x + power * x - trial_norm) / (1.0 + 5.0 * power);
+    x -= step;
+    if (!any<Count>((step < 0.0 ? -step : step) > 1e-15 * trial_norm)) break;
+  }
+  return {x, 1.0 / (1.0 + 5.0 * creep * (x * x) * (x * x))};
+}
+
+}  // namespace detail
+
+template <int Count>
+ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
+                              double exponent) {
+  if (exponent == 6.0) return detail::of_fifth_power<Count>(trial_norm, creep);
+  return detail::each_by_itself<Count>(trial_norm, creep, exponent);
+}
 
 }  // namespace dccast::material

@@ -39,8 +39,8 @@ double curve_or_one(const Curve& curve, double at) {
 /// Every temperature at which one of the tables has a kink, sorted, and 0 °C, the origin of H.
 std::vector<double> kinks(const AlloyCard& card) {
   std::vector<double> points{0.0, card.solidus, card.liquidus};
-  for (const Curve* curve : {&card.density, &card.specific_heat, &card.conductivity,
-                             &card.liquid_fraction}) {
+  for (const Curve* curve :
+       {&card.density, &card.specific_heat, &card.conductivity, &card.liquid_fraction}) {
     if (!curve->constant()) points.insert(points.end(), curve->at().begin(), curve->at().end());
   }
   for (const double fraction : card.melt_conductivity_factor.at()) {
@@ -136,6 +136,8 @@ void ThermalProperties::append(Segment segment) {
   segment.kirchhoff = first ? 0.0 : segments_.back().kirchhoff + kirchhoff_of_last_;
   const double width = std::isinf(segment.width) ? 0.0 : segment.width;
   content_of_last_ = cubic(segment.h1, segment.h2, segment.h3, width);
+  segment.slope_at_start = 1.0 / segment.h1;
+  segment.slope_at_end = 1.0 / cubic_derivative(segment.h1, segment.h2, segment.h3, width);
   kirchhoff_of_last_ = cubic(segment.k1, segment.k2, segment.k3, width);
   // Largest conductivity over smallest heat capacity of the two ends: an upper bound.
   const double conductivity =
@@ -187,13 +189,22 @@ const ThermalProperties::Segment& ThermalProperties::segment_at_enthalpy(double 
   return segments_[static_cast<std::size_t>(next - start_enthalpy_.begin())];
 }
 
+/// Cubic through both ends of the segment with its slopes there: two steps of Newton's from the
+/// root to rounding.
+double ThermalProperties::first_guess(const Segment& segment, double wanted, double whole) {
+  const double share = wanted / whole, rest = 1.0 - share;
+  const double curved = share * share * (3.0 - 2.0 * share) * segment.width;
+  return curved +
+         share * rest * whole * (rest * segment.slope_at_start - share * segment.slope_at_end);
+}
+
 double ThermalProperties::invert(const Segment& segment, double enthalpy, double enthalpy_at_end) {
   const double wanted = enthalpy - segment.enthalpy;
   if (segment.h2 == 0.0 && segment.h3 == 0.0) return wanted / segment.h1;
   // Newton on a monotone cubic, kept inside the segment by bisection.
   double low = 0.0;
   double high = segment.width;
-  double t = segment.width * wanted / (enthalpy_at_end - segment.enthalpy);
+  double t = first_guess(segment, wanted, enthalpy_at_end - segment.enthalpy);
   for (int iteration = 0; iteration < 60; ++iteration) {
     const double excess = cubic(segment.h1, segment.h2, segment.h3, t) - wanted;
     (excess > 0.0 ? high : low) = t;

@@ -64,14 +64,15 @@ private:
   /// Between two points of any table: cubics in t = T - anchor. The isothermal change is a segment
   /// of no width in T.
   struct Segment {
-    double anchor = 0.0;                  ///< [°C]
-    double width = 0.0;                   ///< [K]; infinite at the ends
-    double enthalpy = 0.0;                ///< [J/m3] at the anchor
-    double kirchhoff = 0.0;               ///< [W/m] at the anchor
-    double h1 = 0.0, h2 = 0.0, h3 = 0.0;  ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3
-    double k1 = 0.0, k2 = 0.0, k3 = 0.0;  ///< the same for Theta
-    double liquid_fraction = 0.0;         ///< [1] at the anchor
-    double liquid_fraction_slope = 0.0;   ///< [1/K]; [m3/J] in an isothermal change
+    double anchor = 0.0;                              ///< [°C]
+    double width = 0.0;                               ///< [K]; infinite at the ends
+    double enthalpy = 0.0;                            ///< [J/m3] at the anchor
+    double kirchhoff = 0.0;                           ///< [W/m] at the anchor
+    double h1 = 0.0, h2 = 0.0, h3 = 0.0;              ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3
+    double k1 = 0.0, k2 = 0.0, k3 = 0.0;              ///< the same for Theta
+    double slope_at_start = 0.0, slope_at_end = 0.0;  ///< dT/dH [K m3/J]
+    double liquid_fraction = 0.0;                     ///< [1] at the anchor
+    double liquid_fraction_slope = 0.0;               ///< [1/K]; [m3/J] in an isothermal change
     bool isothermal = false;
   };
 
@@ -85,6 +86,7 @@ private:
   void fix_origin();
   const Segment& segment_at_temperature(double temperature) const;
   const Segment& segment_at_enthalpy(double enthalpy) const;
+  static double first_guess(const Segment& segment, double wanted, double whole);
   static double invert(const Segment& segment, double enthalpy, double enthalpy_at_end);
 
   double solidus_;                  ///< [°C]

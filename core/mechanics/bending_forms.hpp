@@ -6,9 +6,9 @@ namespace dccast::mechanics {
 
 /// The forms of an element whose strain is its mean and bending modes (fem::BendingQuadrilateral).
 /// The modes keep the volume, so that the mean dilatation is that of every point.
-template <class Element>
-struct ElementForms<Element, true> : ElementFormsBase<Element> {
-  using Base = ElementFormsBase<Element>;
+template <class Element, class Number>
+struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
+  using Base = ElementFormsBase<Element, Number>;
   using Base::dim, Base::nodes, Base::points, Base::unknowns;
   using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
@@ -22,7 +22,7 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
 
   static Tensors strain_deviators(const Cell& c, const Vectors& v) {
     Tensor mean;
-    double amplitude[modes] = {};
+    Number amplitude[modes] = {};
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto g = section_gradient(c, i);
       mean[0] += g[0] * v[i][0];
@@ -44,12 +44,12 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
     return deviators;
   }
 
-  static Vectors forces(const Cell& c, Responses response, Pressures pressure) {
+  static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
     Tensor sum;  // of the stress deviator over the volume [N/m]
-    double pressures = 0.0, bending[modes] = {};
+    Number pressures{}, bending[modes] = {};
     for (std::size_t q = 0; q < points; ++q) {
-      const double weight = c.point[q].weight;
-      const Tensor& s = response[q].deviator;
+      const Number weight = c.point[q].weight;
+      const Tensor& s = deviator[q];
       sum.add(weight, s);
       pressures += weight * pressure[q];
       for (std::size_t m = 0; m < modes; ++m) {
@@ -60,7 +60,7 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto g = section_gradient(c, i);
       for (std::size_t a = 0; a < dim; ++a) {
-        double f = sum.at(a, 0) * g[0] + sum.at(a, 1) * g[1] + pressures * c.mean_gradient[i][a];
+        Number f = sum.at(a, 0) * g[0] + sum.at(a, 1) * g[1] + pressures * c.mean_gradient[i][a];
         for (std::size_t m = 0; m < modes; ++m) f += bending[m] * c.bending[m].amplitude[i][a];
         force[i][a] = f;
       }
@@ -69,15 +69,15 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
     return force;
   }
 
-  static Matrix stiffness(const Cell& c, Responses response, double bulk_modulus) {
+  static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     Matrix k{};
     const auto mean = mean_deviators_of_unit_displacements(c);
     for (std::size_t q = 0; q < points; ++q) {
-      const PointResponse<2>& r = response[q];
-      const double weight = c.point[q].weight;
-      const double normal = r.norm > 0.0 ? weight * r.normal / (r.norm * r.norm) : 0.0;
+      const auto& r = response[q];
+      const Number weight = c.point[q].weight, twice_shear = 2.0 * weight * r.shear;
+      const Number softening = weight * r.softening;
       std::array<Tensor, unknowns> strain = mean;  // deviators of unit displacements at the point
-      std::array<double, unknowns> along;          // the stress on them
+      std::array<Number, unknowns> along;          // the stress on them
       for (std::size_t n = 0; n < unknowns; ++n) {
         for (std::size_t m = 0; m < modes; ++m) {
           strain[n].add(lever(c, q, m) * c.bending[m].amplitude[n / 2][n % 2], c.bending[m].strain);
@@ -85,11 +85,11 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
         along[n] = contract(r.deviator, strain[n]);
       }
       for (std::size_t n = 0; n < unknowns; ++n) {
-        const double bulk = weight * bulk_modulus * c.mean_gradient[n / 2][n % 2];
+        const Number bulk = weight * bulk_modulus * c.mean_gradient[n / 2][n % 2];
         for (std::size_t m = 0; m <= n; ++m) {
-          k[n * unknowns + m] += 2.0 * weight * r.shear * contract(strain[n], strain[m]) +
+          k[n * unknowns + m] += twice_shear * contract(strain[n], strain[m]) +
                                  bulk * c.mean_gradient[m / 2][m % 2] +
-                                 normal * along[n] * along[m];
+                                 softening * along[n] * along[m];
         }
       }
     }
@@ -97,16 +97,16 @@ struct ElementForms<Element, true> : ElementFormsBase<Element> {
   }
 
 private:
-  static double contract(const Tensor& a, const Tensor& b) {
+  static Number contract(const Tensor& a, const Tensor& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * a[3] * b[3];
   }
-  static double lever(const Cell& c, std::size_t q, std::size_t mode) {
-    return c.point[q].lever[c.bending[mode].lever];
+  static const Number& lever(const Cell& c, std::size_t q, std::size_t mode) {
+    return c.point[q].lever[Cell::lever_of(mode)];
   }
 
   /// Mean gradient of a shape function in the section, without the hoop.
-  static std::array<double, 2> section_gradient(const Cell& c, std::size_t i) {
-    std::array<double, 2> g = c.mean_gradient[i];
+  static std::array<Number, 2> section_gradient(const Cell& c, std::size_t i) {
+    std::array<Number, 2> g = c.mean_gradient[i];
     if constexpr (axisymmetric) g[0] -= c.mean_hoop[i];
     return g;
   }
@@ -115,10 +115,10 @@ private:
     std::array<Tensor, unknowns> strain;
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto g = section_gradient(c, i);
-      double hoop = 0.0;
+      Number hoop{}, none{};
       if constexpr (axisymmetric) hoop = c.mean_hoop[i];
-      strain[2 * i] = Tensor{{g[0], 0.0, hoop, 0.5 * g[1]}}.deviator();
-      strain[2 * i + 1] = Tensor{{0.0, g[1], 0.0, 0.5 * g[0]}}.deviator();
+      strain[2 * i] = Tensor{{g[0], none, hoop, 0.5 * g[1]}}.deviator();
+      strain[2 * i + 1] = Tensor{{none, g[1], none, 0.5 * g[0]}}.deviator();
     }
     return strain;
   }

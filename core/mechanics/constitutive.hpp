@@ -1,31 +1,55 @@
 #pragma once
 
-#include "core/mechanics/equilibrium.hpp"
+#include "core/material/norton_hoff.hpp"
+#include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
 
 /// The law of a step problem itself: backward-Euler return map and its consistent tangent
 /// (Simo and Taylor 1985; for Norton's law one scalar equation in |s|).
 template <int Dim>
-auto return_map_law(const StepProblem<Dim>& problem) {
-  return [&problem](std::size_t e, std::size_t, const typename StepProblem<Dim>::Tensor& trial) {
-    PointResponse<Dim> r;
-    const double mu = problem.shear[e];
-    r.deviator = trial;
-    for (double& s : r.deviator.value) s *= 2.0 * mu;
-    r.norm = r.deviator.norm();
-    r.shear = mu;
-    r.normal = 0.0;
-    if (problem.kappa[e] <= 0.0 || r.norm <= 0.0) return r;
-    const auto map = material::return_map(r.norm, 2.0 * mu * problem.dt * problem.kappa[e],
-                                          problem.exponent);
-    const double ratio = map.norm / r.norm;
-    for (double& s : r.deviator.value) s *= ratio;
-    r.norm = map.norm;
-    r.shear = mu * ratio;
-    r.normal = 2.0 * mu * (map.derivative - ratio);
-    return r;
-  };
+class ReturnMapLaw {
+public:
+  explicit ReturnMapLaw(const StepProblem<Dim>& problem) : problem_(&problem) {}
+
+  /// Of all points of a block, from their trial strain deviators.
+  void operator()(ElementBlock block, TensorBlock<Dim> trial, ResponseBlock<Dim> response) const {
+    const auto shear = of_block(block, problem_->shear), kappa = of_block(block, problem_->kappa);
+    with_lanes([&]<int Count>() {
+      for (std::size_t q = 0; q < trial.points(); ++q) {
+        for (std::size_t i = 0; i < block.elements(); i += Count) {
+          const std::size_t place = place_in_block(i, q);
+          response.template store<Count>(
+              place, respond<Count>(trial.template load<Count>(place), load<Count>(&shear[i]),
+                                    load<Count>(&kappa[i])));
+        }
+      }
+    });
+  }
+
+private:
+  template <int Count>
+  PointResponse<Dim, Lanes<Count>> respond(SymmetricTensor<Dim, Lanes<Count>> s,
+                                           const Lanes<Count>& shear,
+                                           const Lanes<Count>& kappa) const {
+    using Numbers = Lanes<Count>;
+    for (Numbers& component : s.value) component *= 2.0 * shear;
+    const Numbers norm = root<Count>(s.squared_norm());
+    const Numbers creep = 2.0 * problem_->dt * shear * kappa;
+    const auto map = material::return_maps<Count>(norm, creep, problem_->exponent);
+    const Numbers one = Numbers{} + 1.0, ratio = norm > 0.0 ? map.norm / norm : one;
+    for (Numbers& component : s.value) component *= ratio;
+    const Numbers square = map.norm * map.norm;
+    const Numbers softening = 2.0 * shear * (map.derivative - ratio) / square;
+    return {s, shear * ratio, square > 0.0 ? softening : Numbers{}};
+  }
+
+  const StepProblem<Dim>* problem_;
+};
+
+template <int Dim>
+ReturnMapLaw<Dim> return_map_law(const StepProblem<Dim>& problem) {
+  return ReturnMapLaw<Dim>(problem);
 }
 
 /// Viscoplastic strain rate H(s) = kappa |s|^(q-2) s of an element, eq. (21) [1/s].

@@ -1,35 +1,38 @@
 #pragma once
 
 #include <array>
-#include <span>
+#include <cstddef>
 
 #include "core/base/symmetric_tensor.hpp"
 #include "core/fem/element_geometry.hpp"
-#include "core/mechanics/mechanics_forms.hpp"
+#include "core/mechanics/point_block.hpp"
 
 namespace dccast::mechanics {
 
 /// What the forms of every element share: nodal vectors and the mean dilatation, from which alone
 /// the pressure follows.
-template <class Element>
+/// @tparam Number  double, or Lanes for several elements at once
+template <class Element, class Number>
 struct ElementFormsBase {
   static constexpr std::size_t nodes = Element::nodes, points = Element::points,
                                dim = Element::dimension, unknowns = nodes * dim;
-  using Cell = typename fem::ElementGeometry<Element>::Cell;
-  using Tensor = SymmetricTensor<Element::dimension>;
-  using Response = PointResponse<Element::dimension>;
-  using Vectors = std::array<std::array<double, dim>, nodes>;
+  using Cell = fem::ElementCell<Element, Number>;
+  using Tensor = SymmetricTensor<Element::dimension, Number>;
+  using Vectors = std::array<std::array<Number, dim>, nodes>;
   using Tensors = std::array<Tensor, points>;
-  using Responses = std::span<const Response, points>;
-  using Pressures = std::span<const double, points>;
-  using Matrix = std::array<double, unknowns * unknowns>;  ///< its lower triangle, row by row
+  using Responses = std::array<PointResponse<Element::dimension, Number>, points>;
+  using Pressures = std::array<Number, points>;
+  using Matrix = std::array<Number, unknowns * unknowns>;  ///< its lower triangle, row by row
 
-  static double mean_dilatation(const Cell& c, const Vectors& v) {
-    double sum = 0.0;
+  static Number mean_dilatation(const typename Cell::Gradients& mean, const Vectors& v) {
+    Number sum{};
     for (std::size_t i = 0; i < nodes; ++i) {
-      for (std::size_t a = 0; a < dim; ++a) sum += c.mean_gradient[i][a] * v[i][a];
+      for (std::size_t a = 0; a < dim; ++a) sum += mean[i][a] * v[i][a];
     }
     return sum;
+  }
+  static Number mean_dilatation(const Cell& c, const Vectors& v) {
+    return mean_dilatation(c.mean_gradient, v);
   }
 };
 
@@ -38,16 +41,16 @@ struct ElementFormsBase {
 /// The volumetric part uses the mean dilatation of the element (for linear triangles that is the
 /// gradient itself), the deviatoric part the gradient at each point; one code serves P1 and B-bar
 /// elements of both dimensions.
-template <class Element, bool = fem::has_bending_modes<Element>>
-struct ElementForms : ElementFormsBase<Element> {
-  using Base = ElementFormsBase<Element>;
+template <class Element, class Number = double, bool = fem::has_bending_modes<Element>>
+struct ElementForms : ElementFormsBase<Element, Number> {
+  using Base = ElementFormsBase<Element, Number>;
   using Base::dim, Base::nodes, Base::points, Base::unknowns;
   using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
       typename Base::Vectors;
   static constexpr bool axisymmetric = fem::is_axisymmetric<Element>;
   static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
-  using Point = typename fem::ElementGeometry<Element>::Point;
+  using Point = typename Cell::Point;
 
   /// Strain at a point, its trace replaced by the element's mean dilatation.
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
@@ -68,14 +71,14 @@ struct ElementForms : ElementFormsBase<Element> {
   }
 
   /// Nodal forces of stress deviators and mean normal stresses.
-  static Vectors forces(const Cell& c, Responses response, Pressures pressure) {
+  static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
     Vectors force{};
     for (std::size_t q = 0; q < points; ++q) {
       const Point& point = c.point[q];
-      const Tensor& s = response[q].deviator;
+      const Tensor& s = deviator[q];
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
-          double f = pressure[q] * c.mean_gradient[i][a];
+          Number f = pressure[q] * c.mean_gradient[i][a];
           for (std::size_t b = 0; b < dim; ++b) f += s.at(a, b) * point.gradient[i][b];
           if constexpr (axisymmetric) {
             if (a == 0) f += s[hoop] * point.hoop[i];
@@ -88,14 +91,14 @@ struct ElementForms : ElementFormsBase<Element> {
   }
 
   /// Stiffness of the responses at the points and a bulk modulus.
-  static Matrix stiffness(const Cell& c, Responses response, double bulk_modulus) {
+  static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     Matrix k{};
     for (std::size_t q = 0; q < points; ++q) {
       const auto& g = c.point[q].gradient;
       const auto& r = response[q];
-      const double weight = c.point[q].weight, mu = weight * r.shear;
-      const double bulk = weight * bulk_modulus;
-      const double normal = r.norm > 0.0 ? weight * r.normal / (r.norm * r.norm) : 0.0;
+      const Number weight = c.point[q].weight, mu = weight * r.shear;
+      const Number bulk = weight * bulk_modulus;
+      const Number softening = weight * r.softening;
       Vectors along{};  // s applied to each gradient
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
@@ -109,14 +112,14 @@ struct ElementForms : ElementFormsBase<Element> {
       const auto& dilates = dilatation_gradient(c.point[q]);
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
-          double dot = 0.0;
+          Number dot{};
           for (std::size_t a = 0; a < dim; ++a) dot += g[i][a] * g[j][a];
           for (std::size_t a = 0; a < dim; ++a) {
-            double* row = &k[(i * dim + a) * unknowns + j * dim];
+            Number* row = &k[(i * dim + a) * unknowns + j * dim];
             for (std::size_t b = 0; b < dim; ++b) {
               row[b] += mu * (g[i][b] * g[j][a] - 2.0 / 3.0 * dilates[i][a] * dilates[j][b]) +
                         bulk * c.mean_gradient[i][a] * c.mean_gradient[j][b] +
-                        normal * along[i][a] * along[j][b];
+                        softening * along[i][a] * along[j][b];
             }
             row[a] += mu * dot;
           }
@@ -150,7 +153,7 @@ private:
   /// axisymmetric.
   static decltype(auto) dilatation_gradient(const Point& point) {
     if constexpr (axisymmetric) {
-      typename fem::ElementGeometry<Element>::Gradients g = point.gradient;
+      typename Cell::Gradients g = point.gradient;
       for (std::size_t i = 0; i < nodes; ++i) g[i][0] += point.hoop[i];
       return g;
     } else {

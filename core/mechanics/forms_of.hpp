@@ -9,119 +9,137 @@
 namespace dccast::mechanics {
 
 /// The forms of a mesh of one kind of element: gathers from and scatters to the nodes around
-/// ElementForms.
+/// ElementForms, which work on as many elements at once as a register has lanes.
 template <class Element>
 class FormsOf final : public MechanicsForms<Element::dimension> {
-  using Base = MechanicsForms<Element::dimension>;
+  static constexpr int dimension = Element::dimension;
+  using Base = MechanicsForms<dimension>;
   using Forms = ElementForms<Element>;
+  template <int Count>
+  using FormsOfSeveral = ElementForms<Element, Lanes<Count>>;
   using Vectors = typename Forms::Vectors;
+  using Matrix = typename Forms::Matrix;
   static constexpr std::size_t nodes = Forms::nodes, dim = Forms::dim, of_element = Forms::points,
                                unknowns = Forms::unknowns;
 
 public:
-  using typename Base::Mesh, typename Base::Response, typename Base::Tensor;
+  using typename Base::Mesh, typename Base::Tensor;
 
   void update(const Mesh& mesh, std::size_t first = 0) override {
     mesh_ = &mesh;
     if (mesh.elements() != geometry_.elements()) frames_ = {};
     geometry_.update(mesh, static_cast<int>(first));
   }
-  void set_frames(std::span<const NodalFrame<Element::dimension>> frames) override {
+  void set_frames(std::span<const NodalFrame<dimension>> frames) override {
     frames_.set(*mesh_, frames);
   }
   std::size_t elements() const override { return std::size_t(geometry_.elements()); }
   std::size_t points() const override { return of_element; }
   const fem::ElementGeometry<Element>& geometry() const { return geometry_; }
 
-  void strains(ElementBlock block, std::span<const double> u, std::span<Tensor> deviator,
+  void strains(ElementBlock block, std::span<const double> u, TensorBlock<dimension> deviator,
                std::span<double> dilatation) const override {
-    for (std::size_t e = block.first; e < block.end; ++e) {
-      const std::size_t i = e - block.first;
-      const auto& cell = cell_of(e);
-      const Vectors v = local(e, u);
-      dilatation[i] = Forms::mean_dilatation(cell, v);
-      const auto of_cell = Forms::strain_deviators(cell, v);
-      std::copy(of_cell.begin(), of_cell.end(), deviator.begin() + long(i * of_element));
-    }
+    with_lanes([&]<int Count>() {
+      for (std::size_t e = block.first; e < block.end; e += Count) {
+        const auto& cells = geometry_.template group<Count>(e);
+        const auto v = gather<Count>(e, block.end, u);
+        const std::size_t i = e - block.first;
+        store<Count>(FormsOfSeveral<Count>::mean_dilatation(cells, v), &dilatation[i]);
+        const auto of_cells = FormsOfSeveral<Count>::strain_deviators(cells, v);
+        for (std::size_t q = 0; q < of_element; ++q) {
+          deviator.template store<Count>(place_in_block(i, q), of_cells[q]);
+        }
+      }
+    });
   }
 
-  void add_forces(ElementBlock block, std::span<const Response> response,
+  void add_forces(ElementBlock block, TensorBlock<dimension> stress,
                   std::span<const double> pressure, std::span<double> force,
                   double& squares) const override {
-    for (std::size_t e = block.first; e < block.end; ++e) {
-      const std::size_t at = (e - block.first) * of_element;
-      Vectors f = Forms::forces(cell_of(e), response.subspan(at).template first<of_element>(),
-                                pressure.subspan(at).template first<of_element>());
-      const int* node = nodes_of(e);
-      if (frames_.touch(e)) frames_.to_frames(node, f);
-      for (std::size_t i = 0; i < nodes; ++i) {
-        for (std::size_t a = 0; a < dim; ++a) {
-          squares += f[i][a] * f[i][a];
-          force[std::size_t(node[i]) * dim + a] += f[i][a];
+    with_lanes([&]<int Count>() {
+      for (std::size_t e = block.first; e < block.end; e += Count) {
+        typename FormsOfSeveral<Count>::Tensors deviator;
+        typename FormsOfSeveral<Count>::Pressures mean;
+        for (std::size_t q = 0; q < of_element; ++q) {
+          const std::size_t place = place_in_block(e - block.first, q);
+          deviator[q] = stress.template load<Count>(place);
+          mean[q] = load<Count>(&pressure[place]);
         }
+        const auto f =
+            FormsOfSeveral<Count>::forces(geometry_.template group<Count>(e), deviator, mean);
+        scatter<Count>(e, block.end, f, force, squares);
       }
-    }
+    });
   }
 
-  void add_stiffness(ElementBlock block, std::span<const Response> response,
+  void add_stiffness(ElementBlock block, ResponseBlock<dimension> response,
                      std::span<const double> bulk, const linalg::SparsityPattern& pattern,
                      std::span<double> values) const override {
-    for (std::size_t e = block.first; e < block.end; ++e) {
-      const std::size_t i = e - block.first;
-      auto k = Forms::stiffness(
-          cell_of(e), response.subspan(i * of_element).template first<of_element>(), bulk[i]);
-      if (frames_.touch(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
-      const int* place = pattern.places(static_cast<int>(e));
-      for (std::size_t r = 0; r < unknowns; ++r) {
-        for (std::size_t s = 0; s <= r; ++s) {
-          values[std::size_t(place[r * unknowns + s])] += k[r * unknowns + s];
+    with_lanes([&]<int Count>() {
+      for (std::size_t e = block.first; e < block.end; e += Count) {
+        const std::size_t i = e - block.first;
+        typename FormsOfSeveral<Count>::Responses of_cells;
+        for (std::size_t q = 0; q < of_element; ++q) {
+          of_cells[q] = response.template load<Count>(place_in_block(i, q));
         }
+        const auto k = FormsOfSeveral<Count>::stiffness(geometry_.template group<Count>(e),
+                                                        of_cells, load<Count>(&bulk[i]));
+        add_matrices<Count>(e, block.end, k, pattern, values);
       }
-    }
+    });
   }
 
   Tensor strain(std::size_t e, std::size_t point, std::span<const double> u) const override {
     return Forms::strain(cell_of(e), point, local(e, u));
   }
   double mean_dilatation(std::size_t e, std::span<const double> u) const override {
-    return Forms::mean_dilatation(cell_of(e), local(e, u));
+    return Forms::mean_dilatation(geometry_.mean_gradient(static_cast<int>(e)), local(e, u));
   }
 
-  double volume(std::size_t e) const override { return cell_of(e).volume; }
+  double volume(std::size_t e) const override { return geometry_.volume(static_cast<int>(e)); }
 
   double squared_forces(std::span<const double> stress) const override {
     double sum = 0.0;
-    for (std::size_t e = 0; e < stress.size(); ++e) {
-      const double force = cell_of(e).volume * stress[e];
-      for (const auto& gradient : cell_of(e).mean_gradient) {
-        for (const double g : gradient) sum += force * force * g * g;
+    with_lanes([&]<int Count>() {
+      for (std::size_t e = 0; e < stress.size(); e += Count) {
+        const auto& cells = geometry_.template group<Count>(e);
+        Lanes<Count> squares{};
+        for (const auto& gradient : cells.mean_gradient) {
+          for (const auto& g : gradient) squares += g * g;
+        }
+        squares *= cells.volume * cells.volume;
+        for (std::size_t of = e; of < std::min(e + Count, stress.size()); ++of) {
+          sum += stress[of] * stress[of] * squares[of - e];
+        }
       }
-    }
+    });
     return sum;
   }
 
   double subtract_weight(std::span<const double> specific_weight,
                          std::span<double> force) const override {
     double whole = 0.0;
-    for (std::size_t e = 0; e < specific_weight.size(); ++e) {
-      const int* node = nodes_of(e);
-      for (std::size_t q = 0; q < of_element; ++q) {
-        const auto shape = Element::shape(Element::point[q]);
-        const double weight = specific_weight[e] * cell_of(e).point[q].weight;
-        whole += weight;
-        for (std::size_t i = 0; i < nodes; ++i) frames_.lower(force, node[i], shape[i] * weight);
+    with_lanes([&]<int Count>() {
+      for (std::size_t e = 0; e < specific_weight.size(); e += Count) {
+        const auto& cells = geometry_.template group<Count>(e);
+        const auto share = node_volumes<Count>(cells);
+        for (std::size_t of = e; of < std::min(e + Count, specific_weight.size()); ++of) {
+          whole += specific_weight[of] * cells.volume[of - e];
+          for (std::size_t i = 0; i < nodes; ++i) {
+            frames_.lower(force, nodes_of(of)[i], specific_weight[of] * share[i][of - e]);
+          }
+        }
       }
-    }
+    });
     return whole;
   }
 
-  fem::FacetShares<Element::dimension> facet_shares(
-      const mesh::Facet<Element::dimension>& facet) const override {
+  fem::FacetShares<dimension> facet_shares(const mesh::Facet<dimension>& facet) const override {
     return fem::facet_shares_of<Element>(*mesh_, facet);
   }
 
 private:
-  const auto& cell_of(std::size_t e) const { return geometry_.cell(static_cast<int>(e)); }
+  auto cell_of(std::size_t e) const { return geometry_.cell(static_cast<int>(e)); }
   const int* nodes_of(std::size_t e) const { return mesh_->nodes_of(static_cast<int>(e)); }
 
   Vectors local(std::size_t e, std::span<const double> u) const {
@@ -134,8 +152,84 @@ private:
     return v;
   }
 
+  /// Integrals of the shape functions over the elements of a group.
+  template <int Count>
+  static auto node_volumes(const fem::ElementCell<Element, Lanes<Count>>& cells) {
+    std::array<Lanes<Count>, nodes> share{};
+    for (std::size_t q = 0; q < of_element; ++q) {
+      const auto shape = Element::shape(Element::point[q]);
+      for (std::size_t i = 0; i < nodes; ++i) share[i] += shape[i] * cells.point[q].weight;
+    }
+    return share;
+  }
+
+  /// Displacements of the elements of a group; lanes behind the last element repeat it.
+  template <int Count>
+  auto gather(std::size_t first, std::size_t end, std::span<const double> u) const {
+    std::array<Vectors, Count> of_one;
+    for (std::size_t lane = 0; lane < Count; ++lane) {
+      of_one[lane] = local(std::min(first + lane, end - 1), u);
+    }
+    typename FormsOfSeveral<Count>::Vectors v;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t a = 0; a < dim; ++a) {
+        v[i][a] = lanes_of<Count>([&](std::size_t lane) { return of_one[lane][i][a]; });
+      }
+    }
+    return v;
+  }
+
+  template <int Count>
+  void scatter(std::size_t first, std::size_t end, const typename FormsOfSeveral<Count>::Vectors& f,
+               std::span<double> force, double& squares) const {
+    Lanes<Count> square{};
+    for (const auto& of_node : f) {
+      for (const auto& component : of_node) square += component * component;
+    }
+    for (std::size_t e = first; e < std::min(first + Count, end); ++e) {
+      Vectors of_one;
+      for (std::size_t i = 0; i < nodes; ++i) {
+        for (std::size_t a = 0; a < dim; ++a) of_one[i][a] = f[i][a][e - first];
+      }
+      add_force(e, of_one, force);
+      squares += square[e - first];
+    }
+  }
+  void add_force(std::size_t e, Vectors& f, std::span<double> force) const {
+    const int* node = nodes_of(e);
+    if (frames_.touch(e)) frames_.to_frames(node, f);
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t a = 0; a < dim; ++a) force[std::size_t(node[i]) * dim + a] += f[i][a];
+    }
+  }
+
+  template <int Count>
+  void add_matrices(std::size_t first, std::size_t end,
+                    const typename FormsOfSeveral<Count>::Matrix& k,
+                    const linalg::SparsityPattern& pattern, std::span<double> values) const {
+    for (std::size_t e = first; e < std::min(first + Count, end); ++e) {
+      Matrix of_one;
+      for (std::size_t r = 0; r < unknowns; ++r) {
+        for (std::size_t s = 0; s <= r; ++s) {
+          of_one[r * unknowns + s] = k[r * unknowns + s][e - first];
+        }
+      }
+      add_matrix(e, of_one, pattern, values);
+    }
+  }
+  void add_matrix(std::size_t e, Matrix& k, const linalg::SparsityPattern& pattern,
+                  std::span<double> values) const {
+    if (frames_.touch(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
+    const int* place = pattern.places(static_cast<int>(e));
+    for (std::size_t r = 0; r < unknowns; ++r) {
+      for (std::size_t s = 0; s <= r; ++s) {
+        values[std::size_t(place[r * unknowns + s])] += k[r * unknowns + s];
+      }
+    }
+  }
+
   const Mesh* mesh_ = nullptr;
-  NodeFrames<Element::dimension> frames_;
+  NodeFrames<dimension> frames_;
   fem::ElementGeometry<Element> geometry_;
 };
 

@@ -9,27 +9,10 @@
 #include "core/base/symmetric_tensor.hpp"
 #include "core/fem/facet_geometry.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
+#include "core/mechanics/point_block.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::mechanics {
-
-/// What a material law gives at a point: the stress deviator, and the tangent
-/// d s / d e = 2 shear I + normal n (x) n with n = s / |s|.
-template <int Dim>
-struct PointResponse {
-  SymmetricTensor<Dim> deviator;  ///< s [Pa]
-  double shear;                   ///< mu~ [Pa]
-  double normal;                  ///< [Pa], not positive
-  double norm;                    ///< |s| [Pa]
-};
-
-/// Elements first to end - 1. Work goes by blocks, small enough for the cache, so that a call costs
-/// nothing beside the work.
-struct ElementBlock {
-  std::size_t first = 0, end = 0;
-  std::size_t elements() const { return end - first; }
-};
-inline constexpr std::size_t elements_in_block = 64;
 
 /// Directions of the unknowns of a node that are not the coordinate axes, so that what holds a body
 /// along an oblique face is one unknown held.
@@ -61,16 +44,15 @@ struct NodalFrame {
 /// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian in
 /// an axisymmetric section.
 ///
-/// Displacements and forces are by unknown, Dim of each node: along the coordinate axes, or those of
-/// the frame of the node.
+/// Displacements and forces are by unknown, Dim of each node: along the coordinate axes, or those
+/// of the frame of the node.
 ///
-/// Arrays by point run over the points of the elements of a block, arrays by element over its
-/// elements.
+/// Arrays by point hold the points of a block as place_in_block() says, arrays by element its
+/// elements_in_block elements; places without an element may hold anything finite.
 template <int Dim>
 class MechanicsForms {
 public:
   using Tensor = SymmetricTensor<Dim>;
-  using Response = PointResponse<Dim>;
   using Mesh = mesh::Mesh<Dim>;
 
   virtual ~MechanicsForms() = default;
@@ -86,14 +68,14 @@ public:
 
   /// Deviator of the strain at every point and mean dilatation of every element.
   virtual void strains(ElementBlock block, std::span<const double> displacement,
-                       std::span<Tensor> deviator, std::span<double> dilatation) const = 0;
+                       TensorBlock<Dim> deviator, std::span<double> dilatation) const = 0;
   /// Adds the nodal forces of the stress deviators and mean normal stresses at the points.
   /// @param squares  gets the squares of all element forces added
-  virtual void add_forces(ElementBlock block, std::span<const Response> response,
+  virtual void add_forces(ElementBlock block, TensorBlock<Dim> stress,
                           std::span<const double> pressure, std::span<double> force,
                           double& squares) const = 0;
   /// Adds the stiffness of the responses at the points and of the bulk moduli of the elements.
-  virtual void add_stiffness(ElementBlock block, std::span<const Response> response,
+  virtual void add_stiffness(ElementBlock block, ResponseBlock<Dim> response,
                              std::span<const double> bulk, const linalg::SparsityPattern& pattern,
                              std::span<double> values) const = 0;
 

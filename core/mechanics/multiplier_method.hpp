@@ -4,8 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/material/yosida.hpp"
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
+#include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/round_off.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mechanics/step_constraints.hpp"
@@ -80,8 +82,7 @@ protected:
   PointResponse<Dim> response(std::size_t e, std::size_t point, const Tensor& trial) const {
     PointResponse<Dim> r;
     r.shear = softened_shear(e, point);
-    r.normal = 0.0;
-    r.norm = 0.0;
+    r.softening = 0.0;
     r.deviator = trial;
     if (problem_.kappa[e] > 0.0) r.deviator.add(-problem_.dt, multiplier_[point]);
     for (double& s : r.deviator.value) s *= 2.0 * r.shear;
@@ -108,9 +109,9 @@ protected:
     return response(e, point, trial);
   }
 
-  /// The paper's stopping test (T2, section 4.3.1) on one component of a multiplier: its last change
-  /// and its distance to the fixed point's map, each below delta max(delta, |value|). It knows
-  /// nothing of balance and stops early; it exists for tables 7 and 8 only.
+  /// The paper's stopping test (T2, section 4.3.1) on one component of a multiplier: its last
+  /// change and its distance to the fixed point's map, each below delta max(delta, |value|). It
+  /// knows nothing of balance and stops early; it exists for tables 7 and 8 only.
   void test_increment(double before, double now, double mapped) {
     const auto small = [](double difference, double value) {
       return std::abs(difference) < increment_delta * std::max(increment_delta, std::abs(value));
@@ -146,20 +147,20 @@ protected:
   /// Evaluates the residual by the law; a law may move multipliers while it is at it.
   template <class Law>
   void evaluate(Law&& law) {
-    acting_ = std::max(equilibrium_.residual(unknowns_.displacement, work_.residual, law),
-                       least_acting_);
+    acting_ =
+        std::max(equilibrium_.residual(unknowns_.displacement, work_.residual, law), least_acting_);
   }
 
   /// Residual of the step's own law: what a converged step is judged by. Leaves that law's stresses
   /// in the equilibrium's response and the difference to the multiplier's in the outcome.
   double true_residual(std::span<const char> fixed) {
-    const auto own = equilibrium_.response();
+    const std::vector<Tensor> own = equilibrium_.deviators();
     evaluate(return_map_law(problem_));
     double difference = 0.0, scale = 0.0;
     for (std::size_t i = 0; i < own.size(); ++i) {
-      Tensor d = equilibrium_.response()[i].deviator;
+      Tensor d = equilibrium_.deviator(i);
       scale += d.norm() * d.norm();
-      d.add(-1.0, own[i].deviator);
+      d.add(-1.0, own[i]);
       difference += d.norm() * d.norm();
     }
     outcome_.constitutive_residual = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
@@ -175,8 +176,9 @@ protected:
     return std::sqrt(sum) / acting_;
   }
 
-  /// The contact set by Newton, NBM2(b)(ii). It may move at every iteration, as in the paper's loop,
-  /// but not while the residual is above `from`: far from balance it swings. @return whether it moved
+  /// The contact set by Newton, NBM2(b)(ii). It may move at every iteration, as in the paper's
+  /// loop, but not while the residual is above `from`: far from balance it swings. @return whether
+  /// it moved
   bool close_contact(StepConstraints<Dim>& constraints, double relative, double from) {
     constexpr int free_contact_changes = 8;  // then pairs go one by one
     if (relative > from) return false;
@@ -207,11 +209,7 @@ protected:
     }
   }
 
-  void store_deviator() {
-    for (std::size_t i = 0; i < unknowns_.deviator.size(); ++i) {
-      unknowns_.deviator[i] = equilibrium_.response()[i].deviator;
-    }
-  }
+  void store_deviator() { unknowns_.deviator = equilibrium_.deviators(); }
 
   const Problem& problem_;
   const Options& options_;

@@ -8,8 +8,8 @@ namespace dccast::mechanics {
 namespace {
 
 constexpr double contact_from_residual = 1e-2;
-// Armijo's rule (Bertsekas): the share of the predicted decrease that is asked for, and the smallest
-// step before an iteration is given up.
+// Armijo's rule (Bertsekas): the share of the predicted decrease that is asked for, and the
+// smallest step before an iteration is given up.
 constexpr double armijo_share = 1e-2;
 constexpr double armijo_smallest = 1.0 / 1024.0;
 
@@ -129,10 +129,9 @@ private:
       // lambda_p carries a unit; taken as the creep of one elastic step it makes the recurrence
       // dimensionless, which is what the paper's scaling of the stresses does. Its value does not
       // change the iterates' fixed point.
-      const double lambda =
-          this->options_.parameters.lambda_p.value_or(2.0 * this->problem_.shear[e] *
-                                                      this->problem_.dt);
-      next[i] = recurrence(this->equilibrium_.response()[i].deviator, this->multiplier_[i],
+      const double lambda = this->options_.parameters.lambda_p.value_or(
+          2.0 * this->problem_.shear[e] * this->problem_.dt);
+      next[i] = recurrence(this->equilibrium_.deviator(i), this->multiplier_[i],
                            this->problem_.kappa[e], this->problem_.exponent, lambda);
     }
     return next;
@@ -144,8 +143,7 @@ private:
     for (std::size_t i = 0; i < this->multiplier_.size(); ++i) {
       const std::size_t e = i / this->problem_.forms->points();
       if (this->problem_.kappa[e] <= 0.0) continue;
-      Tensor d = viscoplastic_strain_rate(this->problem_, e,
-                                          this->equilibrium_.response()[i].deviator);
+      Tensor d = viscoplastic_strain_rate(this->problem_, e, this->equilibrium_.deviator(i));
       d.add(-1.0, this->multiplier_[i]);
       const double stress = 2.0 * this->problem_.shear[e] * this->problem_.dt * d.norm();
       sum += stress * stress;

@@ -25,8 +25,9 @@ constexpr double release_from_residual = 1e-3;
 constexpr int further_iterations = 200;
 // A factor is kept while it still reduces the residual by this much.
 constexpr double chord_reduction = 0.25;
-// Of a solid every iteration has its own tangent, solved by conjugate gradients as far as this
-// iteration can use it: the forcing terms of Eisenstat and Walker (1996, choice 2).
+// Of a solid too large for a band every iteration has its own tangent, solved by conjugate
+// gradients as far as this iteration can use it: the forcing terms of Eisenstat and Walker (1996,
+// choice 2).
 constexpr double loosest_forcing = 1e-1;
 constexpr double forcing_share = 0.9;
 constexpr int line_search_steps = 12;
@@ -75,7 +76,7 @@ private:
       if (outcome_.iterations >= most || !std::isfinite(relative)) return;
       ++outcome_.iterations;
       const bool moved = changes > 0 || lifting || blocked_;
-      const bool found = work_.is_solid ? find_direction_in_solid(relative, last, step_of_fixed)
+      const bool found = keeps_factor() ? find_direction_by_gradients(relative, last, step_of_fixed)
                                         : find_direction(relative, last, moved, step_of_fixed);
       if (!found) return;
       last = relative;
@@ -93,9 +94,13 @@ private:
     return system_.solve(constraints_.fixed(), step_of_fixed);
   }
 
+  /// Where a factorisation costs as much as many solutions. By a band it does not, and chord steps
+  /// are faster: docs/factorisation.md.
+  bool keeps_factor() const { return work_.is_solid && !work_.solver.uses_band(); }
+
   /// One factor a step; the tangents after the first are solved with it as preconditioner.
-  bool find_direction_in_solid(double relative, double last,
-                               std::span<const double> step_of_fixed) {
+  bool find_direction_by_gradients(double relative, double last,
+                                   std::span<const double> step_of_fixed) {
     if (outcome_.iterations == 1) {
       return factorize(step_of_fixed) && system_.solve(constraints_.fixed(), step_of_fixed);
     }
@@ -205,10 +210,7 @@ private:
 
   void store() {
     constraints_.store();
-    unknowns_.deviator.resize(equilibrium_.response().size());
-    for (std::size_t i = 0; i < unknowns_.deviator.size(); ++i) {
-      unknowns_.deviator[i] = equilibrium_.response()[i].deviator;
-    }
+    unknowns_.deviator = equilibrium_.deviators();
   }
 
   const StepProblem<Dim>& problem_;

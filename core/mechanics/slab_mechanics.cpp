@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/mechanics/viscoplastic_history.hpp"
@@ -50,7 +51,14 @@ void SlabMechanics<Dim>::new_pattern() {
     for (int d = 0; d < Dim; ++d) unknown.push_back(n * Dim + d);
   }
   const int unknowns = mesh_->nodes() * Dim;
-  pattern_ = linalg::SparsityPattern(unknowns, unknown, mesh_->nodes_per_element * Dim);
+  const bool grown = !element_unknown_.empty() && element_unknown_.size() < unknown.size() &&
+                     std::equal(element_unknown_.begin(), element_unknown_.end(), unknown.begin());
+  if (grown) {
+    pattern_.extend(unknowns, unknown);
+  } else {
+    pattern_ = linalg::SparsityPattern(unknowns, unknown, mesh_->nodes_per_element * Dim);
+  }
+  element_unknown_ = std::move(unknown);
   for (auto* field :
        {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
@@ -292,12 +300,12 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
       equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
       least_acting_force(problem_, round_off, options_.tolerance));
   check_balance(unknowns, acting, round_off);
-  for (std::size_t i = 0; i < state.pressure.size(); ++i) {
-    state.deviator[i] = equilibrium.response()[i].deviator;
-    state.pressure[i] = equilibrium.pressure(static_cast<int>(i / points_), unknowns.displacement);
+  state.deviator = equilibrium.deviators();
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    std::fill_n(state.pressure.begin() + long(std::size_t(e) * points_), points_,
+                mean_normal_stress(problem_, e, unknowns.displacement));
   }
-  accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic);
-  accumulate_viscoplastic_strain(problem_, state.deviator, state.viscoplastic);
+  accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic, state.viscoplastic);
   store_supports(state, unknowns);
   state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
   check_liquid_pressure(state, input.metal_level);

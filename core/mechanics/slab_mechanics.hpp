@@ -101,6 +101,7 @@ private:
   material::MechanicalProperties properties_;
   Options options_;
   const Mesh* mesh_ = nullptr;
+  std::vector<int> element_unknown_;  ///< (element, unknown of it) of the pattern
   linalg::SparsityPattern pattern_;
   Workspace work_;
   StepProblem<Dim> problem_;

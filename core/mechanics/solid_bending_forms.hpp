@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 #include "core/mechanics/element_forms.hpp"
 
 namespace dccast::mechanics {
@@ -9,16 +7,22 @@ namespace dccast::mechanics {
 /// The forms of the hexahedron whose strain is its mean and bending modes (fem::SolidBending). The
 /// modes keep the volume, so that the mean dilatation is that of every point.
 ///
-/// Between strain and stiffness stand 18 generalised strains: the mean in its six components and the
-/// amplitudes of twelve modes.
-template <>
-struct ElementForms<fem::BendingHexahedron, true> : ElementFormsBase<fem::BendingHexahedron> {
+/// Between strain and stiffness stand 18 generalised strains: the mean in its six components and
+/// either the amplitudes of the twelve modes or the components of the four warps they are made of.
+template <class Number>
+struct ElementForms<fem::BendingHexahedron, Number, true>
+    : ElementFormsBase<fem::BendingHexahedron, Number> {
+  using Base = ElementFormsBase<fem::BendingHexahedron, Number>;
+  using Base::dim, Base::nodes, Base::points, Base::unknowns;
+  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
+      typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
+      typename Base::Vectors;
   using Bending = fem::SolidBending;
-  static constexpr std::size_t modes = Bending::modes, levers = Bending::levers,
-                               generalised = 6 + modes;
+  static constexpr std::size_t warps = Bending::warps, modes = Bending::modes,
+                               levers = Bending::levers, means = 6, generalised = means + modes;
 
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
-    return strain_deviators(c, v)[q].add_identity(mean_dilatation(c, v) / 3.0);
+    return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
   }
 
   static Tensors strain_deviators(const Cell& c, const Vectors& v) {
@@ -32,16 +36,16 @@ struct ElementForms<fem::BendingHexahedron, true> : ElementFormsBase<fem::Bendin
     return deviators;
   }
 
-  static Vectors forces(const Cell& c, Responses response, Pressures pressure) {
+  static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
     Tensor sum;  // of the stress over the volume [N m], its deviator
     std::array<Tensor, levers> moment{};
-    double pressures = 0.0;
+    Number pressures{};
     for (std::size_t q = 0; q < points; ++q) {
-      const double weight = c.point[q].weight;
-      sum.add(weight, response[q].deviator);
+      const Number weight = c.point[q].weight;
+      sum.add(weight, deviator[q]);
       pressures += weight * pressure[q];
       for (std::size_t l = 0; l < levers; ++l) {
-        moment[l].add(weight * c.point[q].lever[l], response[q].deviator);
+        moment[l].add(weight * c.point[q].lever[l], deviator[q]);
       }
     }
     sum.add_identity(pressures);
@@ -50,32 +54,26 @@ struct ElementForms<fem::BendingHexahedron, true> : ElementFormsBase<fem::Bendin
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto& g = c.mean_gradient[i];
       for (std::size_t a = 0; a < dim; ++a) {
-        double f = sum.at(a, 0) * g[0] + sum.at(a, 1) * g[1] + sum.at(a, 2) * g[2];
-        for (std::size_t w = 0; w < Bending::warps; ++w) {
-          f += c.bending.warp[w][i] * of_warp[w][a];
-        }
+        Number f = sum.at(a, 0) * g[0] + sum.at(a, 1) * g[1] + sum.at(a, 2) * g[2];
+        for (std::size_t w = 0; w < warps; ++w) f += c.bending.warp[w][i] * of_warp[w][a];
         force[i][a] = f;
       }
     }
     return force;
   }
 
-  static Matrix stiffness(const Cell& c, Responses response, double bulk_modulus) {
-    const Moduli d = generalised_moduli(c, response, bulk_modulus);
-    const Amplitudes b = amplitudes(c);
-    Amplitudes stress{};  // generalised, of unit displacements
-    for (std::size_t m = 0; m < generalised; ++m) {
-      for (std::size_t n = 0; n < generalised; ++n) {
-        for (std::size_t u = 0; u < unknowns; ++u) stress[m][u] += d[m][n] * b[n][u];
-      }
-    }
+  static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
+    Moduli d = moduli(c, response, bulk_modulus);
+    modes_to_warps(c, d);
     Matrix k{};
-    for (std::size_t i = 0; i < nodes; ++i) {
-      const std::size_t end = dim * (i + 1);  // of what is needed of the lower triangle
-      for (std::size_t row = dim * i; row < end; ++row) {
-        for (std::size_t m = 0; m < generalised; ++m) {
-          const double factor = b[m][row];
-          for (std::size_t u = 0; u < end; ++u) k[row * unknowns + u] += factor * stress[m][u];
+    for (std::size_t j = 0; j < nodes; ++j) {
+      const auto stress = stresses_of_unit_displacements(c, d, j);
+      for (std::size_t i = j; i < nodes; ++i) {
+        for (std::size_t b = 0; b < dim; ++b) {
+          const auto force = force_at(c, i, stress[b]);
+          for (std::size_t a = 0; a < dim; ++a) {
+            k[(dim * i + a) * unknowns + dim * j + b] = force[a];
+          }
         }
       }
     }
@@ -83,19 +81,22 @@ struct ElementForms<fem::BendingHexahedron, true> : ElementFormsBase<fem::Bendin
   }
 
 private:
-  using Moduli = std::array<std::array<double, generalised>, generalised>;
-  /// Generalised strains of unit displacements [1/m].
-  using Amplitudes = std::array<std::array<double, unknowns>, generalised>;
+  /// By generalised strain.
+  using Generalised = std::array<Number, generalised>;
+  using Moduli = std::array<Generalised, generalised>;
   /// A tensor whose shear is scaled so that products of tensors are products of vectors.
-  using Scaled = std::array<double, 6>;
+  using Scaled = std::array<Number, 6>;
+  using OfWarps = std::array<std::array<Number, 3>, warps>;
+  /// The two directions of the shears xy, yz, xz.
+  static constexpr std::size_t pair[3][2] = {{0, 1}, {1, 2}, {0, 2}};
 
   static Scaled scaled(const Tensor& t) {
     constexpr double root = 1.41421356237309504880;  // two shear components in a product
     return {t[0], t[1], t[2], root * t[3], root * t[4], root * t[5]};
   }
-  static double dot(const Scaled& a, const Scaled& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  static Number dot(const Scaled& a, const Scaled& b) {
+    Number sum = a[0] * b[0];
+    for (std::size_t i = 1; i < a.size(); ++i) sum += a[i] * b[i];
     return sum;
   }
 
@@ -104,43 +105,43 @@ private:
     for (std::size_t i = 0; i < nodes; ++i) {
       const auto& g = c.mean_gradient[i];
       for (std::size_t a = 0; a < dim; ++a) mean[a] += g[a] * v[i][a];
-      mean[3] += 0.5 * (g[0] * v[i][1] + g[1] * v[i][0]);
-      mean[4] += 0.5 * (g[1] * v[i][2] + g[2] * v[i][1]);
-      mean[5] += 0.5 * (g[0] * v[i][2] + g[2] * v[i][0]);
+      for (std::size_t s = 0; s < 3; ++s) {
+        const auto [a, b] = pair[s];
+        mean[3 + s] += 0.5 * (g[a] * v[i][b] + g[b] * v[i][a]);
+      }
     }
     return mean;
   }
 
   /// What a unit of each lever adds to the strain.
   static std::array<Tensor, levers> strains_of_levers(const Cell& c, const Vectors& v) {
-    std::array<std::array<double, 3>, Bending::warps> q{};
-    for (std::size_t w = 0; w < q.size(); ++w) {
+    OfWarps q{};
+    for (std::size_t w = 0; w < warps; ++w) {
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) q[w][a] += c.bending.warp[w][i] * v[i][a];
       }
     }
     std::array<Tensor, levers> linear{};
     for (std::size_t m = 0; m < modes; ++m) {
-      const Bending::Mode& mode = c.bending.mode[m];
-      double amplitude = 0.0;
+      const auto& mode = c.bending.mode[m];
+      Number amplitude{};
       for (std::size_t j = 0; j < 2; ++j) {
-        for (std::size_t a = 0; a < dim; ++a) amplitude += mode.share[j][a] * q[mode.warp[j]][a];
+        const auto& of_warp = q[Bending::warps_of(m)[j]];
+        for (std::size_t a = 0; a < dim; ++a) amplitude += mode.share[j][a] * of_warp[a];
       }
       linear[Bending::lever_of(m)].add(amplitude, mode.strain);
     }
     return linear;
   }
 
-  static std::array<std::array<double, 3>, Bending::warps> forces_of_warps(
-      const Cell& c, const std::array<Tensor, levers>& moment) {
-    std::array<std::array<double, 3>, Bending::warps> force{};
+  static OfWarps forces_of_warps(const Cell& c, const std::array<Tensor, levers>& moment) {
+    OfWarps force{};
     for (std::size_t m = 0; m < modes; ++m) {
-      const Bending::Mode& mode = c.bending.mode[m];
-      const double of_mode = dot(scaled(moment[Bending::lever_of(m)]), scaled(mode.strain));
+      const auto& mode = c.bending.mode[m];
+      const Number of_mode = dot(scaled(moment[Bending::lever_of(m)]), scaled(mode.strain));
       for (std::size_t j = 0; j < 2; ++j) {
-        for (std::size_t a = 0; a < dim; ++a) {
-          force[mode.warp[j]][a] += of_mode * mode.share[j][a];
-        }
+        auto& of_warp = force[Bending::warps_of(m)[j]];
+        for (std::size_t a = 0; a < dim; ++a) of_warp[a] += of_mode * mode.share[j][a];
       }
     }
     return force;
@@ -149,35 +150,33 @@ private:
   /// Deviators of unit generalised strains.
   static std::array<Scaled, generalised> unit_strains(const Cell& c) {
     std::array<Scaled, generalised> strain;
-    for (std::size_t n = 0; n < 6; ++n) {
+    for (std::size_t n = 0; n < means; ++n) {
       Tensor t;
-      t[n] = 1.0;
+      t[n] += 1.0;
       strain[n] = scaled(t.deviator());
     }
-    for (std::size_t m = 0; m < modes; ++m) strain[6 + m] = scaled(c.bending.mode[m].strain);
+    for (std::size_t m = 0; m < modes; ++m) strain[means + m] = scaled(c.bending.mode[m].strain);
     return strain;
   }
   /// Number of the lever of a generalised strain, zero of the mean.
   static constexpr std::size_t lever_of(std::size_t n) {
-    return n < 6 ? 0 : 1 + Bending::lever_of(n - 6);
+    return n < means ? 0 : 1 + Bending::lever_of(n - means);
   }
 
-  static Moduli generalised_moduli(const Cell& c, Responses response, double bulk_modulus) {
+  /// Between mean and amplitudes of modes.
+  static Moduli moduli(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     const auto strain = unit_strains(c);
     Moduli d{};
-    double shear[1 + levers][1 + levers] = {};  // moments of twice the shear modulus
+    Number shear[1 + levers][1 + levers] = {};  // moments of twice the shear modulus
     for (std::size_t q = 0; q < points; ++q) {
-      double lever[1 + levers] = {1.0};
+      Number lever[1 + levers] = {Number{} + 1.0};
       for (std::size_t l = 0; l < levers; ++l) lever[1 + l] = c.point[q].lever[l];
-      const double stiff = 2.0 * c.point[q].weight * response[q].shear;
+      const Number stiff = 2.0 * c.point[q].weight * response[q].shear;
       for (std::size_t l = 0; l <= levers; ++l) {
         for (std::size_t m = 0; m <= levers; ++m) shear[l][m] += stiff * lever[l] * lever[m];
       }
-      const PointResponse<3>& r = response[q];
-      if (r.normal != 0.0 && r.norm > 0.0) {
-        add_softening(d, c.point[q].weight * r.normal / (r.norm * r.norm), scaled(r.deviator),
-                      strain, lever);
-      }
+      add_softening(d, c.point[q].weight * response[q].softening, scaled(response[q].deviator),
+                    strain, lever);
     }
     for (std::size_t n = 0; n < generalised; ++n) {
       for (std::size_t m = 0; m <= n; ++m) {
@@ -190,40 +189,70 @@ private:
   }
 
   /// Adds what creep takes along the stress at a point, to the lower triangle.
-  static void add_softening(Moduli& d, double normal, const Scaled& stress,
+  static void add_softening(Moduli& d, const Number& softening, const Scaled& stress,
                             const std::array<Scaled, generalised>& strain,
-                            const double (&lever)[1 + levers]) {
-    std::array<double, generalised> along;
+                            const Number (&lever)[1 + levers]) {
+    Generalised along;
     for (std::size_t n = 0; n < generalised; ++n) {
       along[n] = lever[lever_of(n)] * dot(stress, strain[n]);
     }
     for (std::size_t n = 0; n < generalised; ++n) {
-      const double factor = normal * along[n];
+      const Number factor = softening * along[n];
       for (std::size_t m = 0; m <= n; ++m) d[n][m] += factor * along[m];
     }
   }
 
-  static Amplitudes amplitudes(const Cell& c) {
-    Amplitudes b{};
-    constexpr std::size_t pair[3][2] = {{0, 1}, {1, 2}, {0, 2}};  // of the shears xy, yz, xz
-    for (std::size_t i = 0; i < nodes; ++i) {
-      const auto& g = c.mean_gradient[i];
-      for (std::size_t a = 0; a < dim; ++a) {
-        b[a][dim * i + a] = g[a];
-        b[3 + a][dim * i + pair[a][0]] = 0.5 * g[pair[a][1]];
-        b[3 + a][dim * i + pair[a][1]] = 0.5 * g[pair[a][0]];
-      }
+  /// From the amplitudes of modes to the components of warps, on both sides.
+  static void modes_to_warps(const Cell& c, Moduli& d) {
+    for (Generalised& row : d) row = to_warps(c, row);
+    for (std::size_t n = 0; n < generalised; ++n) {
+      Generalised column;
+      for (std::size_t m = 0; m < generalised; ++m) column[m] = d[m][n];
+      column = to_warps(c, column);
+      for (std::size_t m = 0; m < generalised; ++m) d[m][n] = column[m];
     }
+  }
+  static Generalised to_warps(const Cell& c, const Generalised& of_modes) {
+    Generalised of_warps{};
+    for (std::size_t n = 0; n < means; ++n) of_warps[n] = of_modes[n];
     for (std::size_t m = 0; m < modes; ++m) {
-      const Bending::Mode& mode = c.bending.mode[m];
-      for (std::size_t i = 0; i < nodes; ++i) {
-        const double w0 = c.bending.warp[mode.warp[0]][i], w1 = c.bending.warp[mode.warp[1]][i];
+      for (std::size_t j = 0; j < 2; ++j) {
+        Number* of_warp = &of_warps[means + dim * Bending::warps_of(m)[j]];
         for (std::size_t a = 0; a < dim; ++a) {
-          b[6 + m][dim * i + a] = w0 * mode.share[0][a] + w1 * mode.share[1][a];
+          of_warp[a] += of_modes[means + m] * c.bending.mode[m].share[j][a];
         }
       }
     }
-    return b;
+    return of_warps;
+  }
+
+  /// Generalised stresses of unit displacements of a node, by direction; mean and warps.
+  static std::array<Generalised, dim> stresses_of_unit_displacements(const Cell& c, const Moduli& d,
+                                                                     std::size_t node) {
+    std::array<Generalised, dim> stress;
+    for (std::size_t n = 0; n < generalised; ++n) {
+      const auto force = force_at(c, node, d[n]);  // the moduli are symmetric
+      for (std::size_t a = 0; a < dim; ++a) stress[a][n] = force[a];
+    }
+    return stress;
+  }
+  /// Force at a node of generalised stresses; mean and warps.
+  static std::array<Number, dim> force_at(const Cell& c, std::size_t node,
+                                          const Generalised& stress) {
+    const auto& g = c.mean_gradient[node];
+    std::array<Number, dim> force;
+    for (std::size_t a = 0; a < dim; ++a) {
+      force[a] = g[a] * stress[a];
+      for (std::size_t w = 0; w < warps; ++w) {
+        force[a] += c.bending.warp[w][node] * stress[means + dim * w + a];
+      }
+    }
+    for (std::size_t s = 0; s < 3; ++s) {
+      const auto [a, b] = pair[s];
+      force[a] += 0.5 * g[b] * stress[means - 3 + s];
+      force[b] += 0.5 * g[a] * stress[means - 3 + s];
+    }
+    return force;
   }
 };
 

@@ -4,16 +4,19 @@
 
 namespace dccast::mechanics {
 
-/// Adds the viscoplastic strain of a converged step, dt H(s), to the strain that carries no stress.
-/// @param inelastic  by point, of the start of the step; afterwards of its end
-template <int Dim>
+/// Adds the viscoplastic strain of a converged step, dt H(s), to strains that hold it.
+/// @param strain  by point, of the start of the step; afterwards of its end
+template <int Dim, class... Strain>
 void accumulate_viscoplastic_strain(const StepProblem<Dim>& problem,
                                     const std::vector<SymmetricTensor<Dim>>& deviator,
-                                    std::vector<SymmetricTensor<Dim>>& inelastic) {
-  for (std::size_t i = 0; i < inelastic.size(); ++i) {
-    const std::size_t e = i / problem.forms->points();
+                                    Strain&... strain) {
+  const std::size_t points = problem.forms->points();
+  for (std::size_t e = 0; e < problem.kappa.size(); ++e) {
     if (problem.kappa[e] <= 0.0) continue;
-    inelastic[i].add(problem.dt, viscoplastic_strain_rate(problem, e, deviator[i]));
+    for (std::size_t i = e * points; i < (e + 1) * points; ++i) {
+      const auto rate = viscoplastic_strain_rate(problem, e, deviator[i]);
+      (strain[i].add(problem.dt, rate), ...);
+    }
   }
 }
 

@@ -18,13 +18,14 @@ class HeatFormsOf : public HeatForms {
 public:
   explicit HeatFormsOf(const Mesh& mesh) : mesh_(mesh) {}
 
+  /// Of a mesh that has grown or stretched the part is integrated anew that did; every number is
+  /// the one that an integration of the whole gives.
   bool update() override {
     const bool changed = element_node_ != mesh_.element_node || volume_.empty();
-    if (changed) take_elements();
-    std::fill(stiffness_.begin(), stiffness_.end(), 0.0);
-    std::fill(volume_.begin(), volume_.end(), 0.0);
-    for (int e = 0; e < mesh_.elements(); ++e) integrate(e);
-    weigh_bottom();
+    const std::size_t from = first_node_to_integrate();
+    if (changed) take_elements(from > 0);
+    integrate_from(from);
+    placed_ = mesh_.node;
     return changed;
   }
 
@@ -56,7 +57,7 @@ public:
     new_pattern = update();
     const bool divided = before.size() < volume_.size();
     const std::vector<double> stretched =
-        divided ? stretched_volumes(before.size(), row, old_elements) : volume_;
+        divided ? stretched_volumes(before, row, old_elements) : volume_;
     std::vector<double> height;
     for (std::size_t n = before.size() - 2 * row; n < volume_.size(); n += row)
       height.push_back(mesh_.point(static_cast<int>(n))[dim - 1]);
@@ -64,25 +65,77 @@ public:
   }
 
 private:
-  void take_elements() {
+  /// @param grown  elements have been added to those there are
+  void take_elements(bool grown) {
     element_node_ = mesh_.element_node;
-    pattern_ = linalg::SparsityPattern(mesh_.nodes(), element_node_, mesh_.nodes_per_element);
+    if (grown) {
+      pattern_.extend(mesh_.nodes(), element_node_);
+    } else {
+      pattern_ = linalg::SparsityPattern(mesh_.nodes(), element_node_, mesh_.nodes_per_element);
+    }
     stiffness_.resize(pattern_.entries());
     volume_.resize(std::size_t(mesh_.nodes()));
     bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
     top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
   }
 
-  void integrate(int e) {
+  /// First node of an element that is new or has a node that has moved.
+  std::size_t first_node_to_integrate() const {
+    const auto& known = element_node_;
+    const bool grown = !known.empty() && known.size() <= mesh_.element_node.size() &&
+                       placed_.size() <= mesh_.node.size() &&
+                       std::equal(known.begin(), known.end(), mesh_.element_node.begin());
+    if (!grown) return 0;
+    const auto changed = std::mismatch(placed_.begin(), placed_.end(), mesh_.node.begin()).first;
+    std::size_t moved = std::size_t(changed - placed_.begin()) / dim;
+    for (std::size_t i = known.size(); i < mesh_.element_node.size(); ++i)
+      moved = std::min(moved, std::size_t(mesh_.element_node[i]));
+    return first_node_beside(moved, mesh_.element_node.size());
+  }
+  /// First node of the elements that have a node from `moved` on.
+  /// @param end  of their nodes in the list of all elements'
+  std::size_t first_node_beside(std::size_t moved, std::size_t end) const {
+    std::size_t first = moved;
+    for_each_element_from(moved, end, [&](const int* node) {
+      first = std::min(first, std::size_t(*std::min_element(node, node + Element::nodes)));
+    });
+    return first;
+  }
+  /// Calls use(nodes) for every element that has a node from `first` on.
+  template <class Use>
+  void for_each_element_from(std::size_t first, std::size_t end, const Use& use) const {
+    for (std::size_t at = 0; at < end; at += Element::nodes) {
+      const int* node = mesh_.element_node.data() + at;
+      if (std::size_t(*std::max_element(node, node + Element::nodes)) >= first) use(node);
+    }
+  }
+
+  void integrate_from(std::size_t first) {
+    const auto entry = std::size_t(pattern_.diagonal(static_cast<int>(first)));
+    std::fill(stiffness_.begin() + std::ptrdiff_t(entry), stiffness_.end(), 0.0);
+    std::fill(volume_.begin() + std::ptrdiff_t(first), volume_.end(), 0.0);
+    for_each_element_from(first, mesh_.element_node.size(), [&](const int* node) {
+      integrate(static_cast<int>((node - mesh_.element_node.data()) / Element::nodes), first);
+    });
+    const auto last = std::max_element(bottom_nodes_.begin(), bottom_nodes_.end());
+    if (last != bottom_nodes_.end() && std::size_t(*last) >= first) weigh_bottom();
+  }
+
+  /// Adds what an element gives to nodes from `first` on.
+  void integrate(int e, std::size_t first) {
     constexpr std::size_t corners = Element::nodes;
     const int* node = mesh_.nodes_of(e);
     const int* place = pattern_.places(e);
     const auto conduction = conduction_of<Element>(mesh_, node);
-    for (std::size_t i = 0; i < corners; ++i) volume_[std::size_t(node[i])] += conduction.volume[i];
+    const auto counts = [&](std::size_t i) { return std::size_t(node[i]) >= first; };
+    for (std::size_t i = 0; i < corners; ++i) {
+      if (counts(i)) volume_[std::size_t(node[i])] += conduction.volume[i];
+    }
     for (std::size_t c = 0; c < corners; ++c) {
       const auto& gradient = conduction.gradient[c];
       for (std::size_t i = 0; i < corners; ++i) {
         for (std::size_t k = 0; k <= i; ++k) {
+          if (!counts(i) || !counts(k)) continue;
           double product = gradient[i][0] * gradient[k][0];
           for (std::size_t a = 1; a < dim; ++a) product += gradient[i][a] * gradient[k][a];
           stiffness_[std::size_t(place[i * corners + k])] += conduction.volume[c] * product;
@@ -157,23 +210,27 @@ private:
   }
 
   /// Volumes of the mesh before it grew with its top row drawn up to the present level.
-  std::vector<double> stretched_volumes(std::size_t nodes, std::size_t row,
+  /// @param volume  (node) as it was
+  std::vector<double> stretched_volumes(std::vector<double> volume, std::size_t row,
                                         std::size_t old_elements) const {
+    const std::size_t nodes = volume.size(), first = first_node_beside(nodes - row, old_elements);
     Mesh stretched;
     stretched.node.assign(mesh_.node.begin(), mesh_.node.begin() + std::ptrdiff_t(dim * nodes));
     for (std::size_t n = nodes - row; n < nodes; ++n)
       stretched.node[dim * n + dim - 1] = mesh_.node.back();
-    std::vector<double> volume(nodes, 0.0);
-    for (std::size_t at = 0; at < old_elements; at += Element::nodes) {
-      const int* node = mesh_.element_node.data() + at;
+    std::fill(volume.begin() + std::ptrdiff_t(first), volume.end(), 0.0);
+    for_each_element_from(first, old_elements, [&](const int* node) {
       const auto corner = corner_volumes<Element>(stretched, node);
-      for (std::size_t i = 0; i < corner.size(); ++i) volume[std::size_t(node[i])] += corner[i];
-    }
+      for (std::size_t i = 0; i < corner.size(); ++i) {
+        if (std::size_t(node[i]) >= first) volume[std::size_t(node[i])] += corner[i];
+      }
+    });
     return volume;
   }
 
   const Mesh& mesh_;
   std::vector<int> element_node_;
+  std::vector<double> placed_;  ///< coordinates of the last integration
 };
 
 }  // namespace dccast::thermal

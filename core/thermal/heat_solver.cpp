@@ -56,10 +56,11 @@ void HeatSolver::update_mesh() {
 
 MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double temperature) {
   bool new_pattern = false;
+  const std::size_t first = field.enthalpy.size() - 2 * std::size_t(nodes_per_row);  // that changes
   const MetalEntry entry = forms_->follow_growth(nodes_per_row, properties_.enthalpy(temperature),
                                                  field.enthalpy, new_pattern);
   if (new_pattern) take_elements();
-  refresh(field);
+  refresh(field, first);
   if (!field.wetted.empty()) field.wetted.resize(field.enthalpy.size(), 0);
   return entry;
 }
@@ -88,10 +89,10 @@ HeatField HeatSolver::uniform_field(double temperature) const {
   return field;
 }
 
-void HeatSolver::refresh(HeatField& field) const {
+void HeatSolver::refresh(HeatField& field, std::size_t first) const {
   field.temperature.resize(field.enthalpy.size());
   field.liquid_fraction.resize(field.enthalpy.size());
-  for (std::size_t i = 0; i < field.enthalpy.size(); ++i) {
+  for (std::size_t i = first; i < field.enthalpy.size(); ++i) {
     const ThermalState state = properties_.state(field.enthalpy[i]);
     field.temperature[i] = state.temperature;
     field.liquid_fraction[i] = state.liquid_fraction;

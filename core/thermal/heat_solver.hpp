@@ -100,8 +100,8 @@ public:
 
   /// A field of one temperature [°C] on the mesh.
   HeatField uniform_field(double temperature) const;
-  /// Temperature and liquid fraction from the enthalpy.
-  void refresh(HeatField& field) const;
+  /// Temperature and liquid fraction from the enthalpy. @param first  node whose enthalpy changed
+  void refresh(HeatField& field, std::size_t first = 0) const;
 
   /// @param field  at the start of the step, carried to the present mesh; at its end on return,
   ///               unchanged if the step did not converge

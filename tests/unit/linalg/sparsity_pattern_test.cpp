@@ -46,6 +46,31 @@ TEST(SparsityPattern, EveryPlaceOfAGridNamesItsRowAndColumn) {
   }
 }
 
+/// Two rows of cells, then up to six at once, with one, two or three unknowns a node.
+TEST(SparsityPattern, OneThatIsExtendedIsOneOfTheWholeMesh) {
+  constexpr int columns = 5;
+  for (const int per_node : {1, 2, 3}) {
+    std::vector<int> all;
+    for (const int node : testing::grid_cells(columns, 7)) {
+      for (int d = 0; d < per_node; ++d) all.push_back(node * per_node + d);
+    }
+    const auto rows_of = [&](int rows) {
+      return std::span(all).first(std::size_t(rows * (columns - 1) * 4 * per_node));
+    };
+    const auto unknowns = [&](int rows) { return (rows + 1) * columns * per_node; };
+    SparsityPattern extended(unknowns(2), rows_of(2), 4 * per_node);
+    for (const int rows : {2, 3, 6}) {
+      extended.extend(unknowns(rows), rows_of(rows));
+      const SparsityPattern whole(unknowns(rows), rows_of(rows), 4 * per_node);
+      EXPECT_EQ(extended.column_start(), whole.column_start());
+      EXPECT_EQ(extended.row(), whole.row());
+      EXPECT_EQ(extended.unknowns_per_node(), per_node);
+      const int places = 16 * per_node * per_node * rows * (columns - 1);
+      EXPECT_TRUE(std::equal(whole.places(0), whole.places(0) + places, extended.places(0)));
+    }
+  }
+}
+
 TEST(SparsityPattern, ProductIsThatOfTheFullMatrix) {
   const std::vector<int> unknown{0, 2, 2, 1};
   const SparsityPattern pattern(3, unknown, 2);

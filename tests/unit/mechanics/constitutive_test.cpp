@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace dccast::mechanics {
 namespace {
@@ -21,37 +22,43 @@ Problem one_point(double exponent, double kappa) {
   return problem;
 }
 
+/// What the law gives at one point, alone in its block.
+PointResponse<2> respond(const Problem& problem, const Tensor& trial) {
+  std::vector<double> strain(4 * elements_in_block), numbers(6 * elements_in_block);
+  const TensorBlock<2> strains(strain.data(), elements_in_block);
+  const ResponseBlock<2> responses(numbers.data(), elements_in_block);
+  strains.set(0, trial);
+  return_map_law(problem)(ElementBlock{0, 1}, strains, responses);
+  return responses.at(0);
+}
+
 double contraction(const Tensor& a, const Tensor& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < Tensor::components; ++i) sum += (i < 3 ? 1.0 : 2.0) * a[i] * b[i];
   return sum;
 }
 
-/// d s along `direction` by the consistent tangent 2 shear I + normal n (x) n.
+/// d s along `direction` by the consistent tangent 2 shear I + softening s (x) s.
 Tensor by_tangent(const PointResponse<2>& response, const Tensor& direction) {
   Tensor change;
   change.add(2.0 * response.shear, direction);
-  if (response.norm > 0.0) {
-    const double along = contraction(response.deviator, direction) / response.norm;
-    change.add(response.normal * along / response.norm, response.deviator);
-  }
+  change.add(response.softening * contraction(response.deviator, direction), response.deviator);
   return change;
 }
 
 Tensor by_differences(const Problem& problem, const Tensor& trial, const Tensor& direction,
                       double h) {
-  const auto law = return_map_law(problem);
   Tensor ahead = trial, behind = trial;
   ahead.add(h, direction), behind.add(-h, direction);
-  Tensor change = law(0, 0, ahead).deviator;
-  change.add(-1.0, law(0, 0, behind).deviator);
+  Tensor change = respond(problem, ahead).deviator;
+  change.add(-1.0, respond(problem, behind).deviator);
   for (double& c : change.value) c /= 2.0 * h;
   return change;
 }
 
 double error_of(const Problem& problem, const Tensor& trial, const Tensor& direction, double h) {
   Tensor d = by_differences(problem, trial, direction, h);
-  const Tensor tangent = by_tangent(return_map_law(problem)(0, 0, trial), direction);
+  const Tensor tangent = by_tangent(respond(problem, trial), direction);
   return d.add(-1.0, tangent).norm() / tangent.norm();
 }
 
@@ -88,9 +95,9 @@ INSTANTIATE_TEST_SUITE_P(FromWeakToStrongCreep, Tangent,
 TEST(ConstitutiveLaw, WithoutCreepIsLinear) {
   for (double kappa : {0.0, 1e-60}) {
     const Problem problem = one_point(6.0, kappa);
-    const auto response = return_map_law(problem)(0, 0, trial);
+    const auto response = respond(problem, trial);
     EXPECT_EQ(response.shear, 1.38e10);
-    EXPECT_NEAR(response.normal, 0.0, 1e-3);
+    EXPECT_NEAR(response.softening * response.deviator.squared_norm(), 0.0, 1e-3);
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_DOUBLE_EQ(response.deviator[i], 2.0 * 1.38e10 * trial[i]);
     }
@@ -106,7 +113,7 @@ TEST(ConstitutiveLaw, NearZeroStressTheTangentIsElastic) {
   for (double scale : {0.0, 1e-30, 1e-12, 1e-6}) {
     Tensor small;
     small.add(scale, trial);
-    const auto response = return_map_law(problem)(0, 0, small);
+    const auto response = respond(problem, small);
     EXPECT_NEAR(response.shear, 1.38e10, 1e-6);
     for (const Tensor& direction : directions) {
       const Tensor change = by_tangent(response, direction);
@@ -122,12 +129,46 @@ TEST(ConstitutiveLaw, NearZeroStressTheTangentIsElastic) {
 TEST(ConstitutiveLaw, StressAndRateSatisfyTheStepsEquation) {
   for (double strength : {1e-12, 1e-2, 1.0, 1e3, 1e12}) {
     const Problem problem = one_point(6.0, kappa_for(strength, 6.0));
-    const auto response = return_map_law(problem)(0, 0, trial);
-    EXPECT_NEAR(response.norm, response.deviator.norm(), 1e-14 * response.norm);
+    const auto response = respond(problem, trial);
     Tensor sum = response.deviator;
     sum.add(2.0 * 1.38e10 * problem.dt, viscoplastic_strain_rate(problem, 0, response.deviator));
     sum.add(-2.0 * 1.38e10, trial);
     EXPECT_LE(sum.norm(), 1e-14 * 2.0 * 1.38e10 * trial.norm()) << strength;
+  }
+}
+
+/// Neighbours in a block differ in stress, modulus and creep by orders of magnitude.
+TEST(ConstitutiveLaw, EveryPointOfABlockGetsItsOwnAnswer) {
+  constexpr std::size_t elements = 11, points = 2, places = points * elements_in_block;
+  Problem all;
+  all.dt = 0.5;
+  all.exponent = 6.0;
+  std::vector<double> strain(4 * places), numbers(6 * places);
+  const TensorBlock<2> strains(strain.data(), places);
+  const ResponseBlock<2> responses(numbers.data(), places);
+  const auto trial_at = [](std::size_t e, std::size_t q) {
+    Tensor own;
+    return own.add(e == 4 ? 0.0 : std::pow(10.0, double(q) - double(e)), trial);
+  };
+  for (std::size_t e = 0; e < elements; ++e) {
+    all.shear.push_back(1.38e10 / double(e + 1));
+    all.kappa.push_back(e % 3 == 0 ? 0.0 : kappa_for(std::pow(10.0, 2.0 * double(e)), 6.0));
+    for (std::size_t q = 0; q < points; ++q) strains.set(place_in_block(e, q), trial_at(e, q));
+  }
+  return_map_law(all)(ElementBlock{0, elements}, strains, responses);
+  for (std::size_t e = 0; e < elements; ++e) {
+    for (std::size_t q = 0; q < points; ++q) {
+      const Tensor own = trial_at(e, q);
+      const double R = 2.0 * all.shear[e] * own.norm();
+      const auto map = material::return_map(R, 2.0 * all.shear[e] * all.dt * all.kappa[e], 6.0);
+      const auto response = responses.at(place_in_block(e, q));
+      EXPECT_NEAR(response.deviator.norm(), map.norm, 4e-15 * map.norm) << e;
+      const double ratio = R > 0.0 ? map.norm / R : 1.0;
+      EXPECT_NEAR(response.shear, all.shear[e] * ratio, 4e-15 * all.shear[e]) << e;
+      const double slope =
+          2.0 * response.shear + response.softening * response.deviator.squared_norm();
+      EXPECT_NEAR(slope, 2.0 * all.shear[e] * map.derivative, 1e-13 * all.shear[e]) << e;
+    }
   }
 }
 

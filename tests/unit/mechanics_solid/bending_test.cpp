@@ -115,7 +115,10 @@ TEST(BendingHexahedron, LayersBringTheRestWhateverTheLength) {
     EXPECT_NEAR(deflection_along<fem::BendingHexahedron>(0.3, cell, 4), 0.987, 1e-3) << cell;
     EXPECT_NEAR(deflection<fem::BendingHexahedron>({Moment::both, 0.3, cell, 4}), 0.963, 1e-3)
         << cell;
-    EXPECT_NEAR(deflection<fem::BendingHexahedron>({Moment::twisting, 0.3, cell, 1}), 1.0, 1e-9)
+    // Exact. Round-off of the forces counts the more the softer the plate is beside its cells.
+    const double round_off = 1e-10 * cell * cell;
+    EXPECT_NEAR(deflection<fem::BendingHexahedron>({Moment::twisting, 0.3, cell, 1}), 1.0,
+                round_off)
         << cell;
   }
 }

@@ -121,11 +121,10 @@ public:
 
   /// At every point [Pa], of the last step's end.
   std::vector<Tensor> stresses() const {
-    Equilibrium equilibrium(problem);
     std::vector<Tensor> all = unknowns_.deviator;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      all[i].add_identity(
-          equilibrium.pressure(static_cast<int>(i / Element::points), unknowns_.displacement));
+      all[i].add_identity(mean_normal_stress(problem, static_cast<int>(i / Element::points),
+                                             unknowns_.displacement));
     }
     return all;
   }

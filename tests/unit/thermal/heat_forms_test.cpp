@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -84,6 +85,31 @@ TEST_P(HeatFormsOfSection, LinearFieldIsInEquilibriumOnObliqueCells) {
       EXPECT_NEAR(source[n], 0.0, 1e-13);
     }
   }
+}
+
+/// A run that goes on from a checkpoint makes its forms anew: they must be the same bit by bit. The
+/// mesh stretches, gets a row, several, and goes back to where it was.
+TEST_P(HeatFormsOfSection, FormsThatFollowAMeshAreThoseMadeOfIt) {
+  mesh::SlabMesh2D slab(casting_section(element()));
+  const std::vector<double> rows = slab.row_heights();
+  const auto followed = make_heat_forms(slab.mesh(), kind());
+  followed->update();
+  const auto expect_same = [&] {
+    followed->update();
+    const auto anew = make_heat_forms(slab.mesh(), kind());
+    anew->update();
+    EXPECT_EQ(followed->pattern().row(), anew->pattern().row());
+    EXPECT_TRUE(std::ranges::equal(followed->stiffness(), anew->stiffness()));
+    EXPECT_EQ(followed->volume(), anew->volume());
+    EXPECT_EQ(followed->bottom_weight(), anew->bottom_weight());
+    EXPECT_EQ(followed->top_nodes(), anew->top_nodes());
+  };
+  for (const double level : {0.1005, 0.106, 0.107, 0.125}) {
+    slab.grow_to(level);
+    expect_same();
+  }
+  slab.restore(rows);
+  expect_same();
 }
 
 INSTANTIATE_TEST_SUITE_P(Sections, HeatFormsOfSection,

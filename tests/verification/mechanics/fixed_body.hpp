@@ -34,11 +34,12 @@ public:
     }
     pattern = linalg::SparsityPattern(2 * mesh.nodes(), unknown, 2 * Element::nodes);
     work.resize(pattern, linalg::Geometry::plane);
-    const std::size_t elements = std::size_t(mesh.elements()), unknowns = 2 * std::size_t(mesh.nodes());
+    const std::size_t elements = std::size_t(mesh.elements()),
+                      unknowns = 2 * std::size_t(mesh.nodes());
     problem.forms = &forms;
     problem.pattern = &pattern;
-    for (auto* field : {&problem.bulk, &problem.shear, &problem.kappa, &problem.thermal,
-                        &problem.prestress}) {
+    for (auto* field :
+         {&problem.bulk, &problem.shear, &problem.kappa, &problem.thermal, &problem.prestress}) {
       field->assign(elements, 0.0);
     }
     problem.inelastic.resize(elements * Element::points);
@@ -129,15 +130,13 @@ public:
   /// Stress at a quadrature point [Pa], of the last step's end.
   PlaneStress stress(int element, std::size_t point) const {
     PlaneStress s = unknowns_.deviator[std::size_t(element) * Element::points + point];
-    mechanics::Equilibrium equilibrium(problem);
-    return s.add_identity(equilibrium.pressure(element, unknowns_.displacement));
+    return s.add_identity(mechanics::mean_normal_stress(problem, element, unknowns_.displacement));
   }
   std::vector<PlaneStress> stresses() const {
-    mechanics::Equilibrium equilibrium(problem);
     std::vector<PlaneStress> all = unknowns_.deviator;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      all[i].add_identity(equilibrium.pressure(static_cast<int>(i / Element::points),
-                                               unknowns_.displacement));
+      all[i].add_identity(mechanics::mean_normal_stress(
+          problem, static_cast<int>(i / Element::points), unknowns_.displacement));
     }
     return all;
   }
@@ -159,8 +158,8 @@ mesh::Mesh2D uniform_rectangle(double width, double height, int columns, int row
 /// Points and weights for integrals of exact fields over an element: 16 sub-triangles of each
 /// triangle with three points each, so that a kink inside an element does not matter.
 struct IntegrationPoint {
-  double x, y, weight;               ///< weight [m2]
-  std::array<double, 4> shape;       ///< shape functions of the element there
+  double x, y, weight;          ///< weight [m2]
+  std::array<double, 4> shape;  ///< shape functions of the element there
 };
 std::vector<IntegrationPoint> integration_points(const mesh::Mesh2D& mesh, int element);
 

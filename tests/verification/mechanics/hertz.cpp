@@ -2,6 +2,7 @@
 
 #include "core/contact/active_set.hpp"
 #include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/equilibrium.hpp"
 #include "tests/verification/mechanics/exact_checks.hpp"
 #include "tests/verification/mechanics/hertz_solution.hpp"
 #include "tests/verification/mechanics/time_loop.hpp"
