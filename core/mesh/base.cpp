@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/mesh/graded_cells.hpp"
+#include "core/mesh/rounded_corner.hpp"
 
 namespace dccast::mesh {
 
@@ -16,51 +17,77 @@ std::vector<double> graded_towards_end(double length, int cells, double last) {
   return ends_of_cells(widths, length);
 }
 
-/// Moves the nearest inner position onto each kink of the opening, so that a straight piece of the
-/// mould is one of the mesh.
-void snap_to_kinks(const Curve& opening, std::vector<double>& x) {
-  for (const double kink : opening.at()) {
-    if (x.size() < 3 || kink <= x.front() || kink >= x.back()) continue;
-    const auto nearest = std::min_element(x.begin() + 1, x.end() - 1, [&](double a, double b) {
-      return std::abs(a - kink) < std::abs(b - kink);
-    });
-    *nearest = kink;
-  }
+/// Moves the nearest inner position onto a place, so that there is a row of nodes.
+void snap(double place, std::vector<double>& at) {
+  if (at.size() < 3 || place <= at.front() || place >= at.back()) return;
+  *std::min_element(at.begin() + 1, at.end() - 1, [&](double a, double b) {
+    return std::abs(a - place) < std::abs(b - place);
+  }) = place;
+}
+
+int index_nearest_to(double place, const std::vector<double>& at) {
+  const auto nearest = std::min_element(at.begin(), at.end(), [&](double a, double b) {
+    return std::abs(a - place) < std::abs(b - place);
+  });
+  return static_cast<int>(nearest - at.begin());
 }
 
 /// The plan of a quarter slab under construction: a grid of columns along x and layers along y.
 class QuarterPlan {
 public:
   explicit QuarterPlan(const SectionSpec& spec)
-      : opening_(spec.half_thickness),
+      : spec_(spec),
         x_(columns(spec)),
         share_(layers(spec)),
-        column_(static_cast<int>(share_.size())) {}
+        column_(static_cast<int>(share_.size())),
+        patch_{cells_x(), cells_y()} {
+    grid_.columns = static_cast<int>(x_.size());
+    grid_.layers = column_;
+    for (const double x : x_)
+      for (const double share : share_)
+        grid_.place.insert(grid_.place.end(), {x, share * spec.half_thickness(x)});
+    if (spec.corner_radius > 0.0) round();
+  }
 
   Base<3> build() const {
     Base<3> base;
-    for (const double x : x_)
-      for (const double share : share_) base.node.insert(base.node.end(), {x, share * opening_(x)});
+    base.node = grid_.place;
     for (int i = 0; i < cells_x(); ++i)
       for (int j = 0; j < cells_y(); ++j)
         for (const int n : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
           base.cell_node.push_back(n);
     add_straight_walls(base);
     add_wide_faces(base);
+    add_corner(base);
     return base;
+  }
+
+  std::array<int, 2> corner_cells() const {
+    return {cells_x() - patch_.column, cells_y() - patch_.layer};
   }
 
 private:
   static std::vector<double> columns(const SectionSpec& spec) {
     auto x = graded_towards_end(spec.half_width, spec.columns, spec.side_cell);
-    snap_to_kinks(spec.half_thickness, x);
+    // A straight piece of the mould is one of the mesh.
+    for (const double kink : spec.half_thickness.at()) snap(kink, x);
+    if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_wide_face()[0], x);
     return refined(x, spec.refinement);
   }
   static std::vector<double> layers(const SectionSpec& spec) {
     const double end = spec.half_thickness(spec.half_width);
     auto y = graded_towards_end(end, spec.layers, spec.wide_side_cell);
+    if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_narrow_face()[1], y);
     for (double& at : y) at /= end;
     return refined(y, spec.refinement);
+  }
+
+  void round() {
+    const CornerArc arc = corner_arc(spec_);
+    const double end = spec_.half_thickness(spec_.half_width);
+    patch_ = {index_nearest_to(arc.on_wide_face()[0], x_),
+              index_nearest_to(arc.on_narrow_face()[1] / end, share_)};
+    if (patch_.column < cells_x() && patch_.layer < cells_y()) round_corner(arc, patch_, grid_);
   }
 
   int cells_x() const { return static_cast<int>(x_.size()) - 1; }
@@ -72,40 +99,61 @@ private:
     Base<3>::Wall plane_x{"symmetry_x", PatchKind::symmetry, {-1, 0, 0}, {}};
     Base<3>::Wall plane_y{"symmetry_y", PatchKind::symmetry, {0, -1, 0}, {}};
     Base<3>::Wall narrow{"side_x", PatchKind::side, {1, 0, 0}, {}};
-    for (int j = 0; j < cells_y(); ++j) {
-      plane_x.pieces.push_back({cell(0, j), 3});
-      narrow.pieces.push_back({cell(cells_x() - 1, j), 1});
-    }
+    for (int j = 0; j < cells_y(); ++j) plane_x.pieces.push_back({cell(0, j), 3});
+    for (int j = 0; j < patch_.layer; ++j) narrow.pieces.push_back({cell(cells_x() - 1, j), 1});
     for (int i = 0; i < cells_x(); ++i) plane_y.pieces.push_back({cell(i, 0), 0});
-    for (auto* wall : {&plane_x, &plane_y, &narrow}) base.walls.push_back(std::move(*wall));
+    for (auto* wall : {&plane_x, &plane_y, &narrow})
+      if (!wall->pieces.empty()) base.walls.push_back(std::move(*wall));
   }
 
   /// One wall for each straight piece of the opening: side_y, side_y_2, side_y_3.
   void add_wide_faces(Base<3>& base) const {
-    constexpr double same_direction = 1e-9;
-    int faces = 0;
-    for (int i = 0; i < cells_x(); ++i) {
-      const auto normal = normal_of_column(std::size_t(i));
-      auto* wall = faces == 0 ? nullptr : &base.walls.back();
-      if (wall == nullptr || std::abs(wall->normal[0] - normal[0]) > same_direction) {
-        ++faces;
-        const std::string name = faces == 1 ? "side_y" : "side_y_" + std::to_string(faces);
-        base.walls.push_back({name, PatchKind::side, normal, {}});
-      }
-      base.walls.back().pieces.push_back({cell(i, cells_y() - 1), 2});
-    }
+    const std::size_t first = base.walls.size();
+    for (int i = 0; i < patch_.column; ++i)
+      add_piece(base, first, "side_y", {cell(i, cells_y() - 1), 2},
+                {at(i, cells_y()), at(i + 1, cells_y())});
   }
 
-  std::array<double, 3> normal_of_column(std::size_t i) const {
-    const double along = x_[i + 1] - x_[i], rise = opening_(x_[i + 1]) - opening_(x_[i]);
+  /// One wall for each chord of a rounded corner, from the wide to the narrow face.
+  void add_corner(Base<3>& base) const {
+    const std::size_t first = base.walls.size();
+    for (int i = patch_.column; i < cells_x(); ++i)
+      add_piece(base, first, "side_corner", {cell(i, cells_y() - 1), 2},
+                {at(i, cells_y()), at(i + 1, cells_y())});
+    for (int j = cells_y() - 1; j >= patch_.layer; --j)
+      add_piece(base, first, "side_corner", {cell(cells_x() - 1, j), 1},
+                {at(cells_x(), j + 1), at(cells_x(), j)});
+  }
+
+  /// @param first  of the walls of this name
+  /// @param ends   nodes of the piece, clockwise seen from above
+  void add_piece(Base<3>& base, std::size_t first, const std::string& name,
+                 const Base<3>::Piece& piece, const std::array<int, 2>& ends) const {
+    constexpr double same_direction = 1e-9;
+    const auto normal = normal_of(ends);
+    const auto* wall = base.walls.size() == first ? nullptr : &base.walls.back();
+    if (wall == nullptr || std::abs(wall->normal[0] - normal[0]) > same_direction) {
+      const std::size_t count = base.walls.size() - first + 1;
+      base.walls.push_back(
+          {count == 1 ? name : name + "_" + std::to_string(count), PatchKind::side, normal, {}});
+    }
+    base.walls.back().pieces.push_back(piece);
+  }
+
+  std::array<double, 3> normal_of(const std::array<int, 2>& ends) const {
+    const double *from = &grid_.place[2 * std::size_t(ends[0])],
+                 *to = &grid_.place[2 * std::size_t(ends[1])];
+    const double along = to[0] - from[0], rise = to[1] - from[1];
     const double length = std::hypot(along, rise);
     return {-rise / length, along / length, 0.0};
   }
 
-  const Curve& opening_;
+  const SectionSpec& spec_;
   std::vector<double> x_;      ///< [m] of the columns of nodes
   std::vector<double> share_;  ///< of the opening, by layer of nodes [1]
   int column_;                 ///< nodes in one
+  CornerPatch patch_;          ///< of a square corner the last column and layer
+  PlanGrid grid_;
 };
 
 }  // namespace
@@ -125,6 +173,28 @@ Base<2> base_of<2>(const SectionSpec& spec) {
 template <>
 Base<3> base_of<3>(const SectionSpec& spec) {
   return QuarterPlan(spec).build();
+}
+
+std::array<int, 2> corner_cells(const SectionSpec& spec) {
+  return QuarterPlan(spec).corner_cells();
+}
+
+double reach_of(const Base<3>& plan, double x) {
+  constexpr double round_off = 1e-12;  // [m]
+  double reach = 0.0;
+  for (const auto& wall : plan.walls) {
+    if (wall.kind != PatchKind::side) continue;
+    for (const auto& piece : wall.pieces) {
+      const auto corner = [&](int k) {
+        return &plan.node[2 * std::size_t(plan.cell_node[std::size_t(4 * piece.cell + k % 4)])];
+      };
+      const double *a = corner(piece.side), *b = corner(piece.side + 1);
+      if (x < std::min(a[0], b[0]) - round_off || x > std::max(a[0], b[0]) + round_off) continue;
+      const double share = a[0] == b[0] ? 0.0 : (x - a[0]) / (b[0] - a[0]);
+      reach = std::max({reach, a[0] == b[0] ? std::max(a[1], b[1]) : a[1] + share * (b[1] - a[1])});
+    }
+  }
+  return reach;
 }
 
 }  // namespace dccast::mesh

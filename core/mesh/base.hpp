@@ -42,9 +42,18 @@ struct Base {
 template <int Dim>
 Base<Dim> base_of(const SectionSpec& spec);
 
+/// The narrow face is the wall side_x, the wide face side_y, side_y_2, ... for each straight piece
+/// of the opening, a rounded corner side_corner, side_corner_2, ... for each chord.
 template <>
 Base<2> base_of<2>(const SectionSpec& spec);
 template <>
 Base<3> base_of<3>(const SectionSpec& spec);
+
+/// How far the plan of a quarter slab reaches in y at a place along its wide face [m].
+double reach_of(const Base<3>& plan, double x);
+
+/// Cells of a quarter slab's plan that lie between the ends of its rounded corner, along the wide
+/// and along the narrow face; none of either without a radius.
+std::array<int, 2> corner_cells(const SectionSpec& spec);
 
 }  // namespace dccast::mesh

@@ -30,6 +30,7 @@ struct SectionSpec {
   /// [m] of a quarter slab against distance from x = 0: half the opening of the mould in y,
   /// piecewise linear; a constant is a rectangle, points above the end's value make it convex.
   Curve half_thickness;
+  double corner_radius = 0.0;  ///< [m] of a quarter slab; 0 is a square corner
   double initial_depth = 0.0;  ///< [m]
   ElementKind element = ElementKind::q1_bending;
   int columns = 30;

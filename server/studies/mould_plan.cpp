@@ -183,10 +183,21 @@ private:
       const v1::Monitor& monitor = base_.monitor(i);
       const double before = frames::half_opening_m(base_.section(), monitor.x_m());
       const double now = opening.at(monitor.x_m());
-      if (monitor.y_m() < std::min(now, before - on_the_face)) continue;
-      changes.push_back(change_of("monitor[" + std::to_string(i) + "].y", in_mm(now)));
+      const bool on_face = monitor.y_m() >= std::min(now, before - on_the_face);
+      if (!on_face && !in_corner(monitor)) continue;
+      const double y = on_face ? now : monitor.y_m() + now - before;
+      changes.push_back(change_of("monitor[" + std::to_string(i) + "].y", in_mm(y)));
     }
     return changes;
+  }
+
+  /// Near a rounded corner, which goes with the opening at the narrow face.
+  bool in_corner(const v1::Monitor& monitor) const {
+    const v1::Section& section = base_.section();
+    return section.corner_radius_m() > 0.0 &&
+           monitor.x_m() > section.half_width_m() - section.corner_radius_m() &&
+           monitor.y_m() >
+               frames::half_opening_m(section, section.half_width_m()) - section.corner_radius_m();
   }
 
   v1::Case base_;

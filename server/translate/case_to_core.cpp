@@ -62,6 +62,7 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.kind = section_kind(from.section().kind());
   to.half_width = from.section().half_width_m();
   to.half_thickness = to_core(from.section().half_thickness_m());
+  to.corner_radius = from.section().corner_radius_m();
   to.initial_depth = from.section().initial_depth_m();
   const v1::Mesh& mesh = from.mesh();
   to.element = element(mesh.element());

@@ -1,8 +1,10 @@
 #include "core/casting/check/checks.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "core/fem/point_location.hpp"
+#include "core/mesh/base.hpp"
 
 namespace dccast::casting {
 
@@ -22,7 +24,10 @@ void above(CaseFindings& found, const std::string& field, double height) {
 /// Of a quarter slab: beyond the wide face.
 void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({field + ".x", field + ".y", "section.half_thickness"})) return;
-  const double opening = found.casting.section.half_thickness(m.x);
+  const mesh::SectionSpec& section = found.casting.section;
+  double opening = section.half_thickness(m.x);
+  if (section.corner_radius > 0.0 && found.sound(plan_keys))
+    opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section), m.x));
   if (m.y <= opening + round_off) return;
   found.fault(field + ".y", with_unit(m.y, "m"), "lies outside the slab",
               "0 m to half the opening of the mould there, " + with_unit(opening, "m"),

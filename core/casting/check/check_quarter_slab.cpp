@@ -48,19 +48,10 @@ void opening_not_convex(CaseFindings& found, const Curve& opening, double half_w
 
 /// Each break point of the opening needs a column of nodes of its own.
 void columns_miss_break_points(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  const auto base = mesh::base_of<3>(s);
-  std::vector<double> x;
-  const int column = s.layers * s.refinement + 1;
-  for (int n = 0; n < base.nodes(); n += column) x.push_back(base.node[2 * std::size_t(n)]);
-  bool fits = std::ranges::is_sorted(x, std::less_equal{});
-  for (const double at : s.half_thickness.at()) {
-    const bool inside = at > 0.0 && at < s.half_width - round_off;
-    fits &= !inside ||
-            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
-  }
-  if (fits) return;
-  found.fault("mesh.columns", std::to_string(s.columns),
+  mesh::SectionSpec square = found.casting.section;
+  square.corner_radius = 0.0;
+  if (break_points_have_nodes(square)) return;
+  found.fault("mesh.columns", std::to_string(square.columns),
               "are too few for the break points of section.half_thickness",
               "so many that each break point can have a row of nodes",
               "use more columns, or move the break points apart");
@@ -99,13 +90,29 @@ double least_depth(const Curve& profile, double length) {
 
 }  // namespace
 
+bool break_points_have_nodes(const mesh::SectionSpec& s) {
+  const auto base = mesh::base_of<3>(s);
+  std::vector<double> x;
+  const int column = s.layers * s.refinement + 1;
+  for (int n = 0; n < base.nodes(); n += column) x.push_back(base.node[2 * std::size_t(n)]);
+  bool fits = std::ranges::is_sorted(x, std::less_equal{});
+  for (const double at : s.half_thickness.at()) {
+    const bool inside = at > 0.0 && at < s.half_width - round_off;
+    fits &= !inside ||
+            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
+  }
+  return fits;
+}
+
 void check_quarter_slab(CaseFindings& found) {
   const Case& c = found.casting;
   if (found.solid()) {
     if (found.sound({"section.half_thickness"})) check_opening(found);
+    check_corner(found);
     return;
   }
   only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
+  only_of_a_quarter_slab(found, "section.corner_radius", c.section.corner_radius > 0.0);
   only_of_a_quarter_slab(found, "cooling.bottom_block.profile_y",
                          !c.cooling.bottom_block.profile_y.empty());
 }

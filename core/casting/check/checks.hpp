@@ -26,11 +26,12 @@ inline const Keys grid_keys = {"section.kind",    "mesh.columns", "mesh.layers",
 /// What the plan of a quarter slab follows from.
 inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
                                "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
-                               "mesh.wide_side_cell"};
+                               "mesh.wide_side_cell", "section.corner_radius"};
 /// What the places of its nodes follow from, besides their number.
 inline const Keys place_keys = {"section.half_width",  "section.half_thickness",
                                 "section.initial_depth", "mesh.side_cell",
-                                "mesh.wide_side_cell", "mesh.bottom_cell"};
+                                "mesh.wide_side_cell", "mesh.bottom_cell",
+                                "section.corner_radius"};
 
 // Each adds its faults; a file each. Those further down use what those above have found.
 
@@ -43,6 +44,10 @@ void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and what belongs to one alone.
 void check_quarter_slab(CaseFindings& found);
+/// Whether each break point of a quarter slab's opening has a row of nodes in its plan.
+bool break_points_have_nodes(const mesh::SectionSpec& section);
+/// The rounded corner of a quarter slab fits into its plan and its mesh.
+void check_corner(CaseFindings& found);
 /// A block that is not flat must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 void check_time(CaseFindings& found);

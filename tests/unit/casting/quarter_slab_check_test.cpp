@@ -63,6 +63,11 @@ const Mistake mistakes[] = {
      }},
     {"BlockThatTouchesNowhereAlongY", "cooling.bottom_block.profile_y",
      [](Case& c) { c.cooling.bottom_block.profile_y = Curve(2e-3); }},
+    {"CornerBeyondTheLastBreakPoint", "section.corner_radius",
+     [](Case& c) { c.section.corner_radius = 0.17; }},
+    {"CornerThatHoldsNoCells", "section.corner_radius",
+     [](Case& c) { c.section.corner_radius = 0.01; }},
+    {"MonitorInTheRoundedCorner", "monitor[0].y", [](Case& c) { c.section.corner_radius = 0.06; }},
     {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 110; }},
 };
 INSTANTIATE_TEST_SUITE_P(Mistakes, QuarterSlabFault, ::testing::ValuesIn(mistakes),
@@ -71,12 +76,13 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, QuarterSlabFault, ::testing::ValuesIn(mistake
 TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
   Case c = small_casting();
   c.section.half_thickness = Curve(0.15);
+  c.section.corner_radius = 0.03;
   c.cooling.bottom_block.profile_y = Curve(0.0);
   c.monitors[0].z = 0.0;
   std::vector<std::string> fields;
   const CheckedCase checked = check(c);
   for (const Fault& fault : checked.faults.list()) fields.push_back(fault.field);
-  EXPECT_EQ(fields, (std::vector<std::string>{"section.half_thickness",
+  EXPECT_EQ(fields, (std::vector<std::string>{"section.half_thickness", "section.corner_radius",
                                               "cooling.bottom_block.profile_y", "monitor[0].z"}));
 }
 

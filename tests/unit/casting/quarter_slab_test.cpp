@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "core/mesh/rounded_corner.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 
@@ -13,6 +16,7 @@ using testing::bytes_of;
 using testing::equal_except_timing;
 using testing::Recorder;
 using testing::small_quarter_slab;
+using testing::small_rounded_slab;
 
 class QuarterSlab : public ::testing::TestWithParam<mesh::ElementKind> {};
 
@@ -43,6 +47,51 @@ TEST_P(QuarterSlab, EveryStepPassesItsChecks) {
   // The volume below the level is 0.28 m by a mean opening of 0.14679 m.
   EXPECT_NEAR(reports.back().weight, 9.81 * 2400.0 * 0.28 * 0.14679 * 0.078,
               0.03 * reports.back().weight);
+}
+
+/// Nodes within the arc of a rounded corner and how far they have moved along its normal [m]. With
+/// chords of equal angle that is the mean normal of the two at a node; not so at the ends.
+std::vector<std::pair<std::size_t, double>> outward_on_arc(const mesh::SectionSpec& section,
+                                                           const results::Frame& frame) {
+  const auto arc = mesh::corner_arc(section);
+  std::vector<std::pair<std::size_t, double>> found;
+  for (std::size_t n = 0; n < frame.temperature.size(); ++n) {
+    const double x = frame.node[3 * n] - arc.centre[0], y = frame.node[3 * n + 1] - arc.centre[1];
+    if (x < 1e-2 || y < 1e-2 || std::abs(std::hypot(x, y) - arc.radius) > 1e-9) continue;
+    const double* u = &frame.displacement[3 * n];
+    found.emplace_back(n, (x * u[0] + y * u[1]) / arc.radius);
+  }
+  return found;
+}
+
+/// The mould holds a node of the arc along one normal; where its metal is solid it has pulled in.
+TEST_P(QuarterSlab, ARoundedCornerIsHeldByItsMouldAndLetGo) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  const Case c = small_rounded_slab(GetParam());
+  ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
+  const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+  ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
+  for (const auto& r : recorder.reports) {
+    EXPECT_LE(std::abs(r.energy_balance_error), 1e-10) << "t = " << r.time;
+    if (r.time <= 1e-9) continue;
+    EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-3 * r.weight) << "t = " << r.time;
+    EXPECT_LE(r.equilibrium_residual, c.mechanics.options.tolerance);
+  }
+  const results::Frame frame = results::ResultReader(folder / "results.h5").last_frame().value();
+  // Triangles share the area of two chords unevenly, so that the mean normal is not quite the
+  // arc's.
+  const double off_the_normal = GetParam() == mesh::ElementKind::p1 ? 2e-5 : 1e-12;
+  int held = 0, pulled_in = 0;
+  for (const auto& [node, outward] : outward_on_arc(c.section, frame)) {
+    if (frame.temperature[node] > c.alloy.solidus) {
+      EXPECT_NEAR(outward, 0.0, off_the_normal) << "node " << node;
+      ++held;
+    }
+    if (outward < -1e-5) ++pulled_in;
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_GT(pulled_in, 0);
 }
 
 TEST_P(QuarterSlab, MonitorsHaveThreeCoordinatesAndATemperature) {

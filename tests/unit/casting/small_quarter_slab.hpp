@@ -28,4 +28,12 @@ inline Case small_quarter_slab(mesh::ElementKind element = mesh::ElementKind::q1
   return c;
 }
 
+/// The same with a rounded corner of two cells along each face.
+inline Case small_rounded_slab(mesh::ElementKind element = mesh::ElementKind::q1_bending) {
+  Case c = small_quarter_slab(element);
+  c.section.corner_radius = 0.06;
+  c.monitors[0].y = 0.07;
+  return c;
+}
+
 }  // namespace dccast::casting::testing

@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "core/mesh/base.hpp"
+#include "core/mesh/rounded_corner.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::mesh {
@@ -72,16 +74,30 @@ double volume_of(const Mesh3D& mesh, int e) {
          tetrahedron(0, 3, 7, 6) + tetrahedron(0, 4, 5, 6) + tetrahedron(0, 7, 4, 6);
 }
 
-double plan_area(const SectionSpec& spec) {
-  return spec.half_thickness.constant() ? length * thickness
-                                        : spec.half_thickness.integral(0.0, length);
+/// What an arc of chords cuts off a corner: the kite up to its two ends without the triangles
+/// between centre and chords.
+double cut_off(const SectionSpec& spec) {
+  if (spec.corner_radius == 0.0) return 0.0;
+  const CornerArc arc = corner_arc(spec);
+  double chords = 0.0;
+  for (const int cells : corner_cells(spec))
+    chords += 0.5 * cells * std::sin(0.5 * arc.angle / cells);
+  return spec.corner_radius * spec.corner_radius * (std::tan(0.5 * arc.angle) - chords);
 }
 
-class QuarterSlabMesh : public ::testing::TestWithParam<std::tuple<ElementKind, bool>> {
+double plan_area(const SectionSpec& spec) {
+  const double square = spec.half_thickness.constant() ? length * thickness
+                                                       : spec.half_thickness.integral(0.0, length);
+  return square - cut_off(spec);
+}
+
+class QuarterSlabMesh : public ::testing::TestWithParam<std::tuple<ElementKind, bool, double>> {
 protected:
   SectionSpec spec() const {
-    const auto [element, is_convex] = GetParam();
-    return is_convex ? convex(element) : quarter(element);
+    const auto [element, is_convex, radius] = GetParam();
+    SectionSpec spec = is_convex ? convex(element) : quarter(element);
+    spec.corner_radius = radius;
+    return spec;
   }
 };
 
@@ -145,7 +161,7 @@ TEST_P(QuarterSlabMesh, GrowthOnlyAppends) {
 INSTANTIATE_TEST_SUITE_P(ElementsAndPlans, QuarterSlabMesh,
                          ::testing::Combine(::testing::Values(ElementKind::p1, ElementKind::q1,
                                                               ElementKind::q1_bending),
-                                            ::testing::Bool()));
+                                            ::testing::Bool(), ::testing::Values(0.0, 0.06)));
 
 TEST(QuarterSlabMesh, HasAWallForEachStraightPieceOfTheMould) {
   const SlabMesh3D slab(convex(ElementKind::q1));
@@ -153,6 +169,66 @@ TEST(QuarterSlabMesh, HasAWallForEachStraightPieceOfTheMould) {
   EXPECT_EQ(slab.mesh().find("side_y_4"), nullptr);
   EXPECT_NEAR(slab.mesh().find("side_y_2")->normal[0], 0.012 / std::hypot(0.3, 0.012), 1e-12);
   EXPECT_EQ(SlabMesh3D(quarter(ElementKind::q1)).mesh().find("side_y_2"), nullptr);
+}
+
+SectionSpec rounded(double radius) {
+  SectionSpec spec = convex(ElementKind::q1_bending);
+  spec.corner_radius = radius;
+  spec.columns = 12;
+  spec.layers = 8;
+  return spec;
+}
+
+double turn(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::acos(std::min(1.0, dot(a, b))) * 180.0 / 3.14159265358979323846;
+}
+
+TEST(RoundedCorner, TouchesBothFacesAndStaysOnItsCircle) {
+  const SectionSpec spec = rounded(0.06);
+  const CornerArc arc = corner_arc(spec);
+  EXPECT_NEAR(arc.on_narrow_face()[0], length, 1e-12);
+  EXPECT_NEAR(arc.on_wide_face()[1], spec.half_thickness(arc.on_wide_face()[0]), 1e-12);
+  const Base<3> plan = base_of<3>(spec);
+  int on_arc = 0;
+  for (const auto& wall : plan.walls) {
+    if (!wall.name.starts_with("side_corner")) continue;
+    for (const auto& piece : wall.pieces)
+      for (const int k : {piece.side, (piece.side + 1) % 4}) {
+        const double* at =
+            &plan.node[2 * std::size_t(plan.cell_node[std::size_t(4 * piece.cell + k)])];
+        const double x = at[0] - arc.centre[0], y = at[1] - arc.centre[1];
+        EXPECT_NEAR(std::hypot(x, y), 0.06, 1e-12);
+        EXPECT_GT(x * wall.normal[0] + y * wall.normal[1], 0.0) << "outward";
+        ++on_arc;
+      }
+  }
+  const auto cells = corner_cells(spec);
+  EXPECT_EQ(on_arc, 2 * (cells[0] + cells[1]));
+}
+
+TEST(RoundedCorner, TurnsByLessThan30DegreesFromChordToChord) {
+  for (const double radius : {0.06, 0.09, 0.12}) {
+    const Base<3> plan = base_of<3>(rounded(radius));
+    std::vector<std::array<double, 3>> around;
+    for (const auto& wall : plan.walls)
+      if (wall.name.starts_with("side_y") || wall.name.starts_with("side_corner"))
+        around.push_back(wall.normal);
+    around.push_back({1.0, 0.0, 0.0});
+    for (std::size_t i = 0; i + 1 < around.size(); ++i)
+      EXPECT_LT(turn(around[i], around[i + 1]), 30.0) << radius;
+  }
+}
+
+TEST(RoundedCorner, ManyChordsCutOffWhatACircleDoes) {
+  SectionSpec spec = rounded(0.06);
+  spec.half_thickness = Curve(thickness);
+  spec.refinement = 16;
+  const double circle = 0.06 * 0.06 * (1.0 - std::atan(1.0));
+  EXPECT_NEAR(cut_off(spec), circle, 2e-3 * circle);
+  const Base<3> plan = base_of<3>(spec);
+  EXPECT_NEAR(reach_of(plan, 0.3), thickness, 1e-12);
+  EXPECT_NEAR(reach_of(plan, length), thickness - 0.06, 1e-12);
+  EXPECT_NEAR(reach_of(plan, length - 0.03), thickness - 0.06 * (1.0 - std::sqrt(0.75)), 1e-5);
 }
 
 }  // namespace

@@ -87,6 +87,19 @@ TEST(MouldPlan, TheNextRunCorrectsTheOpeningAndTakesTheMonitorsOfTheFaceAlong) {
   EXPECT_THAT(next->changes.front().value(), HasSubstr("[\"660 mm\""));
 }
 
+TEST(MouldPlan, ARoundedCornerStaysAndItsMonitorGoesWithTheOpening) {
+  auto request = mould_study();
+  request.mutable_case_()->mutable_section()->set_corner_radius_m(0.06);
+  request.mutable_case_()->mutable_monitor(0)->set_y_m(0.26);
+  const auto plan = study_plan(request);
+  const auto next = plan->next(1, {cast_in(plan->run(0).description)});
+  ASSERT_TRUE(next);
+  const v1::Section& section = next->description.section();
+  EXPECT_EQ(section.corner_radius_m(), 0.06);
+  EXPECT_NEAR(next->description.monitor(0).y_m(),
+              0.26 + section.half_thickness_m().value(3) - 0.291, 1e-9);
+}
+
 TEST(MouldPlan, EndsWithinTheToleranceAndTellsTheBestRun) {
   const auto plan = study_plan(mould_study());
   std::vector<EvaluatedRun> runs{cast_in(plan->run(0).description)};

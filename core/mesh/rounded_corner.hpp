@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/mesh/section_spec.hpp"
+
+namespace dccast::mesh {
+
+/// The corner between narrow and wide face of a quarter slab as an arc that touches both: the
+/// narrow face x = half_width and the last straight piece of the opening.
+struct CornerArc {
+  using Point = std::array<double, 2>;
+
+  double radius = 0.0;  ///< [m]
+  Point centre{};       ///< [m]
+  double angle = 0.0;   ///< [rad] from the normal of the narrow face to that of the wide face
+
+  /// A point of the arc. @param at  [rad] from the normal of the narrow face
+  Point point(double at) const;
+  Point on_narrow_face() const { return point(0.0); }
+  Point on_wide_face() const { return point(angle); }
+};
+
+/// The arc of a section with a corner radius; its opening has a value at the half width.
+CornerArc corner_arc(const SectionSpec& spec);
+
+/// A grid of points of a plan, columns along x and layers along y; (column, layer, 2) [m].
+struct PlanGrid {
+  int columns = 0;  ///< of points
+  int layers = 0;
+  std::vector<double> place;
+
+  double* at(int column, int layer) {
+    return place.data() + 2 * (std::size_t(column) * std::size_t(layers) + std::size_t(layer));
+  }
+  const double* at(int column, int layer) const {
+    return const_cast<PlanGrid*>(this)->at(column, layer);
+  }
+};
+
+/// Where the arc begins in a grid: the column at its end on the wide face, the layer at its end on
+/// the narrow face.
+struct CornerPatch {
+  int column = 0;
+  int layer = 0;
+};
+
+/// Moves the points of the corner's patch: those on its two outer sides to the arc, half of it
+/// each, in equal angles; those inside by transfinite interpolation between its four sides.
+void round_corner(const CornerArc& arc, const CornerPatch& patch, PlanGrid& grid);
+
+/// Cells that a corner needs along each face. With two the arc turns by less than 30 degrees from
+/// chord to chord, so that the mould holds its nodes along one normal.
+inline constexpr int fewest_corner_cells = 2;
+
+}  // namespace dccast::mesh
