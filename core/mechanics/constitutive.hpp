@@ -29,10 +29,11 @@ public:
 
 private:
   template <int Count>
-  PointResponse<Dim, Lanes<Count>> respond(SymmetricTensor<Dim, Lanes<Count>> s,
+  PointResponse<Dim, Lanes<Count>> respond(const SymmetricTensor<Dim, Lanes<Count>>& trial,
                                            const Lanes<Count>& shear,
                                            const Lanes<Count>& kappa) const {
     using Numbers = Lanes<Count>;
+    auto s = trial;
     for (Numbers& component : s.value) component *= 2.0 * shear;
     const Numbers norm = root<Count>(s.squared_norm());
     const Numbers creep = 2.0 * problem_->dt * shear * kappa;
