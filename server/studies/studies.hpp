@@ -110,6 +110,7 @@ private:
   void remove_now(const std::string& id);
   std::map<std::string, v1::Job> jobs_of(const std::string& id);
   RunHistory history_of(const v1::Job& job);
+  void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, bool histories);
 
   const StudyOptions options_;
@@ -123,6 +124,7 @@ private:
   std::mutex plans_mutex_;
   std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
   std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended
+  std::size_t history_bytes_ = 0;                                       ///< of those
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
   bool feeder_has_news_ = true;
