@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <memory>
 #include <ostream>
 
 #include "proto/values/sha256.hpp"
@@ -17,6 +18,14 @@ std::int64_t size_of(const fs::path& file) {
   return error ? 0 : static_cast<std::int64_t>(size);
 }
 
+/// A stream of chunks and what to call it.
+struct Source {
+  using Reader = std::unique_ptr<grpc::ClientReaderInterface<v1::FetchResultResponse>>;
+  std::string name;
+  /// @param sha256  of the chunks had so far; empty where there are none
+  std::function<Reader(grpc::ClientContext&, std::int64_t offset, const std::string& sha256)> open;
+};
+
 struct Attempt {
   grpc::Status status;
   std::int64_t total = -1;
@@ -24,17 +33,13 @@ struct Attempt {
 };
 
 /// Appends to the part file what the server has beyond it.
-Attempt append_rest(Connection& connection, const std::string& id, const std::string& artifact,
+Attempt append_rest(Connection& connection, const Source& source, const std::string& sha256,
                     const fs::path& part) {
-  v1::FetchResultRequest request;
-  request.set_id(id);
-  request.set_artifact(artifact);
-  request.set_offset(size_of(part));
   std::ofstream stream(part, std::ios::binary | std::ios::app);
   if (!stream) throw CommandFailed(ExitCode::not_found, "cannot write " + part.string());
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
-  const auto reader = connection.stub().FetchResult(&context, request);
+  const auto reader = source.open(context, size_of(part), sha256);
   Attempt attempt;
   v1::FetchResultResponse chunk;
   while (reader->Read(&chunk)) {
@@ -66,27 +71,32 @@ Interrupted interrupted_at(const fs::path& part) {
                                       " bytes; the same command goes on behind them");
 }
 
-}  // namespace
+/// Whether what has come so far is of another file than the one that is there now.
+bool of_another(const Attempt& attempt) {
+  const auto code = attempt.status.error_code();
+  return code == grpc::StatusCode::OUT_OF_RANGE || code == grpc::StatusCode::ABORTED;
+}
 
-Download download(Connection& connection, const std::string& id, const std::string& artifact,
-                  const fs::path& file, std::ostream& talk) {
+Download download(Connection& connection, const Source& source, const fs::path& file,
+                  std::ostream& talk) {
   const fs::path part = file.string() + ".part";
   constexpr int attempts = 6;
   Download result;
+  std::string sha256;
   result.resumed_at = size_of(part);
   if (result.resumed_at > 0)
     talk << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
          << std::endl;
   for (int count = 1; count <= attempts; ++count) {
-    const Attempt attempt = append_rest(connection, id, artifact, part);
+    const Attempt attempt = append_rest(connection, source, sha256, part);
+    if (attempt.total >= 0) sha256 = attempt.sha256;
     if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
     if (cut(attempt, part) && count < attempts) {
       talk << "fetch: the stream was cut at byte " << size_of(part) << ", going on" << std::endl;
       connection.interruption().sleep(std::chrono::milliseconds(200 * count));
       continue;
     }
-    const bool beyond = attempt.status.error_code() == grpc::StatusCode::OUT_OF_RANGE;
-    if (!beyond) {
+    if (!of_another(attempt)) {
       if (!attempt.status.ok() && size_of(part) == 0) fs::remove(part);
       check(attempt.status, connection.server());
       if (attempt.total == size_of(part) && values::sha256_of_file(part) == attempt.sha256) {
@@ -99,11 +109,39 @@ Download download(Connection& connection, const std::string& id, const std::stri
     talk << "fetch: " << part.string() << " is not the beginning of this file; beginning again"
          << std::endl;
     fs::remove(part);
+    sha256.clear();
     result.resumed_at = 0;
   }
   throw CommandFailed(
       ExitCode::unreachable,
-      "could not fetch " + artifact + " with the right checksum from " + connection.server());
+      "could not fetch " + source.name + " with the right checksum from " + connection.server());
+}
+
+}  // namespace
+
+Download download(Connection& connection, const std::string& id, const std::string& artifact,
+                  const fs::path& file, std::ostream& talk) {
+  v1::FetchResultRequest request;
+  request.set_id(id);
+  request.set_artifact(artifact);
+  const auto open = [&](grpc::ClientContext& context, std::int64_t offset, const std::string&) {
+    request.set_offset(offset);
+    return connection.stub().FetchResult(&context, request);
+  };
+  return download(connection, {artifact, open}, file, talk);
+}
+
+Download download_study(Connection& connection, const std::string& id, const fs::path& file,
+                        std::ostream& talk) {
+  v1::FetchStudyRequest request;
+  request.set_id(id);
+  const auto open = [&](grpc::ClientContext& context, std::int64_t offset,
+                        const std::string& sha256) {
+    request.set_offset(offset);
+    request.set_sha256(sha256);
+    return connection.stub().FetchStudy(&context, request);
+  };
+  return download(connection, {"study " + id, open}, file, talk);
 }
 
 }  // namespace dccast::client

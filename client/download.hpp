@@ -22,4 +22,8 @@ struct Download {
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
                   const std::filesystem::path& file, std::ostream& talk);
 
+/// Fetches the table of a study in the same way. One that has gone on meanwhile is fetched anew.
+Download download_study(Connection& connection, const std::string& id,
+                        const std::filesystem::path& file, std::ostream& talk);
+
 }  // namespace dccast::client

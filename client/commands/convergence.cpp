@@ -10,10 +10,12 @@
 #include "client/commands/commands.hpp"
 #include "client/message_json.hpp"
 #include "client/render/job_text.hpp"
+#include "client/render/progress.hpp"
 #include "client/render/study_table.hpp"
 #include "client/render/validity.hpp"
 #include "client/study_reading.hpp"
 #include "client/study_watch.hpp"
+#include "proto/case_file/divided_case.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
@@ -78,12 +80,29 @@ grpc::Status create(const Options& options, const std::string& study, const Case
   }
 }
 
+/// What all levels take, as far as the server can tell, said before any begins.
+void print_effort(CaseUnderCheck level, const Options& options, Connection& connection) {
+  if (!level.estimate || !case_file::reason_against_dividing(level.description).empty()) return;
+  double solver_s = level.estimate->solver_s();
+  const v1::Case coarsest = level.description;
+  for (int number = 1; number < options.levels; ++number) {
+    level.description = case_file::divided(coarsest, 1 << number);
+    level.estimate.reset();
+    check_with_server(level, connection);
+    if (!level.estimate) return;  // CreateStudy says why it is refused
+    solver_s += level.estimate->solver_s();
+  }
+  std::cerr << options.levels << " runs, roughly " << render::duration_text(solver_s)
+            << " of computing\n";
+}
+
 /// Creates the study, or adds what of it is missing. @return whether the server has it
 bool submit(const Options& options, const std::string& study, Connection& connection) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   check_with_server(checked, connection);
   print_faults(checked, std::cerr);
   if (!checked.faults.empty()) return false;
+  print_effort(checked, options, connection);
   const grpc::Status status = create(options, study, checked, connection);
   if (status.error_code() == grpc::StatusCode::ALREADY_EXISTS)
     throw CommandFailed(ExitCode::invalid,

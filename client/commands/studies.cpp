@@ -2,6 +2,8 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/commands/output_file.hpp"
+#include "client/download.hpp"
 #include "client/message_json.hpp"
 #include "client/render/job_text.hpp"
 #include "client/render/study_text.hpp"
@@ -14,7 +16,9 @@ struct Options {
   int limit = 50;
   std::string id;
   std::string reason;
+  std::string output = "study.h5";
   bool failed = false;
+  bool force = false;
   bool json = false;
 };
 
@@ -64,6 +68,22 @@ ExitCode show(const Options& options, Program& program) {
   return print(options, connection.call(&Stub::GetStudy, request));
 }
 
+ExitCode fetch(const Options& options, Program& program) {
+  require_free(options.output, options.force);
+  Connection connection = program.connect();
+  const Download table = download_study(connection, options.id, options.output, std::cerr);
+  if (options.json)
+    std::cout << Json{{"id", options.id},
+                      {"file", options.output},
+                      {"bytes", table.bytes},
+                      {"sha256", table.sha256}}
+                     .dump()
+              << '\n';
+  else
+    std::cout << table.sha256 << "  " << options.output << '\n';
+  return ExitCode::done;
+}
+
 ExitCode cancel(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::CancelStudyRequest request;
@@ -109,15 +129,21 @@ CLI::App* add_action(CLI::App& command, Program& program, const std::shared_ptr<
 
 void add_studies(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
-  CLI::App* const command =
-      subcommand(app, "studies", "List studies, newest first; show, cancel, resume or delete one",
-                 "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed "
-                 "STUDY");
+  CLI::App* const command = subcommand(
+      app, "studies", "List studies, newest first; show, fetch, cancel, resume or delete one",
+      "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed "
+      "STUDY");
   command->add_option("-n,--limit", options->limit, "At most this many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   add_action(*command, program, options, "show", "Everything about one study", show);
+  CLI::App* const fetched = add_action(
+      *command, program, options, "fetch",
+      "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
+      fetch);
+  fetched->add_option("-o,--output", options->output, "File to write")->capture_default_str();
+  add_force_flag(*fetched, options->force);
   add_action(*command, program, options, "cancel", "Cancel what has not ended", cancel)
       ->add_option("--reason", options->reason, "Kept with the jobs");
   add_action(*command, program, options, "resume",

@@ -4,6 +4,7 @@
 #include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/commands/output_file.hpp"
+#include "client/download.hpp"
 #include "client/message_json.hpp"
 #include "client/render/sweep_page.hpp"
 #include "client/render/sweep_table.hpp"
@@ -24,7 +25,7 @@ struct Options {
   bool no_wait = false;
   bool force = false;
   bool json = false;
-  std::string csv, plot;
+  std::string csv, plot, output;
 };
 
 /// The plan that the command line names.
@@ -68,10 +69,16 @@ void print(const Options& options, const v1::StudyResult& result) {
   std::cout << std::flush;
 }
 
+void fetch_table(Connection& connection, const std::string& id, const std::string& file) {
+  const Download table = download_study(connection, id, file, std::cerr);
+  std::cerr << "wrote " << file << " (" << table.bytes << " bytes, checksum verified)\n";
+}
+
 ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
   const v1::StudyResult result = evaluate_study(connection, id, options.json);
   print(options, result);
+  if (!options.output.empty()) fetch_table(connection, id, options.output);
   if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return exit_code_of(result.study().state());
 }
@@ -80,7 +87,7 @@ ExitCode run(const Options& options, Program& program) {
   if (options.file.empty() == options.study.empty())
     throw CommandFailed(ExitCode::invalid,
                         "give a sweep FILE or a case to begin, or --study ID to take one up again");
-  for (const std::string& file : {options.csv, options.plot})
+  for (const std::string& file : {options.csv, options.plot, options.output})
     if (!file.empty() && file != "-") require_free(file, options.force);
   Connection connection = program.connect();
   if (!options.study.empty()) return wait_and_print(connection, options, options.study);
@@ -126,6 +133,8 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
   command.add_option("--plot", options.plot,
                      "Write an HTML page with the curl against the keys; - for standard output");
+  command.add_option("-o,--output", options.output,
+                     "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
   add_force_flag(command, options.force);
   command.add_flag("--json", options.json, "As JSON, in metres, with the curves");
 }

@@ -46,15 +46,10 @@ std::string curl_text(double curl_m, std::optional<double> uncertainty_m) {
   return fixed(1e3 * curl_m, 2) + " \u00b1 " + fixed(1e3 * *uncertainty_m, 2) + " mm";
 }
 
-std::string finding_text(const v1::Finding& finding) {
-  return severity_text(finding.severity()) + ": " + finding.message() + " (" + finding.code() +
-         (finding.has_time_s() ? ", at " + fixed(finding.time_s(), 1) + " s)" : ")");
-}
-
 std::string answer_text(const Answer& answer) {
   std::string text;
   if (!answer.changes.empty()) text += "changed: " + changes_text(answer.changes) + "\n";
-  for (const v1::Finding& finding : answer.findings) text += finding_text(finding) + "\n";
+  for (const v1::Finding& finding : answer.findings) text += finding_line(finding) + "\n";
   if (answer.validity_loss) text += validity_text(*answer.validity_loss) + "\n";
   if (answer.failure)
     text += state_text(answer.state) + ": " + failure_text(*answer.failure) + "\n";

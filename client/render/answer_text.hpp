@@ -16,9 +16,6 @@ std::string origin_text(const Answer& answer);
 /// "4.86 +- 0.36 mm", of a finding's or a monitor's figure; without the second where none is known.
 std::string curl_text(double curl_m, std::optional<double> uncertainty_m);
 
-/// "warning: the surface leaves the mould at 644 degC (bleed_out, at 31.0 s)"
-std::string finding_text(const v1::Finding& finding);
-
 /// Everything, in metres and seconds.
 Json answer_json(const Answer& answer);
 

@@ -4,6 +4,7 @@
 #include "client/discretisation_error.hpp"
 #include "client/render/answer_text.hpp"
 #include "client/render/comparison_text.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/report_style.hpp"
 #include "client/render/table.hpp"
 #include "client/render/validity.hpp"
@@ -51,7 +52,7 @@ std::string findings_list(const std::vector<Answer>& answers) {
   std::string html;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     for (const v1::Finding& finding : answers[i].findings)
-      html += "<li>" + html_escaped(run_name(answers, i) + ": " + finding_text(finding)) + "</li>";
+      html += "<li>" + html_escaped(run_name(answers, i) + ": " + finding_line(finding)) + "</li>";
     if (answers[i].validity_loss)
       html += "<li>" +
               html_escaped(run_name(answers, i) + ": " + validity_text(*answers[i].validity_loss)) +

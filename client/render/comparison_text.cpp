@@ -9,6 +9,7 @@
 #include "client/discretisation_error.hpp"
 #include "client/render/answer_text.hpp"
 #include "client/render/braille.hpp"
+#include "client/render/findings.hpp"
 #include "client/render/table.hpp"
 
 namespace dccast::client::render {
@@ -93,7 +94,7 @@ std::string findings_text(const std::vector<Answer>& answers) {
   std::string text;
   for (std::size_t i = 0; i < answers.size(); ++i)
     for (const v1::Finding& finding : answers[i].findings)
-      text += "run " + std::to_string(i + 1) + ": " + finding_text(finding) + "\n";
+      text += "run " + std::to_string(i + 1) + ": " + finding_line(finding) + "\n";
   return text;
 }
 

@@ -1,5 +1,6 @@
 #include "client/render/frame_part.hpp"
 
+#include "client/render/frame_slider.hpp"
 #include "client/render/gap_map.hpp"
 #include "client/render/html_parts.hpp"
 #include "client/render/pull_in.hpp"
@@ -18,11 +19,16 @@ std::string frame_mark(const v1::Frame& frame, const CurlHistory& history) {
   return valid ? "" : "<strong>Beyond validity, not an answer.</strong> ";
 }
 
+/// The same where the slider may show another frame.
+std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
+  return "<span class='beyond-now'>" + frame_mark(frame, history) + "</span>";
+}
+
 /// "at 250.0 s, cast length 206.7 mm. Displacements are drawn 2 times as large; dashed:
 /// undeformed."
 std::string when_and_scale(const v1::Frame& frame, double scale) {
-  return " at " + fixed(frame.time_s(), 1) + " s, cast length " +
-         fixed(1e3 * frame.cast_length_m(), 1) + " mm. Displacements are drawn <strong>" +
+  return " at <span class='when'>" + when_text(frame) +
+         "</span>. Displacements are drawn <strong>" +
          (scale == 1.0 ? "as large as they are" : fixed(scale, 0) + " times as large") +
          "</strong>; dashed: undeformed.";
 }
@@ -31,12 +37,15 @@ std::string absent(const std::string& heading, const std::string& why) {
   return card(heading, "<p>" + why + "</p>");
 }
 
-std::string section_figure(const v1::Frame& frame, const CurlHistory& history) {
-  const SectionPicture picture = draw_section(frame);
+std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
+                           const FrameSeries& series) {
+  const SectionPicture picture = draw_section(frame, colour_range(series));
   if (picture.svg.empty())
     return absent("Section", "The stored frame cannot be drawn: its arrays do not fit each other.");
-  return figure("Deformed section and isotherms", picture.svg,
-                frame_mark(frame, history) + "Half section" +
+  const std::string slider =
+      frame_slider(series, history, {picture.view}, picture.displacement_scale);
+  return figure("Deformed section and isotherms", picture.svg + slider,
+                moving_mark(frame, history) + "Half section" +
                     when_and_scale(frame, picture.displacement_scale) +
                     " Isotherms every 100 °C; heavy: solidus " + fixed(frame.solidus_c(), 0) +
                     " °C, heavy dashed: liquidus " + fixed(frame.liquidus_c(), 0) +
@@ -71,16 +80,21 @@ std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) 
              mark + "Zero where the slab has lifted off the block.");
 }
 
-std::string slab_figure(const v1::Frame& frame, const CurlHistory& history) {
-  const SlabPicture picture = draw_slab(frame);
+std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
+                        const FrameSeries& series) {
+  const SlabPicture picture = draw_slab(frame, colour_range(series));
   if (picture.views.empty())
     return absent("Quarter slab",
                   "The stored frame cannot be drawn: its arrays do not fit each other.");
   std::string views;
-  for (const SlabPicture::View& view : picture.views)
+  std::vector<PictureView> placed;
+  for (const SlabPicture::View& view : picture.views) {
     views += "<div><h3>" + view.name + "</h3>" + view.svg + "</div>";
+    placed.push_back(view.view);
+  }
   return "<section class='card wide'><h2>Deformed quarter slab</h2><figure><div class='views'>" +
-         views + "</div><figcaption>" + frame_mark(frame, history) + "Surface temperature" +
+         views + "</div>" + frame_slider(series, history, placed, picture.displacement_scale) +
+         "<figcaption>" + moving_mark(frame, history) + "Surface temperature" +
          when_and_scale(frame, picture.displacement_scale) +
          " x runs along the wide face, y across the thickness, z up.</figcaption></figure>"
          "</section>";
@@ -113,14 +127,15 @@ std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
 
 }  // namespace
 
-std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history) {
+std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
+                       const FrameSeries& series) {
   if (!result.has_frame())
     return absent("Last frame", "No stored frame: the run has not ended with a result.");
   const v1::Frame& frame = result.frame();
   if (frame.dimension() == 3)
-    return slab_figure(frame, history) + gap_figure(frame, history) +
+    return slab_figure(frame, history, series) + gap_figure(frame, history) +
            pull_in_figure(frame, history);
-  return section_figure(frame, history) + contact_figures(frame, history);
+  return section_figure(frame, history, series) + contact_figures(frame, history);
 }
 
 }  // namespace dccast::client::render

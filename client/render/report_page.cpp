@@ -38,11 +38,11 @@ std::string page_header(const v1::Job& job, const std::string& title) {
 
 /// What the plant wants to read, meant for one sheet of paper.
 std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const CurlHistory& history, const Study& study) {
+                        const CurlHistory& history, const Study& study, const FrameSeries& series) {
   return findings_part(job.findings()) + validity_banner(job, history) +
          curl_sentence(history, result, study) + headline(history, result, study) +
          "<div class='cards'>" + curl_figures(history, result, study) + recipe_part(result) +
-         history_part(result) + frame_part(result, history) + "</div>";
+         history_part(result) + frame_part(result, history, series) + "</div>";
 }
 
 /// What is known of the discretisation: of the study, else of the quality that the case follows.
@@ -66,10 +66,11 @@ std::string second_sheet(const v1::Job& job, const v1::QueryResultResponse& resu
 }  // namespace
 
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const Study& study) {
+                        const Study& study, const FrameSeries& series) {
   const CurlHistory history = curl_history(job, result);
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
-  const std::string body = page_header(job, title) + first_sheet(job, result, history, study) +
+  const std::string body = page_header(job, title) +
+                           first_sheet(job, result, history, study, series) +
                            second_sheet(job, result, history, study);
   return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
          "content='width=device-width, initial-scale=1'><title>" +

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "client/frame_series.hpp"
 #include "client/study.hpp"
 #include "dccast/v1/service.pb.h"
 
@@ -13,7 +14,8 @@ namespace dccast::client::render {
 /// hold (a run without frame) are said to be absent. With a study of at least two runs that
 /// succeeded, curls have their error, and charts the limit with its interval; else the page says
 /// which command tells them.
+/// @param series  frames for the slider; the last one is that of the result
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const Study& study = {});
+                        const Study& study = {}, const FrameSeries& series = {});
 
 }  // namespace dccast::client::render

@@ -159,7 +159,7 @@ bool consistent(const v1::Frame& frame) {
                                  [&](int node) { return node >= 0 && node < nodes; });
 }
 
-SectionPicture draw_section(const v1::Frame& frame) {
+SectionPicture draw_section(const v1::Frame& frame, const std::optional<ColourRange>& range) {
   if (!consistent(frame)) return {};
   SectionPicture picture;
   picture.displacement_scale = displacement_scale(frame);
@@ -175,16 +175,21 @@ SectionPicture draw_section(const v1::Frame& frame) {
     height_m = std::max(height_m, p.y);
   }
   const auto [low, high] = std::minmax_element(temperature.begin(), temperature.end());
-  const ColourBands bands{*low, std::max(*high, *low + 1.0)};
-  picture.svg =
-      "<svg class='section' viewBox='0 0 " + fixed(view.width(), 0) + " " +
-      fixed(view.height(), 0) + "' role='img' aria-label='Deformed section with isotherms'>" +
-      fill(view, node, temperature, triangles, bands) +
-      outline(view, still, triangles, "undeformed") + outline(view, node, triangles, "deformed") +
-      isotherms(view, node, temperature, triangles, frame) + axes(view, width_m, height_m) +
-      colour_bar(bands, "°C", view.width() - margin_right + 24, margin_top,
-                 view.height() - margin_top - margin_bottom) +
-      "</svg>";
+  const ColourBands bands =
+      range ? ColourBands{range->low, range->high} : ColourBands{*low, std::max(*high, *low + 1.0)};
+  picture.view = {.across = {view.scale, 0.0, 0.0, view.x(0.0)},
+                  .down = {0.0, -view.scale, 0.0, view.y(0.0)}};
+  picture.svg = "<svg class='section' viewBox='0 0 " + fixed(view.width(), 0) + " " +
+                fixed(view.height(), 0) +
+                "' role='img' aria-label='Deformed section with isotherms'><g class='now'>" +
+                fill(view, node, temperature, triangles, bands) +
+                outline(view, still, triangles, "undeformed") +
+                outline(view, node, triangles, "deformed") +
+                isotherms(view, node, temperature, triangles, frame) + "</g>" +
+                axes(view, width_m, height_m) +
+                colour_bar(bands, "°C", view.width() - margin_right + 24, margin_top,
+                           view.height() - margin_top - margin_bottom) +
+                "</svg>";
   return picture;
 }
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
+#include <set>
 
 #include "client/render/colour_bands.hpp"
+#include "client/render/frame_skin.hpp"
 #include "client/render/frame_surface.hpp"
 #include "client/render/svg_chart.hpp"
 #include "client/render/table.hpp"
@@ -15,7 +16,8 @@ namespace dccast::client::render {
 namespace {
 
 constexpr double drawing_width = 460, drawing_height = 330, margin = 12, bar_width = 62;
-constexpr double crease_cosine = 0.7;  // edges between faces that turn by more than 45 degrees
+constexpr double on_side =
+    0.7;  // faces that turn away from a side by more than 45 degrees are not on it
 
 /// Parallel projection towards a viewer.
 struct Projection {
@@ -33,6 +35,7 @@ struct Scene {
   std::vector<Vector3> place, still;
   std::vector<double> temperature;
   std::vector<SurfaceFace> surface;
+  std::vector<std::array<int, 2>> creases;
   ColourBands bands;
 };
 
@@ -128,23 +131,15 @@ std::string faces_of_view(const Scene& scene, const Projection& project, const C
 std::string creases(const Scene& scene, const std::vector<Vector3>& place,
                     const Projection& project, const Canvas& canvas, bool seen_only,
                     const std::string& css_class) {
-  struct Sides {
-    std::vector<Vector3> still;
-    bool seen = false;
-  };
-  std::map<std::pair<int, int>, Sides> edges;
+  std::set<std::pair<int, int>> seen;
   for (const SurfaceFace& face : scene.surface)
-    for (std::size_t i = 0; i < face.node.size(); ++i) {
-      Sides& edge = edges[std::minmax(face.node[i], face.node[(i + 1) % face.node.size()])];
-      edge.still.push_back(face.normal);
-      edge.seen = edge.seen || dot(drawn_normal(face, place), project.to_viewer) > 0.0;
-    }
+    if (!seen_only || dot(drawn_normal(face, place), project.to_viewer) > 0.0)
+      for (std::size_t i = 0; i < face.node.size(); ++i)
+        seen.insert(std::minmax(face.node[i], face.node[(i + 1) % face.node.size()]));
   std::string path;
-  for (const auto& [edge, beside] : edges)
-    if (beside.still.size() == 2 && dot(beside.still[0], beside.still[1]) < crease_cosine &&
-        (beside.seen || !seen_only))
-      path += "M" + text_of(canvas(project(place[edge.first]))) + "L" +
-              text_of(canvas(project(place[edge.second])));
+  for (const auto& [a, b] : scene.creases)
+    if (seen.contains({a, b}))
+      path += "M" + text_of(canvas(project(place[a]))) + "L" + text_of(canvas(project(place[b])));
   return "<path class='" + css_class + "' d='" + path + "'/>";
 }
 
@@ -153,7 +148,7 @@ std::string side_names(const Scene& scene, const Projection& project, const Canv
   std::string svg;
   for (const NamedSide& side : sides) {
     if (dot(side.normal, project.to_viewer) < 0.15) continue;
-    const auto faces = facing(scene.surface, side.normal, crease_cosine);
+    const auto faces = facing(scene.surface, side.normal, on_side);
     if (faces.empty()) continue;
     Vector3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
     for (const SurfaceFace& face : faces)
@@ -170,24 +165,40 @@ std::string side_names(const Scene& scene, const Projection& project, const Canv
   return svg;
 }
 
-std::string view_svg(const Scene& scene, const Vector3& direction, const std::string& name) {
+/// Where a canvas puts what a projection gives.
+PictureView view_of(const Projection& project, const Canvas& canvas) {
+  const Point origin = canvas({0.0, 0.0});
+  const double scale = canvas.scale();
+  PictureView view{.to_viewer = project.to_viewer};
+  for (std::size_t c = 0; c < 3; ++c) {
+    view.across[c] = scale * project.right[c];
+    view.down[c] = -scale * project.up[c];
+  }
+  view.across[3] = origin.x;
+  view.down[3] = origin.y;
+  return view;
+}
+
+SlabPicture::View draw_view(const Scene& scene, const Vector3& direction, const std::string& name) {
   const Projection project(direction);
   Canvas canvas;
   for (const auto* places : {&scene.place, &scene.still})
     for (const SurfaceFace& face : scene.surface)
       for (const int node : face.node) canvas.add(project((*places)[node]));
-  return "<svg class='slab' viewBox='0 0 " + fixed(drawing_width + bar_width, 0) + " " +
-         fixed(drawing_height, 0) + "' role='img' aria-label='Deformed quarter slab, " + name +
-         "'>" + faces_of_view(scene, project, canvas) +
-         creases(scene, scene.still, project, canvas, false, "undeformed") +
-         creases(scene, scene.place, project, canvas, true, "deformed") +
-         side_names(scene, project, canvas) +
-         colour_bar(scene.bands, "°C", drawing_width + 4, 40, drawing_height - 70) + "</svg>";
+  const std::string svg =
+      "<svg class='slab' viewBox='0 0 " + fixed(drawing_width + bar_width, 0) + " " +
+      fixed(drawing_height, 0) + "' role='img' aria-label='Deformed quarter slab, " + name +
+      "'><g class='now'>" + faces_of_view(scene, project, canvas) +
+      creases(scene, scene.still, project, canvas, false, "undeformed") +
+      creases(scene, scene.place, project, canvas, true, "deformed") +
+      side_names(scene, project, canvas) + "</g>" +
+      colour_bar(scene.bands, "°C", drawing_width + 4, 40, drawing_height - 70) + "</svg>";
+  return {name, svg, view_of(project, canvas)};
 }
 
 }  // namespace
 
-SlabPicture draw_slab(const v1::Frame& frame) {
+SlabPicture draw_slab(const v1::Frame& frame, const std::optional<ColourRange>& range) {
   SlabPicture picture;
   if (!consistent_3d(frame)) return picture;
   picture.displacement_scale = displacement_scale(frame);
@@ -197,12 +208,14 @@ SlabPicture draw_slab(const v1::Frame& frame) {
   scene.temperature.assign(frame.temperature_c().begin(), frame.temperature_c().end());
   scene.surface = surface_of(frame);
   const auto [low, high] = std::ranges::minmax_element(scene.temperature);
-  scene.bands = {*low, std::max(*high, *low + 1.0)};
+  scene.creases = creases_of(scene.surface);
+  scene.bands =
+      range ? ColourBands{range->low, range->high} : ColourBands{*low, std::max(*high, *low + 1.0)};
   for (const auto& [name, direction] :
        {std::pair<const char*, Vector3>{"from outside, above", {1.0, 1.3, 0.7}},
         {"from outside, below", {1.0, 1.3, -0.8}},
         {"from the middle of the slab", {-1.0, -1.3, 0.7}}})
-    picture.views.push_back({name, view_svg(scene, direction, name)});
+    picture.views.push_back(draw_view(scene, direction, name));
   return picture;
 }
 

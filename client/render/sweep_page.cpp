@@ -79,12 +79,16 @@ std::string others_of(const v1::StudyRun& run, int axis) {
   return text;
 }
 
+bool has_curl(const v1::StudyRun& run, int monitor) {
+  return monitor < run.end_curl_m_size() && std::isfinite(run.end_curl_m(monitor));
+}
+
 /// A line for each combination of the other keys, of one monitor.
 std::vector<ChartLine> lines_of(const v1::StudyResult& result, int axis, int monitor,
                                 const Scale& scale) {
   std::map<std::string, std::vector<std::pair<double, double>>> points;
   for (const v1::StudyRun& run : result.runs())
-    if (monitor < run.end_curl_m_size() && std::isfinite(run.end_curl_m(monitor)))
+    if (has_curl(run, monitor))
       points[others_of(run, axis)].emplace_back(drawn(scale, run.numbers(axis)),
                                                 1e3 * run.end_curl_m(monitor));
   std::vector<ChartLine> lines;
@@ -113,52 +117,52 @@ std::string colour(double share) {
                     : "rgb(200," + std::to_string(faint) + "," + std::to_string(faint) + ")";
 }
 
-/// Places of the runs on two keys, coloured by the curl of a monitor.
+/// Dots on two axes, coloured by the curl of a monitor.
 class Scatter {
 public:
-  Scatter(const v1::StudyResult& result, int first, int second, int monitor)
-      : x_(scale_of(result, first)), y_(scale_of(result, second)) {
-    for (const v1::StudyRun& run : result.runs())
-      if (monitor < run.end_curl_m_size() && std::isfinite(run.end_curl_m(monitor)))
-        points_.push_back({drawn(x_, run.numbers(first)), drawn(y_, run.numbers(second)),
-                           1e3 * run.end_curl_m(monitor), run.beyond_validity()});
-  }
-
-  bool empty() const { return points_.size() < 2; }
-
-  std::string svg() const {
-    std::string text = "<svg viewBox='0 0 560 360' role='img' aria-label='curl over two keys'>";
-    text += ticks() + circles();
-    text += label(300, 352, "middle", label_of(x_)) + label(6, 14, "start", label_of(y_));
-    return text + "</svg>";
-  }
-
-  std::string range_text() const {
-    const auto [low, high] = range(&Point::curl_mm);
-    return "blue " + fixed(low, 2) + " mm, red " + fixed(high, 2) + " mm";
-  }
-
-private:
-  struct Point {
+  struct Dot {
     double x, y, curl_mm;
     bool beyond;
   };
 
-  std::pair<double, double> range(double Point::*part) const {
-    double low = points_.front().*part, high = low;
-    for (const Point& point : points_) {
-      low = std::min(low, point.*part);
-      high = std::max(high, point.*part);
-    }
-    return {low, high};
+  Scatter(std::string x_label, std::string y_label, std::vector<Dot> dots)
+      : x_label_(std::move(x_label)),
+        y_label_(std::move(y_label)),
+        dots_(std::move(dots)),
+        x_(range(&Dot::x)),
+        y_(range(&Dot::y)),
+        curl_(range(&Dot::curl_mm)) {}
+
+  bool empty() const { return dots_.size() < 2; }
+
+  std::string svg() const {
+    std::string text = "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>";
+    text += ticks() + circles();
+    text += label(300, 352, "middle", x_label_) + label(6, 14, "start", y_label_);
+    return text + "</svg>";
   }
 
-  static double share(double value, const std::pair<double, double>& range) {
+  std::string range_text() const {
+    return "blue " + fixed(curl_.first, 2) + " mm, red " + fixed(curl_.second, 2) + " mm";
+  }
+
+private:
+  using Range = std::pair<double, double>;
+
+  Range range(double Dot::*part) const {
+    if (dots_.empty()) return {0.0, 0.0};
+    const auto [low, high] = std::ranges::minmax(dots_, {}, part);
+    return {low.*part, high.*part};
+  }
+
+  static double share(double value, const Range& range) {
     return range.second > range.first ? (value - range.first) / (range.second - range.first) : 0.5;
   }
 
-  double left(double x) const { return 70.0 + 460.0 * share(x, range(&Point::x)); }
-  double top(double y) const { return 310.0 - 270.0 * share(y, range(&Point::y)); }
+  double left(double x) const { return 70.0 + 460.0 * share(x, x_); }
+  double top(double y) const { return 310.0 - 270.0 * share(y, y_); }
+  /// A thousand dots are to be told apart too.
+  double radius() const { return std::clamp(50.0 / std::sqrt(double(dots_.size())), 2.0, 7.0); }
 
   static std::string label(double x, double y, const std::string& anchor, const std::string& text) {
     return "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "' text-anchor='" +
@@ -167,26 +171,53 @@ private:
 
   std::string ticks() const {
     std::string text;
-    for (const double x : {range(&Point::x).first, range(&Point::x).second})
-      text += label(left(x), 334, "middle", case_file::number_text(x));
-    for (const double y : {range(&Point::y).first, range(&Point::y).second})
-      text += label(58, top(y) + 4, "end", case_file::number_text(y));
+    for (const double x : {x_.first, x_.second})
+      text += label(left(x), 334, "middle", case_file::number_text(rounded(x)));
+    for (const double y : {y_.first, y_.second})
+      text += label(58, top(y) + 4, "end", case_file::number_text(rounded(y)));
     return text + "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
   }
 
+  static double rounded(double value) { return std::stod(fixed(value, 4)); }
+
   std::string circles() const {
     std::string text;
-    for (const Point& point : points_)
-      text += "<circle cx='" + fixed(left(point.x), 1) + "' cy='" + fixed(top(point.y), 1) +
-              "' r='7' stroke='" + (point.beyond ? "var(--bad)" : "var(--soft)") + "' fill='" +
-              colour(share(point.curl_mm, range(&Point::curl_mm))) + "'><title>" +
-              fixed(point.curl_mm, 3) + " mm</title></circle>";
+    const std::string size = fixed(radius(), 1);
+    for (const Dot& dot : dots_)
+      text += "<circle cx='" + fixed(left(dot.x), 1) + "' cy='" + fixed(top(dot.y), 1) + "' r='" +
+              size + "' stroke='" + (dot.beyond ? "var(--bad)" : "var(--soft)") +
+              "' stroke-width='.7' fill='" + colour(share(dot.curl_mm, curl_)) + "'><title>" +
+              fixed(dot.curl_mm, 3) + " mm</title></circle>";
     return text;
   }
 
-  Scale x_, y_;
-  std::vector<Point> points_;
+  std::string x_label_, y_label_;
+  std::vector<Dot> dots_;
+  Range x_, y_, curl_;
 };
+
+/// Places of the runs on two keys.
+Scatter over_keys(const v1::StudyResult& result, int first, int second, int monitor) {
+  const Scale x = scale_of(result, first), y = scale_of(result, second);
+  std::vector<Scatter::Dot> dots;
+  for (const v1::StudyRun& run : result.runs())
+    if (has_curl(run, monitor))
+      dots.push_back({drawn(x, run.numbers(first)), drawn(y, run.numbers(second)),
+                      1e3 * run.end_curl_m(monitor), run.beyond_validity()});
+  return {label_of(x), label_of(y), std::move(dots)};
+}
+
+/// The curl of the runs against one key, whatever the others are.
+Scatter curl_over_key(const v1::StudyResult& result, int axis, int monitor) {
+  const Scale x = scale_of(result, axis);
+  std::vector<Scatter::Dot> dots;
+  for (const v1::StudyRun& run : result.runs())
+    if (has_curl(run, monitor)) {
+      const double curl_mm = 1e3 * run.end_curl_m(monitor);
+      dots.push_back({drawn(x, run.numbers(axis)), curl_mm, curl_mm, run.beyond_validity()});
+    }
+  return {label_of(x), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
+}
 
 /// The monitor that curls most.
 int largest_monitor(const v1::StudyResult& result) {
@@ -214,7 +245,12 @@ std::string chart_against(const v1::StudyResult& result, int axis, int monitor) 
   }
   const bool has_points = std::any_of(chart.lines.begin(), chart.lines.end(),
                                       [](const ChartLine& line) { return line.x.size() > 1; });
-  if (!has_points || chart.lines.size() > most_lines) return {};
+  if (!has_points || chart.lines.size() > most_lines) {
+    const Scatter scatter = curl_over_key(result, axis, monitor);
+    if (scatter.empty()) return {};
+    return figure(scatter.svg(), "Curl of " + result.monitors(monitor) + " at the end against " +
+                                     scale.key + ", a dot for each run");
+  }
   return figure(
       svg_chart(chart),
       (one_key ? "Curl at the end" : "Curl of " + result.monitors(monitor) + " at the end") +
@@ -231,7 +267,7 @@ std::string charts(const v1::StudyResult& result) {
   for (const int axis : numeric) html += chart_against(result, axis, monitor);
   for (std::size_t i = 0; i < numeric.size(); ++i)
     for (std::size_t k = i + 1; k < numeric.size(); ++k) {
-      const Scatter scatter(result, numeric[i], numeric[k], monitor);
+      const Scatter scatter = over_keys(result, numeric[i], numeric[k], monitor);
       if (scatter.empty()) continue;
       html += figure(scatter.svg(), "Curl of " + result.monitors(monitor) +
                                         " at the end: " + scatter.range_text());

@@ -136,11 +136,19 @@ private:
   }
 
   void begin_anew() {
-    std::filesystem::remove(checkpoint());  // it would be of another run than the journal
-    writer_.emplace(results::ResultWriter::create(files_, header_));
-    writer_->append(run_->take_frame());
-    writer_->flush();
+    if (!directory_.keeps_nothing) {
+      std::filesystem::remove(checkpoint());  // it would be of another run than the journal
+      writer_.emplace(results::ResultWriter::create(files_, header_));
+    }
+    store_frame();
     tell_findings();
+  }
+
+  void store_frame() {
+    const results::Frame frame = run_->take_frame();
+    if (!writer_) return;
+    writer_->append(frame);
+    writer_->flush();
   }
 
   std::optional<RunOutcome> resume() {
@@ -184,22 +192,19 @@ private:
 
   /// Stores and reports a step. @return the outcome when the run ends here by order
   std::optional<RunOutcome> after(const results::StepReport& report) {
-    writer_->append(report);
+    if (writer_) writer_->append(report);
     if (std::string fault = failed_check(report); !fault.empty())
       run_->fail(
           {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
     note_lost_validity(report);
     tell_findings();
-    if (run_->frame_is_due() || over()) {
-      writer_->append(run_->take_frame());
-      writer_->flush();
-    }
+    if (run_->frame_is_due() || over()) store_frame();
     const Order order = observer_.on_step(report);
     if (order == Order::cancel) return cancelled();
     const bool stop = order == Order::stop_at_checkpoint && !run_->finished() && !over();
-    if (stop || clock_.due(report.step)) write_checkpoint();
+    if (writer_ && (stop || clock_.due(report.step))) write_checkpoint();
     if (!stop) return std::nullopt;
-    writer_->wait();
+    if (writer_) writer_->wait();
     return RunOutcome{RunEnd::stopped, {}};
   }
 
@@ -230,7 +235,7 @@ private:
   RunOutcome conclude() {
     const RunFailures& failures = run_->failures();
     try {
-      writer_->publish(summary_of(*run_));
+      if (writer_) writer_->publish(summary_of(*run_));
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
@@ -252,6 +257,7 @@ private:
 
   /// What only a resumption needs.
   void remove_files() {
+    if (directory_.keeps_nothing) return;
     std::error_code ignored;  // a file that stays does no harm
     std::filesystem::remove(checkpoint(), ignored);
     std::filesystem::remove(files_.journal, ignored);
@@ -267,7 +273,7 @@ private:
   WhenLost when_lost_;
   results::RunHeader header_;
   results::RunFiles files_;
-  std::optional<results::ResultWriter> writer_;
+  std::optional<results::ResultWriter> writer_;  ///< none where nothing is kept
   std::size_t findings_told_ = 0;
 };
 

@@ -22,6 +22,7 @@ struct RunDirectory {
   /// Last step that the observer has a report of. Those between it and the checkpoint are given to
   /// StepObserver::on_missed_step; none, where this is absent.
   std::optional<std::int64_t> last_reported_step = std::nullopt;
+  bool keeps_nothing = false;  ///< no file is written: what the observer hears is all there is
 };
 
 /// Runs one case to its end or to where the observer stops it. A disk that is full or a folder that

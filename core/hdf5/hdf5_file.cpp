@@ -173,10 +173,15 @@ void File::write_strings(const std::string& object, const Handle& space, const c
 
 void File::write_texts(const std::string& object, const std::vector<std::string>& texts,
                        const char* meaning) {
+  write_texts(object, {texts.size()}, texts, meaning);
+}
+
+void File::write_texts(const std::string& object, const Shape& shape,
+                       const std::vector<std::string>& texts, const char* meaning) {
   std::vector<const char*> pointers;
   pointers.reserve(texts.size());
   for (const std::string& text : texts) pointers.push_back(text.c_str());
-  write_strings(object, space_of({texts.size()}), pointers.data(), meaning);
+  write_strings(object, space_of(shape), pointers.data(), meaning);
 }
 
 void File::write_text(const std::string& object, const std::string& text, const char* meaning) {

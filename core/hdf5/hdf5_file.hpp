@@ -63,6 +63,9 @@ public:
   /// A one-dimensional dataset of UTF-8 strings, or a scalar one.
   void write_texts(const std::string& object, const std::vector<std::string>& texts,
                    const char* meaning);
+  /// An array of them. @param texts  flat, the last index runs fastest
+  void write_texts(const std::string& object, const Shape& shape,
+                   const std::vector<std::string>& texts, const char* meaning);
   void write_text(const std::string& object, const std::string& text, const char* meaning);
   void write_attribute(const std::string& object, const char* name, double value);
   void write_attribute(const std::string& object, const char* name, std::int64_t value);

@@ -124,6 +124,14 @@ std::vector<StepReport> ResultReader::history() const {
   return steps;
 }
 
+std::vector<double> ResultReader::frame_times() const {
+  std::vector<double> times;
+  times.reserve(frames_);
+  for (std::size_t i = 0; i < frames_; ++i)
+    times.push_back(file_->real_attribute(frame_group(i), "time_s"));
+  return times;
+}
+
 Frame ResultReader::frame(std::size_t index) const {
   const std::string group = frame_group(index);
   Frame frame;

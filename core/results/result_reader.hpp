@@ -27,6 +27,8 @@ public:
   /// Every accepted step; the seconds of the processor are not stored and zero.
   std::vector<StepReport> history() const;
   std::size_t frames() const { return frames_; }
+  /// Of every stored frame [s].
+  std::vector<double> frame_times() const;
   /// @pre index < frames()
   Frame frame(std::size_t index) const;
   /// Nothing when the run stored none.

@@ -72,10 +72,10 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
   static const Discretisation draft{.column = 94e-3,
                                     .fewest_columns = 5,
                                     .side_cell = 15e-3,
-                                    .layer = 71e-3,
+                                    .layer = 57e-3,
                                     .bottom_cell = 4e-3,
                                     .top_cell = 5.5e-3,
-                                    .growth_cell = 7e-3,
+                                    .growth_cell = 5e-3,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = {}};
@@ -85,7 +85,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                           .layer = 57e-3,
                                           .bottom_cell = 3e-3,
                                           .top_cell = 3e-3,
-                                          .growth_cell = 7e-3,
+                                          .growth_cell = 5e-3,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = {}};

@@ -56,9 +56,14 @@ fs::path worker_program(const v1::DaemonConfig& config) {
   return program;
 }
 
-int worker_count(const v1::DaemonConfig& config) {
-  if (config.workers() > 0) return config.workers();
+/// @param wanted  of the settings; 0: one per core
+int number_or_cores(int wanted) {
+  if (wanted > 0) return wanted;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int worker_count(const v1::DaemonConfig& config) {
+  return number_or_cores(config.workers());
 }
 
 std::chrono::milliseconds milliseconds(double seconds) {
@@ -96,7 +101,7 @@ studies::SolvedRun solved_run(const service::CaseIntake& intake, jobs::JobStore&
   if (!complete || !solved.complete.ParseFromString(*complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job + " cannot be read from the job store");
-  solved.frame = intake.last_frame(jobs_directory / job, patience);
+  solved.frame = intake.stored_frame(jobs_directory / job, 0, patience).frame();
   return solved;
 }
 
@@ -118,11 +123,6 @@ studies::CaseDesk case_desk(const service::CaseIntake& intake, jobs::JobStore& s
                                                 const jobs::Patience& patience) {
                 return solved_run(intake, store, jobs_directory, job, patience);
               }};
-}
-
-int checker_count(const v1::DaemonConfig& config) {
-  if (config.checkers() > 0) return config.checkers();
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 service::Ceilings ceilings(const v1::DaemonConfig& config) {
@@ -208,7 +208,7 @@ void say_where(const v1::DaemonConfig& config, const service::PublicServer& serv
 /// keeps a query waiting.
 jobs::CheckerLimits query_pool(const v1::DaemonConfig& config) {
   return {.option = "--serve-queries",
-          .kept = checker_count(config),
+          .kept = number_or_cores(config.query_workers()),
           .answers = 200,
           .largest_bytes = most_memory};
 }
@@ -231,7 +231,7 @@ int serve(const v1::DaemonConfig& config) {
   const DataDirectory directory(config.data_directory());
   const fs::path worker = worker_program(config);
   const std::size_t connections = connection_count(config);
-  jobs::CheckerPool checkers(worker, {.kept = checker_count(config)});
+  jobs::CheckerPool checkers(worker, {.kept = number_or_cores(config.checkers())});
   jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
   const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
@@ -252,6 +252,7 @@ int serve(const v1::DaemonConfig& config) {
       .logs = logs,
       .store = store,
       .intake = intake,
+      .checkers = checkers,
       .query_intake = query_intake,
       .query_workers = query_workers,
       .solver = solver,
@@ -261,7 +262,8 @@ int serve(const v1::DaemonConfig& config) {
       .workers = worker_count(config),
       .maximum_queued = config.maximum_queued(),
       .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
-      .checkers = checker_count(config),
+      .checks_at_once = number_or_cores(config.checkers()),
+      .queries_at_once = number_or_cores(config.query_workers()),
       .maximum_waiting_checks = config.maximum_waiting_checks(),
       .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
       .maximum_connections = connections};

@@ -15,15 +15,20 @@
 namespace dccast::jobs {
 
 /// What the daemon does not answer in its own process. Each is asked with a serialised
-/// WorkerOrder.Start and answered with a serialised message.
+/// WorkerOrder.Start, unless it says otherwise, and answered with a serialised message.
 enum class Question : std::uint32_t {
   check = 1,  ///< a ValidateCaseResponse on its case
   judge = 3,  ///< the same with the findings of a case without faults, which takes longer
-  frame = 2,  ///< the last Frame of the results in its directory
+  /// Asked with "NUMBER FOLDER": a QueryResultResponse with the times of the frames that the
+  /// results in the folder hold, and with that frame, if there is one. 1 is the first, 0 the last.
+  frame = 2,
   /// A run of its case: a WorkerMessage of each step as a part, the answer is its Finished.
   query = 6,
   kept_query = 4,  ///< the same; Finished names the results in its directory
   solver = 5,      ///< no case; the solver's identity, as text
+  /// Asked with the path of a file to be written, a line break and a serialised StudyResult with
+  /// curves; no answer but the file, HDF5 as docs/studies.md says.
+  study_table = 7,
 };
 
 /// What an answer has before its end: a serialised message.
@@ -67,7 +72,8 @@ struct Patience {
 /// (0 answered, 1 the text says why not, 2 a part) and its length, then as many bytes.
 class Checker {
 public:
-  /// @param option         of the program; what it is asked is the same, people tell them apart by it
+  /// @param option         of the program; what it is asked is the same, people tell them apart by
+  /// it
   /// @param largest_bytes  of memory that it may take for one answer
   /// @throws WorkerDidNotAnswer  it cannot be started
   Checker(const std::filesystem::path& worker_program, const std::string& option,

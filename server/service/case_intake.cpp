@@ -119,12 +119,10 @@ v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Ca
       checkers_.ask(asked, question.SerializeAsString(), patience));
 }
 
-v1::Frame CaseIntake::last_frame(const std::filesystem::path& job_folder,
-                                 const jobs::Patience& patience) const {
-  v1::WorkerOrder::Start question;
-  question.set_directory(job_folder);
-  return parsed<v1::Frame>(
-      checkers_.ask(jobs::Question::frame, question.SerializeAsString(), patience));
+v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
+                                                 int number, const jobs::Patience& patience) const {
+  const std::string question = std::to_string(number) + " " + job_folder.string();
+  return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, patience));
 }
 
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {

@@ -37,9 +37,10 @@ public:
                        std::vector<std::string> faulty_keys, const jobs::Patience& patience,
                        jobs::Question question = jobs::Question::check) const;
 
-  /// The last stored frame of a job that has ended. @throws jobs::WorkerDidNotAnswer
-  v1::Frame last_frame(const std::filesystem::path& job_folder,
-                       const jobs::Patience& patience) const;
+  /// The times of all frames that a job has stored, and one of them; without it when there are
+  /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
+  v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder, int number,
+                                       const jobs::Patience& patience) const;
 
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
   const Ceilings& ceilings() const { return ceilings_; }

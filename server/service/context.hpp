@@ -19,6 +19,7 @@ struct Context {
   jobs::EventLogs& logs;
   jobs::JobStore& store;
   const CaseIntake& intake;
+  jobs::CheckerPool& checkers;
   const CaseIntake& query_intake;
   jobs::CheckerPool& query_workers;
   std::string solver;  ///< identity of the solver that the workers run; empty: not known
@@ -30,7 +31,8 @@ struct Context {
   int workers = 1;
   int maximum_queued = 0;
   std::int64_t maximum_message_bytes = 0;
-  int checkers = 1;  ///< checks at once
+  int checks_at_once = 1;
+  int queries_at_once = 1;
   int maximum_waiting_checks = 1;
   std::chrono::milliseconds check_timeout{30000};
   std::size_t maximum_connections = 1;

@@ -8,11 +8,12 @@ namespace dccast::service {
 /// nobody else.
 class Lanes {
 public:
-  /// @param checkers                checks at once, and queries at once
+  /// @param checkers                checks at once
+  /// @param query_workers           queries at once
   /// @param maximum_waiting_checks  beyond those, of each; further ones are refused
-  Lanes(int checkers, int maximum_waiting_checks)
+  Lanes(int checkers, int query_workers, int maximum_waiting_checks)
       : checks(checkers, bound(maximum_waiting_checks)),
-        queries(checkers, bound(maximum_waiting_checks)) {}
+        queries(query_workers, bound(maximum_waiting_checks)) {}
 
   static constexpr std::size_t waiting_bytes = 512'000'000;  ///< of requests, for each lane
   static constexpr WaitingBound many{.number = 10000, .bytes = waiting_bytes};

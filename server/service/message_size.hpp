@@ -10,6 +10,9 @@ namespace dccast::service {
 /// unless told otherwise.
 inline constexpr std::size_t page_bytes = 1 << 20;
 
+/// What any answer is held to [bytes]: those 4 MiB, less the frame of the message.
+inline constexpr std::size_t answer_bytes = (4 << 20) - 4096;
+
 /// Cuts what a job says about itself until it is fit for an answer with others: first its title to
 /// 1 KiB, then the monitors of its last step, the residuals and the texts of its failure. Cases of
 /// today are bounded by the schema; those in a store of an earlier version may hold anything.

@@ -14,7 +14,7 @@ SimulationService::SimulationService(Context& context, studies::Studies& studies
     : context_(context),
       studies_{studies, context},
       users_(address),
-      lanes_(context.checkers, context.maximum_waiting_checks) {}
+      lanes_(context.checks_at_once, context.queries_at_once, context.maximum_waiting_checks) {}
 
 void SimulationService::in_lane(WorkPool& lane, const Pending& pending,
                                 std::function<grpc::Status(const Call&)> work,
@@ -190,6 +190,11 @@ grpc::ServerWriteReactor<v1::JobEvent>* SimulationService::WatchJob(
 grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchResult(
     Wire* wire, const v1::FetchResultRequest* request) {
   return fetch_result(context_, lanes_.status, StreamCall(*wire, users_), *request);
+}
+
+grpc::ServerWriteReactor<v1::FetchResultResponse>* SimulationService::FetchStudy(
+    Wire* wire, const v1::FetchStudyRequest* request) {
+  return fetch_study(studies_, lanes_.checks, StreamCall(*wire, users_), *request);
 }
 
 grpc::ServerWriteReactor<v1::Study>* SimulationService::WatchStudy(

@@ -45,6 +45,8 @@ public:
       Wire*, const v1::FetchResultRequest*) override;
   grpc::ServerWriteReactor<v1::QueryButtCurlResponse>* QueryButtCurl(
       Wire*, const v1::QueryButtCurlRequest*) override;
+  grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchStudy(
+      Wire*, const v1::FetchStudyRequest*) override;
   grpc::ServerWriteReactor<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:

@@ -17,7 +17,8 @@ namespace dccast::service {
 grpc::ServerWriteReactor<v1::JobEvent>* watch_job(Context& context, WorkPool& lane, StreamCall call,
                                                   const v1::WatchJobRequest& request);
 grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_result(
-    Context& context, WorkPool& lane, StreamCall call, const v1::FetchResultRequest& request);
+    Context& context, WorkPool& lane, const StreamCall& call,
+    const v1::FetchResultRequest& request);
 /// Who calls, found out where it may take its time.
 using CallMaker = std::function<Call()>;
 

@@ -45,4 +45,9 @@ grpc::ServerWriteReactor<v1::Study>* watch_study(StudyContext& context, WorkPool
                                                  StreamCall call,
                                                  const v1::WatchStudyRequest& request);
 
+/// The file is made in `lane`, of the study as it is then.
+grpc::ServerWriteReactor<v1::FetchResultResponse>* fetch_study(
+    StudyContext& context, WorkPool& lane, const StreamCall& call,
+    const v1::FetchStudyRequest& request);
+
 }  // namespace dccast::service

@@ -10,7 +10,7 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr std::size_t most_histories = 4096;  // kept in memory, some 10 kB each
+constexpr std::size_t most_history_bytes = 128'000'000;  // kept in memory, some 30 kB a run
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A run that has a job.
@@ -35,7 +35,25 @@ void add_end_curls(const v1::Case& base, const v1::Job& job, v1::StudyRun& run) 
                                                     : unknown);
 }
 
+std::size_t bytes_of(const RunHistory& history) {
+  std::size_t bytes = 0;
+  for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
+  return bytes;
+}
+
 }  // namespace
+
+void Studies::keep_history(const std::string& job, std::shared_ptr<const RunHistory> history) {
+  const std::size_t bytes = bytes_of(*history);
+  const std::lock_guard lock(plans_mutex_);
+  if (bytes > most_history_bytes || histories_.contains(job)) return;
+  while (history_bytes_ + bytes > most_history_bytes) {
+    history_bytes_ -= bytes_of(*histories_.begin()->second);
+    histories_.erase(histories_.begin());
+  }
+  history_bytes_ += bytes;
+  histories_[job] = std::move(history);
+}
 
 RunHistory Studies::history_of(const v1::Job& job) {
   {
@@ -46,11 +64,7 @@ RunHistory Studies::history_of(const v1::Job& job) {
   const auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
   const auto history =
       std::make_shared<const RunHistory>(page ? run_history(job, page->steps) : RunHistory{});
-  if (jobs::is_terminal(job.state())) {
-    const std::lock_guard lock(plans_mutex_);
-    if (histories_.size() >= most_histories) histories_.erase(histories_.begin());
-    histories_[job.id()] = history;
-  }
+  if (jobs::is_terminal(job.state())) keep_history(job.id(), history);
   return *history;
 }
 

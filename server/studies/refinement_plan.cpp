@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/divided_case.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
-#include "server/studies/divided_case.hpp"
 #include "server/studies/extrapolation.hpp"
 #include "server/studies/plans.hpp"
 
@@ -60,7 +60,7 @@ public:
 
   PlannedRun run(int number) const override {
     const std::string key = std::to_string(refinement(number));
-    return {key, "refinement " + key, divided(base_, 1 << number), {}};
+    return {key, "refinement " + key, case_file::divided(base_, 1 << number), {}};
   }
 
   void describe(int number, v1::StudyRun& run) const override {
@@ -99,7 +99,8 @@ std::vector<v1::Fault> refinement_faults(const v1::CreateStudyRequest& request) 
     fault.set_message("is out of range");
     fault.set_permitted("2 to 5");
   }
-  if (const std::string reason = reason_against_dividing(request.case_()); !reason.empty()) {
+  if (const std::string reason = case_file::reason_against_dividing(request.case_());
+      !reason.empty()) {
     v1::Fault& fault = faults.emplace_back();
     fault.set_field("refinement");
     fault.set_message(reason);

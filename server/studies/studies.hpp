@@ -133,6 +133,7 @@ private:
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
   std::string failure_text(const StudyRecord& record);
+  void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
 
   const StudyOptions options_;
   StudyStore& store_;
@@ -146,6 +147,7 @@ private:
   std::mutex plans_mutex_;
   std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
   std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended
+  std::size_t history_bytes_ = 0;                                       ///< of those
   std::map<std::string, std::shared_ptr<const RunFace>> faces_;         ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;

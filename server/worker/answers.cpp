@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,6 +16,8 @@
 #include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/solver_identity.hpp"
 #include "core/results/result_reader.hpp"
+#include "core/results/study_table.hpp"
+#include "dccast/v1/service.pb.h"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/job_folder.hpp"
@@ -22,6 +25,7 @@
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/frame_to_proto.hpp"
 #include "server/translate/step_to_proto.hpp"
+#include "server/translate/study_to_table.hpp"
 #include "server/worker/run_job.hpp"
 
 namespace dccast::worker {
@@ -61,7 +65,8 @@ bool send_piece(int socket, std::uint32_t kind, const std::string& text) {
   return send(socket, piece);
 }
 
-/// A query's run: every message is a part of the answer. Who wants no more of it kills this process.
+/// A query's run: every message is a part of the answer. Who wants no more of it kills this
+/// process.
 class PartsOfAnswer : public RunLink {
 public:
   explicit PartsOfAnswer(int socket) : socket_(socket) {}
@@ -100,15 +105,35 @@ std::string judge(const v1::WorkerOrder::Start& start) {
   return verdict.SerializeAsString();
 }
 
-std::string last_frame(const v1::WorkerOrder::Start& start) {
-  const std::filesystem::path folder = start.directory();
-  const results::ResultReader reader(folder / "results.h5");
-  const auto frame = reader.last_frame();
-  if (!frame) throw std::runtime_error("the results hold no frame");
-  return translate::to_proto(*frame, reader.header()).SerializeAsString();
+std::string stored_frame(const std::string& text) {
+  std::istringstream words(text);
+  std::size_t number = 0;
+  words >> number >> std::ws;
+  std::string folder;
+  std::getline(words, folder);
+  const results::ResultReader reader(std::filesystem::path(folder) / "results.h5");
+  v1::QueryResultResponse found;
+  const auto times = reader.frame_times();
+  found.mutable_frame_time_s()->Add(times.begin(), times.end());
+  if (number == 0) number = times.size();
+  if (number >= 1 && number <= times.size())
+    *found.mutable_frame() = translate::to_proto(reader.frame(number - 1), reader.header());
+  return found.SerializeAsString();
+}
+
+std::string write_table(const std::string& text) {
+  const std::size_t end_of_path = text.find('\n');
+  v1::StudyResult result;
+  if (end_of_path == std::string::npos || !result.ParseFromString(text.substr(end_of_path + 1)))
+    throw std::runtime_error("the study cannot be read");
+  results::write_study_table(text.substr(0, end_of_path), translate::to_table(result));
+  return {};
 }
 
 std::string answer(int socket, jobs::Question question, const std::string& text) {
+  if (question == jobs::Question::solver) return casting::solver_identity();
+  if (question == jobs::Question::frame) return stored_frame(text);
+  if (question == jobs::Question::study_table) return write_table(text);
   v1::WorkerOrder::Start start;
   if (!start.ParseFromString(text)) throw std::runtime_error("the question cannot be read");
   switch (question) {
@@ -116,14 +141,14 @@ std::string answer(int socket, jobs::Question question, const std::string& text)
       return check(start);
     case jobs::Question::judge:
       return judge(start);
-    case jobs::Question::frame:
-      return last_frame(start);
     case jobs::Question::query:
       return run_query(socket, start, Results::discarded);
     case jobs::Question::kept_query:
       return run_query(socket, start, Results::kept);
+    case jobs::Question::frame:
     case jobs::Question::solver:
-      return casting::solver_identity();
+    case jobs::Question::study_table:
+      break;  // answered above
   }
   throw std::runtime_error("there is no such question");
 }

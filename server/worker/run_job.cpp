@@ -84,18 +84,20 @@ casting::OtherVersion to_core(v1::OtherVersion what) {
   return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
 }
 
-casting::RunDirectory directory_of(const v1::WorkerOrder::Start& start) {
+casting::RunDirectory directory_of(const v1::WorkerOrder::Start& start, Results results) {
   return {.path = start.directory(),
           .resume = start.resume(),
           .other_version = to_core(start.other_version()),
-          .last_reported_step = start.last_reported_step()};
+          .last_reported_step = start.last_reported_step(),
+          .keeps_nothing = results == Results::discarded};
 }
 
 Finished run(const v1::WorkerOrder::Start& start, RunLink& link, Results results) {
   const fs::path directory = start.directory();
   const auto casting_case = translate::to_core(start.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case.monitors);
-  return to_finished(casting::run(casting_case, directory_of(start), observer), directory, results);
+  return to_finished(casting::run(casting_case, directory_of(start, results), observer), directory,
+                     results);
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ class Queries(QueryTest):
 
 
 class Cancelling(QueryTest):
-    settings = {"checkers": 1}
+    settings = {"query_workers": 1}
 
     def test_cancelling_the_call_ends_the_run_at_once(self):
         worker, = self.query_processes()
@@ -156,6 +156,18 @@ class Cancelling(QueryTest):
         self.assertEqual(done.attempts, 1)
 
 
+class SeveralAtOnce(QueryTest):
+    settings = {"checkers": 1, "query_workers": 3}
+
+    def test_as_many_run_at_once_as_the_settings_say(self):
+        self.assertEqual(len(self.query_processes()), 3)
+        calls = [self.ask("steps=100000 sleep_ms=5", columns=50 + number) for number in range(3)]
+        for call in calls:
+            self.assertTrue(any(response.HasField("step") for response in call))
+        for call in calls:
+            call.cancel()
+
+
 class Kept(QueryTest):
     def test_a_kept_run_is_a_job_like_any_other(self):
         change = job_pb2.CaseChange(key="mesh.columns", value="17")
@@ -191,7 +203,7 @@ class Kept(QueryTest):
 
 
 class Beside(QueryTest):
-    settings = {"checkers": 1, "maximum_waiting_checks": 1, "workers": 2}
+    settings = {"query_workers": 1, "maximum_waiting_checks": 1, "workers": 2}
 
     def test_a_full_queue_delays_no_query(self):
         for number in range(20):

@@ -6,6 +6,8 @@ import os
 import signal
 import subprocess
 
+import grpc
+
 from dccast.v1 import job_pb2, service_pb2
 from support import BIN, ServiceTest, main
 
@@ -24,9 +26,10 @@ def physics(steps):
 class RealRun(ServiceTest):
     worker = "dccast-worker"
 
-    def submit_case(self):
+    def submit_case(self, *changes, path=CASE):
+        words = [word for change in changes for word in ("--set", change)]
         ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "submit", "--json", CASE], capture_output=True, text=True,
+                                "submit", "--json", *words, path], capture_output=True, text=True,
                                timeout=60, check=False)
         self.assertEqual(ended.returncode, 0, ended.stderr)
         return json.loads(ended.stdout)["id"]
@@ -112,6 +115,49 @@ class RealRun(ServiceTest):
         self.assertEqual(len(frame.displacement_m), 2 * nodes)
         self.assertLess(max(frame.element_node), nodes)
         self.assertGreater(frame.liquidus_c, frame.solidus_c)
+
+    def page(self, job_id, number, **rest):
+        return self.client.stub.QueryResult(service_pb2.QueryResultRequest(
+            id=job_id, frame=True, frame_number=number, **rest), timeout=60)
+
+    def test_every_stored_frame_can_be_asked_for(self):
+        job_id = self.submit_case("quality=draft")
+        self.finished_steps(job_id)
+        last = self.page(job_id, 0)
+        times = list(last.frame_time_s)
+        self.assertEqual(times, [-60 + 10 * i for i in range(21)] + [145])
+        self.assertEqual(last.frame.time_s, 145)
+        self.assertEqual(self.page(job_id, len(times)).frame, last.frame)
+        first = self.page(job_id, 1, page_size=1)
+        self.assertEqual((first.frame.time_s, len(first.steps)), (-60, 1))
+        self.assertLess(len(first.frame.temperature_c), len(last.frame.temperature_c))
+        self.assertEqual(self.page(job_id, 10).frame.time_s, times[9])
+        error = self.refused(grpc.StatusCode.OUT_OF_RANGE, self.page, job_id, len(times) + 1)
+        self.assertIn(f"has {len(times)} frames", error.details())
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.page, job_id, -1)
+
+    def test_an_answer_stays_below_4_mib_however_large_frame_and_steps_are(self):
+        """gRPC's own bound on a message; the client of these tests takes no more."""
+        with open(CASE, encoding="utf-8") as shipped:
+            text = shipped.read()
+        monitors = "".join(f'[[monitor]]\nname = "{number} {"x" * 58}"\nx = "0 m"\ny = "0 m"\n'
+                           for number in range(990))
+        path = os.path.join(self.folder, "large.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text + monitors)
+        changes = ("mesh.columns=400", "mesh.rows=240", "mesh.growth_cell=1 mm",
+                   "mechanics.enabled=false", "schedule.hold=0 s", "time.end=2 s",
+                   "time.step=0.2 s", "schedule.casting_speed=50 mm/s")
+        job_id = self.submit_case(*changes, path=path)
+        self.client.until_state(job_id, job_pb2.SUCCEEDED, job_pb2.FAILED, seconds=120)
+        page = self.page(job_id, 1)
+        self.assertGreater(page.frame.ByteSize(), 3 << 20)
+        self.assertLess(page.ByteSize(), 4 << 20)
+        self.assertTrue(page.next_page_token)  # fewer steps, as the frame is large
+        self.assertEqual([step.step for step in self.client.steps(job_id)], list(range(1, 11)))
+        error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.page, job_id, 0)
+        self.assertIn("fetch results.h5", error.details())
+        self.assertLess(max(chunk.ByteSize() for chunk in self.client.fetch(job_id)), 1 << 20)
 
 
 if __name__ == "__main__":

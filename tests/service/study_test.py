@@ -110,7 +110,8 @@ class RefinementStudy(ServiceTest):
             self.assertAlmostEqual(a, b, delta=1e-12)
 
     def test_the_figures_are_those_of_the_jobs(self):
-        found, _ = self.study(self.case_file())
+        found, said = self.study(self.case_file())
+        self.assertRegex(said, r"3 runs, roughly \d+.* of computing\n")
         levels = found["levels"]
         self.assertEqual([level["refinement"] for level in levels], [1, 2, 4])
         self.assertEqual({job.id for job in self.jobs_of(found["study"])},

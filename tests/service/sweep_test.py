@@ -11,6 +11,7 @@ import subprocess
 import time
 
 import grpc
+import h5py
 
 from dccast.v1 import job_pb2, service_pb2, study_pb2
 from support import BIN, TERMINAL, ServiceTest, fake_case, main, until
@@ -313,6 +314,55 @@ class Command(StudyTest):
                       self.dccast("studies", "show", study).stdout)
         self.dccast("studies", "delete", study)
         self.dccast("studies", "show", study, code=5)
+
+    def test_the_table_of_a_sweep_as_hdf5(self):
+        path = self.case_file("steps=3 finding_at=2")
+        ended = self.dccast("sweep", path, "--grid",
+                            "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
+                            "--output", "out.h5")
+        study = re.match(r"study (\S+)", ended.stdout)[1]
+        runs = self.evaluate(study, curves=True).runs
+        with h5py.File(os.path.join(self.folder, "out.h5")) as table:
+            self.assertEqual(table.attrs["study"], study)
+            self.assertEqual(table.attrs["state"], "succeeded")
+            self.assertEqual(list(table["key"].asstr()), ["schedule.casting_speed", "mesh.rows"])
+            self.assertEqual(list(table["monitor"].asstr()), ["corner", "mid", "centre"])
+            self.assertEqual([list(row) for row in table["runs/value"].asstr()],
+                             [list(run.values) for run in runs])
+            self.assertEqual([list(row) for row in table["runs/number"]],
+                             [list(run.numbers) for run in runs])
+            self.assertEqual(list(table["runs/state"].asstr()), ["succeeded"] * 4)
+            self.assertEqual(list(table["runs/job"].asstr()), [run.job for run in runs])
+            start, curl = table["curves/start"][:], table["curves/curl_m"][:]
+            for number, run in enumerate(runs):
+                own = curl[start[number]:start[number + 1]]
+                self.assertEqual(list(own[:, 0]), list(run.curves[0].curl_m))
+                self.assertEqual(own[-1, 0], table["runs/end_curl_m"][number, 0])
+            self.assertEqual(list(table["curves/time_s"][:3]), [1, 2, 3])
+            self.assertEqual(list(table["findings/run"]), [0, 1, 2, 3])
+            self.assertEqual(set(table["findings/code"].asstr()), {"bleed_out_at_exit"})
+            self.assertEqual(set(table["findings/severity"].asstr()), {"danger"})
+        self.dccast("studies", "fetch", study, "-o", "again.h5")
+        content = [open(os.path.join(self.folder, name), "rb").read()
+                   for name in ("out.h5", "again.h5")]
+        self.assertEqual(content[0], content[1])  # what a client goes on from after a cut
+        self.dccast("studies", "fetch", study, "-o", "again.h5", code=2)
+        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+
+    def test_a_table_is_fetched_from_where_it_was_cut(self):
+        study = self.create(fake_case("steps=2000"), {"mesh.rows": range(1, 21)})
+        self.until_ended(study.id)
+        chunks = list(self.fetch(study.id))
+        self.assertGreater(len(chunks), 1)
+        rest = list(self.fetch(study.id, chunks[1].offset, chunks[0].sha256))
+        self.assertEqual([chunk.data for chunk in rest], [chunk.data for chunk in chunks[1:]])
+        self.refused(grpc.StatusCode.ABORTED, self.fetch, study.id, chunks[1].offset, "0" * 64)
+        self.refused(grpc.StatusCode.OUT_OF_RANGE, self.fetch, study.id, 1 << 40)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.fetch, UUID)
+
+    def fetch(self, study, offset=0, sha256=""):
+        return self.client.stub.FetchStudy(study_pb2.FetchStudyRequest(
+            id=study, offset=offset, sha256=sha256), timeout=60)
 
     def test_a_sweep_file(self):
         self.case_file("steps=2")

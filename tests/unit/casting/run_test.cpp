@@ -82,6 +82,19 @@ TEST_P(Run, TheFileHoldsWhatTheObserverSaw) {
   EXPECT_EQ(reader.header().title, "a small casting");
 }
 
+TEST_P(Run, KeepsNothingWhereNothingIsWantedAndComputesTheSame) {
+  const TemporaryFolder kept, empty;
+  Recorder with, without;
+  Case c = small_casting(GetParam());
+  c.checkpoint.every_steps = 2;
+  ASSERT_EQ(run(c, {.path = kept / ""}, with).end, RunEnd::succeeded);
+  ASSERT_EQ(run(c, {.path = empty / "", .keeps_nothing = true}, without).end, RunEnd::succeeded);
+  EXPECT_TRUE(std::filesystem::is_empty(empty / ""));
+  ASSERT_EQ(without.reports.size(), with.reports.size());
+  EXPECT_EQ(without.reports.back().monitor_displacement[0],
+            with.reports.back().monitor_displacement[0]);
+}
+
 INSTANTIATE_TEST_SUITE_P(Elements, Run,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1,
                                            mesh::ElementKind::q1_bending));

@@ -57,7 +57,7 @@ TEST_F(Query, FindingsComeFirst) {
   finding.set_message("the metal is poured at its liquidus");
   EXPECT_THAT(
       run({"query", file}).out,
-      testing::StartsWith("warning: the metal is poured at its liquidus (no_superheat)\ncorner"));
+      testing::StartsWith("warning: no_superheat: the metal is poured at its liquidus\ncorner"));
 }
 
 TEST_F(Query, JsonHasTheHistory) {

@@ -1,11 +1,11 @@
-#include "server/studies/divided_case.hpp"
+#include "proto/case_file/divided_case.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "proto/case_file/case_file.hpp"
 
-namespace dccast::studies {
+namespace dccast::case_file {
 namespace {
 
 using testing::ElementsAre;
@@ -15,7 +15,7 @@ v1::Case some_case() {
   v1::Case description;
   description.mutable_section()->set_half_width_m(0.28);
   description.add_monitor()->set_name("corner");
-  case_file::apply_defaults(description);
+  apply_defaults(description);
   return description;
 }
 
@@ -71,4 +71,4 @@ TEST(DividedCase, SaysWhyACaseCannotBeDivided) {
 }
 
 }  // namespace
-}  // namespace dccast::studies
+}  // namespace dccast::case_file

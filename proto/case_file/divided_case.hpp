@@ -4,7 +4,7 @@
 
 #include "dccast/v1/case.pb.h"
 
-namespace dccast::studies {
+namespace dccast::case_file {
 
 /// The case with every cell and every time step divided. The shortest step permitted is divided
 /// too, so that a step may be cut as often as before.
@@ -18,4 +18,4 @@ std::string reason_against_dividing(const v1::Case& description);
 /// differ.
 bool is_refined_case(const v1::Case& a, const v1::Case& b);
 
-}  // namespace dccast::studies
+}  // namespace dccast::case_file

@@ -1,11 +1,11 @@
-#include "server/studies/divided_case.hpp"
+#include "proto/case_file/divided_case.hpp"
 
 #include <google/protobuf/util/message_differencer.h>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 
-namespace dccast::studies {
+namespace dccast::case_file {
 namespace {
 
 void scale_steps(v1::TimeControl& time, double factor) {
@@ -28,9 +28,9 @@ v1::Case undivided(v1::Case description) {
 
 v1::Case divided(const v1::Case& description, int parts) {
   v1::Case fine = description;
-  case_file::apply_quality(fine);
-  case_file::apply_defaults(*fine.mutable_mesh());
-  case_file::apply_defaults(*fine.mutable_time());
+  apply_quality(fine);
+  apply_defaults(*fine.mutable_mesh());
+  apply_defaults(*fine.mutable_time());
   fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);
   scale_steps(*fine.mutable_time(), 1.0 / parts);
   return fine;
@@ -55,4 +55,4 @@ bool is_refined_case(const v1::Case& a, const v1::Case& b) {
   return google::protobuf::util::MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 
-}  // namespace dccast::studies
+}  // namespace dccast::case_file

@@ -1,0 +1,71 @@
+#include "core/results/study_table.hpp"
+
+#include "core/hdf5/hdf5_file.hpp"
+
+namespace dccast::results {
+
+namespace {
+
+using hdf5::File;
+
+constexpr std::int64_t table_schema_version = 1;
+
+void write_root(File& file, const StudyTable& table) {
+  file.write_attribute("/", "schema_version", table_schema_version);
+  file.write_attribute("/", "program", std::string("dccast"));
+  file.write_attribute("/", "program_version", table.program_version);
+  file.write_attribute("/", "study", table.study);
+  file.write_attribute("/", "title", table.title);
+  file.write_attribute("/", "state", table.state);
+  file.write_texts("/key", table.key, "keys of the case that the sweep changes");
+  file.write_texts("/monitor", table.monitor, "names of the monitors");
+}
+
+void write_runs(File& file, const StudyTable& table) {
+  const hdf5::Shape run{table.runs()}, by_key{table.runs(), table.key.size()},
+      by_monitor{table.runs(), table.monitor.size()};
+  file.create_group("/runs");
+  file.write_texts("/runs/job", table.job, "UUID of the job of each run");
+  file.write_texts("/runs/state", table.run_state, "state of each run");
+  file.write_texts("/runs/value", by_key, table.value, "value of each key, as written");
+  file.write("/runs/number", by_key, table.number.data(), "SI", "the same as numbers");
+  file.write("/runs/end_curl_m", by_monitor, table.end_curl.data(), "m", "curl at the end");
+  file.write("/runs/solver_s", run, table.solver_seconds.data(), "s", "processor of the solver");
+  file.write("/runs/refinement", run, table.refinement.data(), "1", "of a refinement study");
+  file.write("/runs/beyond_validity", run, table.beyond_validity.data(), "1",
+             "1 where the model was left: not an answer");
+  file.write_texts("/runs/failure", table.failure, "why a run failed");
+}
+
+void write_curves(File& file, const StudyTable& table) {
+  const hdf5::Shape sample{table.time.size()};
+  file.create_group("/curves");
+  file.write("/curves/start", {table.curve_start.size()}, table.curve_start.data(), "1",
+             "first sample of each run, and the number of samples");
+  file.write("/curves/time_s", sample, table.time.data(), "s", "of each sample");
+  file.write("/curves/cast_length_m", sample, table.cast_length.data(), "m", "of each sample");
+  file.write("/curves/curl_m", {table.time.size(), table.monitor.size()}, table.curl.data(), "m",
+             "curl of each monitor");
+}
+
+void write_findings(File& file, const StudyTable& table) {
+  const hdf5::Shape finding{table.finding_run.size()};
+  file.create_group("/findings");
+  file.write("/findings/run", finding, table.finding_run.data(), "1", "number of its run, from 0");
+  file.write_texts("/findings/code", table.finding_code, "docs/findings.md");
+  file.write_texts("/findings/severity", table.finding_severity, "note, warning or danger");
+  file.write("/findings/time_s", finding, table.finding_time.data(), "s", "when first seen");
+}
+
+}  // namespace
+
+void write_study_table(const std::filesystem::path& path, const StudyTable& table) {
+  File file = File::create(path);
+  write_root(file, table);
+  write_runs(file, table);
+  write_curves(file, table);
+  write_findings(file, table);
+  file.close();
+}
+
+}  // namespace dccast::results
