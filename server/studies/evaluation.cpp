@@ -11,6 +11,7 @@ namespace dccast::studies {
 namespace {
 
 constexpr std::size_t most_history_bytes = 128'000'000;  // kept in memory, some 30 kB a run
+constexpr std::size_t most_faces = 4096;                 // kept in memory, below a kB each
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A run that has a job.
@@ -81,7 +82,7 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
       RunFace{solved.complete.section(),
               frames::steady_face(frames::contraction_of(solved.complete, solved.frame))});
   const std::lock_guard lock(plans_mutex_);
-  if (faces_.size() >= most_histories) faces_.erase(faces_.begin());
+  if (faces_.size() >= most_faces) faces_.erase(faces_.begin());
   faces_[job.id()] = face;
   return face;
 }

@@ -124,8 +124,8 @@ TEST(SlabPicture, HasThreeViewsOfTheFacesThatAreSeen) {
   const SlabPicture picture = draw_slab(quarter());
   ASSERT_EQ(picture.views.size(), 3u);
   EXPECT_DOUBLE_EQ(picture.displacement_scale, 1.0);  // 0.6 m / 15 / 20 mm is less than a factor
-  const auto& [name, svg] = picture.views[1];
-  EXPECT_EQ(name, "from outside, below");
+  EXPECT_EQ(picture.views[1].name, "from outside, below");
+  const std::string& svg = picture.views[1].svg;
   EXPECT_THAT(svg, HasSubstr(">butt</text>"));
   EXPECT_THAT(svg, Not(HasSubstr(">metal level</text>")));
   EXPECT_THAT(picture.views[2].svg, HasSubstr(">middle, x = 0</text>"));
