@@ -145,7 +145,7 @@ class RealRun(ServiceTest):
         path = os.path.join(self.folder, "large.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text + monitors)
-        changes = ("mesh.columns=400", "mesh.rows=240", "mesh.growth_cell=1 mm",
+        changes = ("mesh.columns=400", "mesh.rows=187", "mesh.growth_cell=1 mm",
                    "mechanics.enabled=false", "schedule.hold=0 s", "time.end=2 s",
                    "time.step=0.2 s", "schedule.casting_speed=50 mm/s")
         job_id = self.submit_case(*changes, path=path)
