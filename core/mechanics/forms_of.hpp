@@ -1,7 +1,10 @@
 #pragma once
 
+#include <stdexcept>
+
 #include "core/mechanics/bending_forms.hpp"
 #include "core/mechanics/element_forms.hpp"
+#include "core/mechanics/element_rotations.hpp"
 #include "core/mechanics/mechanics_forms.hpp"
 #include "core/mechanics/node_frames.hpp"
 #include "core/mechanics/solid_bending_forms.hpp"
@@ -19,6 +22,7 @@ class FormsOf final : public MechanicsForms<Element::dimension> {
   using FormsOfSeveral = ElementForms<Element, Lanes<Count>>;
   using Vectors = typename Forms::Vectors;
   using Matrix = typename Forms::Matrix;
+  using Rotations = ElementRotations<dimension>;
   static constexpr std::size_t nodes = Forms::nodes, dim = Forms::dim, of_element = Forms::points,
                                unknowns = Forms::unknowns;
 
@@ -28,10 +32,22 @@ public:
   void update(const Mesh& mesh, std::size_t first = 0) override {
     mesh_ = &mesh;
     if (mesh.elements() != geometry_.elements()) frames_ = {};
+    rotations_.clear();
     geometry_.update(mesh, static_cast<int>(first));
   }
   void set_frames(std::span<const NodalFrame<dimension>> frames) override {
     frames_.set(*mesh_, frames);
+  }
+  void set_rotations(std::span<const double> u, std::span<const char> solid) override {
+    rotations_.clear();
+    if constexpr (fem::is_axisymmetric<Element>) {
+      throw std::logic_error("an axisymmetric element has no rotation of its own");
+    } else {
+      rotations_.reset(elements());
+      for (std::size_t e = 0; e < elements(); ++e) {
+        if (solid[e] != 0) rotations_.set(e, rotation_of(mean_displacement_gradient(e, u)));
+      }
+    }
   }
   std::size_t elements() const override { return std::size_t(geometry_.elements()); }
   std::size_t points() const override { return of_element; }
@@ -142,7 +158,8 @@ private:
   auto cell_of(std::size_t e) const { return geometry_.cell(static_cast<int>(e)); }
   const int* nodes_of(std::size_t e) const { return mesh_->nodes_of(static_cast<int>(e)); }
 
-  Vectors local(std::size_t e, std::span<const double> u) const {
+  /// Displacements of the nodes of an element along the coordinate axes.
+  Vectors nodal(std::size_t e, std::span<const double> u) const {
     const int* node = nodes_of(e);
     Vectors v;
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -150,6 +167,24 @@ private:
     }
     if (frames_.touch(e)) frames_.to_coordinates(node, v);
     return v;
+  }
+  /// The same as the element sees them.
+  Vectors local(std::size_t e, std::span<const double> u) const {
+    Vectors v = nodal(e, u);
+    if (rotations_.turn(e)) rotations_.into_element(e, *mesh_, v);
+    return v;
+  }
+  typename Rotations::Matrix mean_displacement_gradient(std::size_t e,
+                                                        std::span<const double> u) const {
+    const auto gradient = geometry_.mean_gradient(static_cast<int>(e));
+    const Vectors v = nodal(e, u);
+    typename Rotations::Matrix of_mean{};
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t a = 0; a < dim; ++a) {
+        for (std::size_t b = 0; b < dim; ++b) of_mean[a][b] += v[i][a] * gradient[i][b];
+      }
+    }
+    return of_mean;
   }
 
   /// Integrals of the shape functions over the elements of a group.
@@ -197,6 +232,7 @@ private:
   }
   void add_force(std::size_t e, Vectors& f, std::span<double> force) const {
     const int* node = nodes_of(e);
+    if (rotations_.turn(e)) rotations_.out_of_element(e, f);
     if (frames_.touch(e)) frames_.to_frames(node, f);
     for (std::size_t i = 0; i < nodes; ++i) {
       for (std::size_t a = 0; a < dim; ++a) force[std::size_t(node[i]) * dim + a] += f[i][a];
@@ -219,6 +255,7 @@ private:
   }
   void add_matrix(std::size_t e, Matrix& k, const linalg::SparsityPattern& pattern,
                   std::span<double> values) const {
+    if (rotations_.turn(e)) rotations_.template out_of_element<nodes>(e, k);
     if (frames_.touch(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
     const int* place = pattern.places(static_cast<int>(e));
     for (std::size_t r = 0; r < unknowns; ++r) {
@@ -230,6 +267,7 @@ private:
 
   const Mesh* mesh_ = nullptr;
   NodeFrames<dimension> frames_;
+  Rotations rotations_;
   fem::ElementGeometry<Element> geometry_;
 };
 

@@ -63,6 +63,12 @@ public:
   /// Gives nodes frames of their own; all others have none. They are kept until the next call or a
   /// mesh with another number of elements.
   virtual void set_frames(std::span<const NodalFrame<Dim>> frames) = 0;
+  /// Turns the axes of the solid elements with them: from here on an element sees a displacement
+  /// less the rotation that its mean gradient has here, and strains, forces and stiffness are those
+  /// of its own axes. Kept until the next call or update().
+  /// @param displacement  by unknown [m] @param solid  (element) not zero: follows its rotation
+  /// @throws std::logic_error of axisymmetric elements
+  virtual void set_rotations(std::span<const double> displacement, std::span<const char> solid) = 0;
   virtual std::size_t elements() const = 0;
   virtual std::size_t points() const = 0;  ///< of an element
 

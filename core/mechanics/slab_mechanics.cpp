@@ -113,6 +113,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   const std::size_t first = std::size_t(first_moved) * points_;
   const int old_nodes = static_cast<int>(state.released.size());
   std::vector<double> u = supports_.by_unknown(state.displacement);
+  set_rotations(u, state.solid);
   std::vector<Tensor> elastic;  // of the elements that move
   for (std::size_t i = first; i < state.inelastic.size(); ++i) {
     elastic.push_back(forms_->strain(i / points_, i % points_, u));
@@ -133,6 +134,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   // A node that is new stands at the mould, whatever the one below it did.
   u = supports_.by_unknown(std::move(state.displacement));
   supports_.stand_at_mould(u, old_nodes);
+  set_rotations(u, state.solid);
   for (std::size_t i = first; i < all_points; ++i) {
     state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
     if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
@@ -170,25 +172,26 @@ void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature
   }
 }
 
-/// Activates a cell as solid: strain counts from the total strain of this moment, thermal strain
+/// A solid element follows the rotation that it has at the start of a step. What it misses of the
+/// step's own rotation is a strain of half its square. The liquid does not turn: its pressure in
+/// axes of yesterday would push on its neighbours, and nothing in it resists.
+template <int Dim>
+void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
+                                       std::span<const char> solid) {
+  if (options_.kinematics == Kinematics::corotational) forms_->set_rotations(displacement, solid);
+}
+
+/// Strain of a cell that solidifies counts from the total strain of this moment, thermal strain
 /// from the temperature `at`, stress from minus the metallostatic pressure.
 template <int Dim>
 void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
                           std::max(0.0, metal_level - centroid_height(e));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
-  state.solid[std::size_t(e)] = 1;
-  forget_history(state, std::size_t(e));
   for (std::size_t q = 0; q < points_; ++q) {
     state.inelastic[std::size_t(e) * points_ + q].add_identity(compression -
                                                                properties_.thermal_stretch(at));
   }
-}
-
-template <int Dim>
-void SlabMechanics<Dim>::melt(State& state, int e) const {
-  state.solid[std::size_t(e)] = 0;
-  forget_history(state, std::size_t(e));
 }
 
 /// No stress at the strain of the start of the step.
@@ -203,15 +206,22 @@ void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) const {
+void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
+  const bool at_once = options_.liquid == Liquid::solid;
+  std::vector<int> changed;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const double t = element_temperature(e, input.temperature);
-    const bool at_once = options_.liquid == Liquid::solid;
-    const bool solid = at_once || t < properties_.coherency();
-    if (solid && state.solid[std::size_t(e)] == 0) {
-      solidify(state, e, input.metal_level, at_once ? t : properties_.coherency());
-    }
-    if (!solid && state.solid[std::size_t(e)] != 0) melt(state, e);
+    const bool solid =
+        at_once || element_temperature(e, input.temperature) < properties_.coherency();
+    if (solid == (state.solid[std::size_t(e)] != 0)) continue;
+    state.solid[std::size_t(e)] = solid ? 1 : 0;
+    changed.push_back(e);
+  }
+  set_rotations(displacement_, state.solid);
+  for (const int e : changed) {
+    forget_history(state, std::size_t(e));
+    if (state.solid[std::size_t(e)] == 0) continue;
+    solidify(state, e, input.metal_level,
+             at_once ? element_temperature(e, input.temperature) : properties_.coherency());
   }
 }
 

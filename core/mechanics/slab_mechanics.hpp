@@ -84,9 +84,9 @@ private:
   void find_supports();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;
+  void set_rotations(std::span<const double> displacement, std::span<const char> solid);
   void solidify(State& state, int e, double metal_level, double at) const;
-  void melt(State& state, int e) const;
-  void set_phases(State& state, const SlabStepInput& input) const;
+  void set_phases(State& state, const SlabStepInput& input);
   void forget_history(State& state, std::size_t e) const;
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);

@@ -229,6 +229,20 @@ mechanics::Liquid liquid_of(v1::Mechanics::Liquid liquid) {
   }
 }
 
+/// Absent: corotational where the butt turns by several degrees, in a quarter slab.
+mechanics::Kinematics kinematics_of(const v1::Case& from) {
+  switch (from.mechanics().kinematics()) {
+    case v1::Mechanics::SMALL_STRAIN:
+      return mechanics::Kinematics::small_strain;
+    case v1::Mechanics::COROTATIONAL:
+      return mechanics::Kinematics::corotational;
+    default:
+      return from.section().kind() == v1::Section::QUARTER_SLAB
+                 ? mechanics::Kinematics::corotational
+                 : mechanics::Kinematics::small_strain;
+  }
+}
+
 mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
   mechanics::AlgorithmParameters to;
   if (from.has_gamma_p_per_pa_s()) to.gamma_p = from.gamma_p_per_pa_s();
@@ -336,6 +350,7 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.cooling = cooling(complete.cooling());
   to.thermal = thermal_options(complete.thermal(), attachments);
   to.mechanics = mechanics_case(complete.mechanics());
+  to.mechanics.options.kinematics = kinematics_of(complete);
   to.time = time_control(complete.time());
   to.validity = validity(complete.validity());
   to.plausibility = plausibility(complete.plausibility());

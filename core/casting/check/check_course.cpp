@@ -55,6 +55,12 @@ void check_mechanics(CaseFindings& found) {
                 "times gamma_p is not below 1 (Lemma 3)", "less than 1 / gamma_p",
                 "leave it out to take 1 / (2 gamma_p)");
   }
+  if (found.casting.mechanics.options.kinematics == mechanics::Kinematics::corotational &&
+      found.sound({"section.kind"}) && found.axisymmetric()) {
+    found.fault("mechanics.kinematics", "corotational",
+                "elements of a billet do not follow their rotation",
+                "small_strain with section.kind = \"axisymmetric\"", "leave it out");
+  }
 }
 
 /// Steps, and how high the metal ends.

@@ -11,8 +11,8 @@ std::optional<Finding> lift_too_large(const Case& c, const StepFigures& f) {
   if (!f.mechanical || f.lift.value <= limit) return std::nullopt;
   return finding_of(
       "lift_too_large", Severity::danger,
-      sentence("The butt has risen %.4g mm off the bottom block, a slope that small strains do not "
-               "hold: such a butt no longer stands, and the slab tilts or hangs in the mould.",
+      sentence("The butt has risen %.4g mm off the bottom block: so steep a butt no longer stands, "
+               "and the slab tilts or hangs in the mould.",
                in_mm * f.lift.value),
       {f.lift, limit, "m", "validity.maximum_rotation"});
 }

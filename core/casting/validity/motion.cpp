@@ -5,7 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/casting/validity/polar_rotation.hpp"
+#include "core/base/polar_rotation.hpp"
 #include "core/fem/element.hpp"
 
 namespace dccast::casting {

@@ -55,6 +55,7 @@ ValidityJudge<Dim>::ValidityJudge(const Case& c)
       // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
       // use it; choosing it is the user's decision.
       judges_pressure_(c.mechanics.options.liquid == mechanics::Liquid::prestressed),
+      judges_rotation_(c.mechanics.options.kinematics == mechanics::Kinematics::small_strain),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}
 
@@ -104,7 +105,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& ste
 template <int Dim>
 std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& step,
                                                          const Extreme& found) const {
-  if (found.value <= limits_.maximum_rotation) return std::nullopt;
+  if (!judges_rotation_ || found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
       sentence("at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "

@@ -50,7 +50,8 @@ private:
   material::MechanicalProperties properties_;
   bool judges_shell_;
   bool judges_pressure_;
-  double solid_below_;  ///< [°C]
+  bool judges_rotation_;  ///< with small strains only
+  double solid_below_;    ///< [°C]
 };
 
 extern template class ValidityJudge<2>;

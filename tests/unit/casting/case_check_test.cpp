@@ -146,6 +146,12 @@ const Mistake mistakes[] = {
     {"GrowthCellTooHigh", "mesh.growth_cell", [](Case& c) { c.section.growth_cell = 0.2; }},
     {"SideCellTooWide", "mesh.side_cell", [](Case& c) { c.section.side_cell = 0.3; }},
     {"BottomCellTooHigh", "mesh.bottom_cell", [](Case& c) { c.section.bottom_cell = 0.3; }},
+    {"BilletThatTurns", "mechanics.kinematics",
+     [](Case& c) {
+       c.section.kind = mesh::SectionKind::axisymmetric;
+       c.section.element = mesh::ElementKind::q1_bending;
+       c.mechanics.options.kinematics = mechanics::Kinematics::corotational;
+     }},
     {"TrianglesOfABillet", "mesh.element",
      [](Case& c) { c.section.kind = mesh::SectionKind::axisymmetric; }},
     {"EndBeforeTheBeginning", "time.end", [](Case& c) { c.time.end = -11.0; }},

@@ -69,12 +69,13 @@ private:
       if (without != "symmetry_y")
         element(3, 4, {front(n[0]), front(n[1]), front(n[2]), front(n[3])});
       element(3, 5, {back(n[0]), back(n[1]), back(n[2]), back(n[3])});
-      element(5, 6, {front(n[0]), front(n[1]), front(n[2]), front(n[3]), back(n[0]), back(n[1]),
-                     back(n[2]), back(n[3])});
+      element(5, 6,
+              {front(n[0]), front(n[1]), front(n[2]), front(n[3]), back(n[0]), back(n[1]),
+               back(n[2]), back(n[3])});
     }
   }
 
-  static constexpr std::array<const char*, 7> groups{"symmetry_x", "side_x",     "bottom", "top",
+  static constexpr std::array<const char*, 7> groups{"symmetry_x", "side_x",        "bottom", "top",
                                                      "symmetry_y", "symmetry_back", "slab"};
   const mesh::Mesh2D& plane_;
   std::vector<std::string> elements_;
@@ -136,11 +137,10 @@ TEST(ImportedSolid, NeedsBothPlanesOfSymmetryAndASide) {
   c.section.half_thickness = Curve(1.0);
   c.section.file = folder / "extruded.msh";
   c.monitors.clear();
-  for (const auto& [group, remedy] :
-       {std::pair{"symmetry_x", "Physical Surface(\"symmetry_x\")"},
-        {"symmetry_y", "Physical Surface(\"symmetry_y\")"},
-        {"side_x", "Physical Surface(\"side_x\")"},
-        {"top", "Physical Surface(\"top\")"}}) {
+  for (const auto& [group, remedy] : {std::pair{"symmetry_x", "Physical Surface(\"symmetry_x\")"},
+                                      {"symmetry_y", "Physical Surface(\"symmetry_y\")"},
+                                      {"side_x", "Physical Surface(\"side_x\")"},
+                                      {"top", "Physical Surface(\"top\")"}}) {
     extruded.write(c.section.file, group);
     const CheckedCase checked = check(c);
     ASSERT_EQ(checked.faults.list().size(), 1u) << group << "\n" << testing::all(checked.faults);

@@ -19,6 +19,7 @@ inline Case small_quarter_slab(mesh::ElementKind element = mesh::ElementKind::q1
   c.section.wide_side_cell = 0.02;
   c.section.growth_cell = 0.008;
   c.mechanics.options.tolerance = 1e-8;
+  c.mechanics.options.kinematics = mechanics::Kinematics::corotational;
   c.time.end = 2.0;
   c.schedule.hold = 3.0;
   c.schedule.casting_speed = Curve(6e-3);  // a row is put in once

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "core/base/polar_rotation.hpp"
 #include "core/casting/validity/motion.hpp"
-#include "core/casting/validity/polar_rotation.hpp"
 #include "core/casting/validity/shell.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/unit/casting/small_casting.hpp"

@@ -127,6 +127,15 @@ const Limit limits[] = {
 INSTANTIATE_TEST_SUITE_P(Limits, LimitOf, ::testing::ValuesIn(limits),
                          [](const auto& limit) { return limit.param.name; });
 
+TEST(Rotation, IsNoLimitOfElementsThatFollowIt) {
+  Case c = small_casting(mesh::ElementKind::q1);
+  c.mechanics.options.kinematics = mechanics::Kinematics::corotational;
+  c.validity.maximum_rotation = 1e-5;
+  const Result result = result_of(c);
+  expect_sound(result);
+  EXPECT_GT(largest(result, &results::StepReport::maximum_rotation), 1e-5);
+}
+
 TEST(ShellOfARun, ThatMeltsThroughEndsItWithItsTimeAndPlace) {
   const Result r = result_of(melting_shell(hot));
   expect_stopped(r, FailureKind::shell_melted_through, "melted through");

@@ -53,6 +53,20 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   EXPECT_FALSE(to.monitors.at(1).z);
 }
 
+TEST(Kinematics, FollowTheSectionUnlessTheCaseSaysOtherwise) {
+  const auto of = [](v1::Section::Kind kind, v1::Mechanics::Kinematics asked) {
+    v1::Case from;
+    from.mutable_section()->set_kind(kind);
+    from.mutable_mechanics()->set_kinematics(asked);
+    return to_core(from, "").mechanics.options.kinematics;
+  };
+  using mechanics::Kinematics;
+  EXPECT_EQ(of(v1::Section::QUARTER_SLAB, {}), Kinematics::corotational);
+  EXPECT_EQ(of(v1::Section::PLANE_STRAIN, {}), Kinematics::small_strain);
+  EXPECT_EQ(of(v1::Section::QUARTER_SLAB, v1::Mechanics::SMALL_STRAIN), Kinematics::small_strain);
+  EXPECT_EQ(of(v1::Section::PLANE_STRAIN, v1::Mechanics::COROTATIONAL), Kinematics::corotational);
+}
+
 v1::Case mush(double solidus, double liquidus) {
   v1::Case from;
   from.mutable_alloy()->set_solidus_c(solidus);

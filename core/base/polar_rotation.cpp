@@ -1,10 +1,10 @@
-#include "core/casting/validity/polar_rotation.hpp"
+#include "core/base/polar_rotation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-namespace dccast::casting {
+namespace dccast {
 
 namespace {
 
@@ -78,4 +78,4 @@ std::array<double, 4> quaternion_of(const Matrix3& m) {
   return q;
 }
 
-}  // namespace dccast::casting
+}  // namespace dccast

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace dccast::casting {
+namespace dccast {
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< by row
 
@@ -18,4 +18,4 @@ Matrix3 polar_rotation(const Matrix3& gradient);
 /// The unit quaternion of a rotation, its real part first (Shepperd 1978).
 std::array<double, 4> quaternion_of(const Matrix3& rotation);
 
-}  // namespace dccast::casting
+}  // namespace dccast

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/base/polar_rotation.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace dccast::mechanics {
+
+/// The axes of elements that have turned (corotational kinematics): an element sees the motion of
+/// its nodes less the rotation R of its axes, R^T x - X, which is as small as its strain, and its
+/// nodal forces turn back with R (Felippa and Haugen 2005, without the spin of the axes within a
+/// step). Elements without a rotation pay one comparison.
+template <int Dim>
+class ElementRotations {
+public:
+  using Vector = std::array<double, Dim>;
+  using Matrix = std::array<Vector, Dim>;  ///< by row
+
+  void clear() { rotation_.clear(); }
+  /// No element has turned. @param elements  of the mesh
+  void reset(std::size_t elements) { rotation_.assign(elements, identity()); }
+  void set(std::size_t element, const Matrix& rotation) { rotation_[element] = rotation; }
+  bool turn(std::size_t element) const {
+    return !rotation_.empty() && rotation_[element] != identity();
+  }
+
+  /// Displacements of the nodes of an element, as its axes see them. That of its first node is
+  /// taken away from all: a translation strains nothing.
+  template <std::size_t Nodes>
+  void into_element(std::size_t element, const mesh::Mesh<Dim>& mesh,
+                    std::array<Vector, Nodes>& displacement) const {
+    const Matrix& r = rotation_[element];
+    const int* node = mesh.nodes_of(static_cast<int>(element));
+    const double* origin = mesh.point(node[0]);
+    const Vector carried = displacement[0];
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      const double* at = mesh.point(node[i]);
+      Vector before, after;
+      for (std::size_t a = 0; a < dim; ++a) {
+        before[a] = at[a] - origin[a];
+        after[a] = before[a] + displacement[i][a] - carried[a];
+      }
+      for (std::size_t a = 0; a < dim; ++a) {
+        double seen = 0.0;
+        for (std::size_t b = 0; b < dim; ++b) seen += r[b][a] * after[b];
+        displacement[i][a] = seen - before[a];
+      }
+    }
+  }
+
+  /// Forces on the nodes, along the coordinate axes.
+  template <std::size_t Nodes>
+  void out_of_element(std::size_t element, std::array<Vector, Nodes>& force) const {
+    for (Vector& f : force) f = product(rotation_[element], f);
+  }
+
+  /// The same of an element matrix given by its lower triangle, row by row.
+  template <std::size_t Nodes>
+  void out_of_element(std::size_t element, std::array<double, Nodes * Dim * Nodes * Dim>& k) const {
+    constexpr std::size_t n = Nodes * dim;
+    const Matrix& r = rotation_[element];
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        Matrix block;
+        for (std::size_t a = 0; a < dim; ++a) {
+          for (std::size_t b = 0; b < dim; ++b) {
+            const std::size_t row = i * dim + a, column = j * dim + b;
+            block[a][b] = row >= column ? k[row * n + column] : k[column * n + row];
+          }
+        }
+        block = turned(r, block);
+        for (std::size_t a = 0; a < dim; ++a) {
+          for (std::size_t b = 0; b < dim; ++b) k[(i * dim + a) * n + j * dim + b] = block[a][b];
+        }
+      }
+    }
+  }
+
+private:
+  static constexpr std::size_t dim = Dim;
+
+  static constexpr Matrix identity() {
+    Matrix one{};
+    for (std::size_t a = 0; a < dim; ++a) one[a][a] = 1.0;
+    return one;
+  }
+  static Vector product(const Matrix& r, const Vector& v) {
+    Vector result{};
+    for (std::size_t a = 0; a < dim; ++a) {
+      for (std::size_t b = 0; b < dim; ++b) result[a] += r[a][b] * v[b];
+    }
+    return result;
+  }
+  /// R block R^T.
+  static Matrix turned(const Matrix& r, const Matrix& block) {
+    Matrix half{}, whole{};  // half: block R^T
+    for (std::size_t a = 0; a < dim; ++a) {
+      for (std::size_t b = 0; b < dim; ++b) {
+        for (std::size_t c = 0; c < dim; ++c) half[a][b] += block[a][c] * r[b][c];
+      }
+    }
+    for (std::size_t a = 0; a < dim; ++a) {
+      for (std::size_t b = 0; b < dim; ++b) {
+        for (std::size_t c = 0; c < dim; ++c) whole[a][b] += r[a][c] * half[c][b];
+      }
+    }
+    return whole;
+  }
+
+  std::vector<Matrix> rotation_;  ///< (element); empty where none has turned
+};
+
+/// Rotation of the polar decomposition of I + g.
+/// @param g  gradient of a displacement, row by component [1]
+inline std::array<std::array<double, 2>, 2> rotation_of(std::array<std::array<double, 2>, 2> g) {
+  const double angle = std::atan2(g[1][0] - g[0][1], 2.0 + g[0][0] + g[1][1]);
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {{{c, -s}, {s, c}}};
+}
+inline Matrix3 rotation_of(Matrix3 g) {
+  for (std::size_t a = 0; a < 3; ++a) g[a][a] += 1.0;
+  return polar_rotation(g);
+}
+
+}  // namespace dccast::mechanics
