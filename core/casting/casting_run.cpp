@@ -4,9 +4,9 @@
 
 namespace dccast::casting {
 
-std::unique_ptr<CastingRun> make_run(const Case& c) {
+std::unique_ptr<CastingRun> make_run(const Case& c, int threads) {
   if (mesh::dimension_of(c.section.kind) == 2) return std::make_unique<SlabRun<2>>(c);
-  return std::make_unique<SlabRun<3>>(c);
+  return std::make_unique<SlabRun<3>>(c, threads);
 }
 
 }  // namespace dccast::casting

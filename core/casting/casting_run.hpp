@@ -50,7 +50,8 @@ public:
 };
 
 /// The run of a case, in the dimension of its section.
+/// @param threads  of a quarter slab; other sections take one
 /// @throws InvalidCase  a file of the case cannot be read
-std::unique_ptr<CastingRun> make_run(const Case& casting_case);
+std::unique_ptr<CastingRun> make_run(const Case& casting_case, int threads = 1);
 
 }  // namespace dccast::casting

@@ -102,10 +102,10 @@ private:
 /// A run with its files and its observer.
 class Driver {
 public:
-  Driver(const Case& c, const RunDirectory& directory, StepObserver& observer)
+  Driver(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads)
       : directory_(directory),
         observer_(observer),
-        run_(make_run(c)),
+        run_(make_run(c, threads)),
         clock_(c.checkpoint),
         when_lost_(c.validity.when_lost),
         header_(header_of(c)),
@@ -279,8 +279,8 @@ private:
 
 }  // namespace
 
-RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer) {
-  return Driver(c, directory, observer).drive();
+RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads) {
+  return Driver(c, directory, observer, threads).drive();
 }
 
 }  // namespace dccast::casting

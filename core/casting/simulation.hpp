@@ -27,7 +27,10 @@ struct RunDirectory {
 
 /// Runs one case to its end or to where the observer stops it. A disk that is full or a folder that
 /// cannot be written is a failure of the run, of kind storage.
+/// @param threads  of a quarter slab, at least 1; other sections take one. No number in the results
+///                 depends on it, nor does a resumption
 /// @throws InvalidCase  a file of the case cannot be read
-RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer);
+RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer,
+               int threads = 1);
 
 }  // namespace dccast::casting

@@ -19,7 +19,7 @@ namespace {
 constexpr double same_time = 1e-9;  // [s]
 
 /// Of this thread, or of all threads of the process.
-double processor_seconds(clockid_t clock) {
+double seconds_of(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -73,8 +73,9 @@ std::vector<double> initial_gap(const thermal::BottomBlock& block, const mesh::M
 }  // namespace
 
 template <int Dim>
-SlabRun<Dim>::SlabRun(const Case& c)
+SlabRun<Dim>::SlabRun(const Case& c, int threads)
     : case_(c),
+      team_(Dim == 3 ? threads : 1),
       schedule_(c),
       control_(c.time.minimum_step),
       mesh_(c),
@@ -98,6 +99,12 @@ SlabRun<Dim>::SlabRun(const Case& c)
   state_.slab = mechanics_.initial_state();
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
   state_.plausibility.raised = findings_of_case(c);
+}
+
+/// Of all threads of the run [s].
+template <int Dim>
+double SlabRun<Dim>::processor_seconds() const {
+  return seconds_of(CLOCK_THREAD_CPUTIME_ID) + team_.processor_seconds();
 }
 
 template <int Dim>
@@ -153,8 +160,9 @@ results::Frame SlabRun<Dim>::take_frame() {
 
 template <int Dim>
 results::StepReport SlabRun<Dim>::advance() {
-  const double start = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
-  const double process_start = processor_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const Team::Lent lent(&team_);
+  const double start = processor_seconds();
+  const double process_start = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
   const RunState<Dim> saved = state_;
   for (int failed = 0;; ++failed) {
     const double dt = control_.choose(schedule_.step_at(state_.time));
@@ -163,8 +171,8 @@ results::StepReport SlabRun<Dim>::advance() {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
-      state_.solver_seconds += processor_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
-      state_.process_seconds += processor_seconds(CLOCK_PROCESS_CPUTIME_ID) - process_start;
+      state_.solver_seconds += processor_seconds() - start;
+      state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
       return report(tried, failed);
     }
     const bool smaller = control_.rejected(dt);

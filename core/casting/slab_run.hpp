@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/team.hpp"
 #include "core/casting/case.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/casting_schedule.hpp"
@@ -40,8 +41,10 @@ struct StepStart {
 template <int Dim>
 class SlabRun : public CastingRun {
 public:
+  /// @param threads  that share the work of a solid; a section takes one. The results do not depend
+  ///                 on it
   /// @throws InvalidCase  a file of the case cannot be read
-  explicit SlabRun(const Case& casting_case);
+  explicit SlabRun(const Case& casting_case, int threads = 1);
 
   bool finished() const override;
   results::StepReport advance() override;
@@ -63,6 +66,7 @@ public:
   int growth_row() const;
 
 private:
+  double processor_seconds() const;
   void go_back_to(const RunState<Dim>& state);
   Attempt attempt(double dt);
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
@@ -80,6 +84,7 @@ private:
   int growing_elements() const;
 
   Case case_;
+  Team team_;
   CastingSchedule schedule_;
   StepControl control_;
   RunMesh<Dim> mesh_;

@@ -5,6 +5,7 @@
 #endif
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdlib>
 #include <new>
@@ -17,6 +18,9 @@ namespace {
 /// A factor larger than this is not in the cache when a solve comes to it [byte]: measured in
 /// docs/factorisation.md.
 constexpr std::size_t cache_bytes = std::size_t(8) << 20;
+/// Work of a row of tiles from which members of a team wait for each other less than they gain
+/// [multiplications and additions]: docs/threads.md.
+constexpr double shared_row_flops = 2e5;
 constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]
 
 /// Storage for tiles, in huge pages where it is large: a solve goes through all of it.
@@ -30,6 +34,10 @@ Tile* allocate(std::size_t tiles) {
 #endif
   return static_cast<Tile*>(storage);
 }
+
+/// Of passes through a matrix or a factor that several threads share: some 20 us of one.
+constexpr std::size_t entries_worth_a_call = 20'000;
+constexpr std::size_t tiles_worth_a_call = 500;
 
 /// Calls use(entry, row, column), row >= column, both places in the order of elimination.
 template <class Use>
@@ -117,28 +125,38 @@ std::size_t BandCholesky::memory_bytes() const {
 
 int BandCholesky::first_changed_row(std::span<const double> values) const {
   if (!whole_) return 0;
-  int row = shape_.rows();
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    // By their bits: a factor that is kept must be the one that would be computed.
-    const bool same =
-        std::bit_cast<std::uint64_t>(values[k]) == std::bit_cast<std::uint64_t>(values_[k]);
-    if (!same) row = std::min(row, entry_row_[k]);
-  }
-  return row;
+  std::atomic<int> first{shape_.rows()};
+  for_each_stretch(values.size(), entries_worth_a_call, [&](std::size_t k, std::size_t end) {
+    int row = shape_.rows();
+    for (; k < end; ++k) {
+      // By their bits: a factor that is kept must be the one that would be computed.
+      const bool same =
+          std::bit_cast<std::uint64_t>(values[k]) == std::bit_cast<std::uint64_t>(values_[k]);
+      if (!same) row = std::min(row, entry_row_[k]);
+    }
+    for (int so_far = first; row < so_far && !first.compare_exchange_weak(so_far, row);) {
+    }
+  });
+  return first;
 }
 
 /// Entries of the matrix from a row of tiles on, with ones on the diagonal past the last unknown.
 void BandCholesky::take_matrix(std::span<const double> values, int from) {
-  const std::size_t first = shape_.start[std::size_t(from)];
-  std::fill(tile_.get() + first, tile_.get() + tiles(), Tile{});
+  Tile* const first = tile_.get() + shape_.start[std::size_t(from)];
+  const std::size_t count = tiles() - shape_.start[std::size_t(from)];
+  for_each_stretch(count, tiles_worth_a_call, [&](std::size_t begin, std::size_t end) {
+    std::fill(first + begin, first + end, Tile{});
+  });
   double* number = tile_.get()->entry;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (entry_row_[k] >= from) number[entry_[k]] = values[k];
-  }
+  for_each_stretch(values.size(), entries_worth_a_call, [&](std::size_t k, std::size_t end) {
+    for (; k < end; ++k) {
+      if (entry_row_[k] >= from) number[entry_[k]] = values[k];
+      values_[k] = values[k];
+    }
+  });
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) {
     tile_[tiles() - 1].entry[u % tile_size * (tile_size + 1)] = 1.0;
   }
-  std::copy(values.begin(), values.end(), values_.begin());
 }
 
 TileBand BandCholesky::band() {
@@ -157,8 +175,22 @@ bool BandCholesky::factorize(std::span<const double> values) {
   share_computed_ = rows > 0 ? static_cast<double>(rows - from) / rows : 0.0;
   if (from == rows) return true;
   take_matrix(values, from);
-  whole_ = kernels_->factorize(band(), from);
-  return whole_;
+  return whole_ = factorize_from(from);
+}
+
+bool BandCholesky::is_worth_sharing() const {
+  return team_members() > 1 && shape_.flops > shared_row_flops * shape_.rows();
+}
+
+bool BandCholesky::factorize_from(int row) {
+  if (!is_worth_sharing()) return kernels_->factorize(band(), row, {});
+  Progress factorized(row - 1);
+  std::atomic<bool> positive{true};
+  together([&](int member, int members) {
+    const BandShare share{member, members, &factorized};
+    if (!kernels_->factorize(band(), row, share)) positive = false;
+  });
+  return positive;
 }
 
 double BandCholesky::share_to_repeat(int unknown) const {
@@ -170,7 +202,14 @@ void BandCholesky::solve(std::span<const double> b, std::span<double> x) {
   double* right = right_.data()->entry;
   for (std::size_t u = 0; u < place_.size(); ++u) right[place_[u]] = b[u];
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) right[u] = 0.0;
-  kernels_->solve(band(), right_.data());
+  if (is_worth_sharing() && streams()) {
+    Progress forward(-1), backward(0);
+    together([&](int member, int members) {
+      kernels_->solve(band(), right_.data(), {member, members, nullptr, &forward, &backward});
+    });
+  } else {
+    kernels_->solve(band(), right_.data(), {});
+  }
   for (std::size_t u = 0; u < place_.size(); ++u) x[u] = right[place_[u]];
 }
 

@@ -31,6 +31,9 @@ struct BandShape {
 /// that the last bits of a solution may differ between processors of different instruction sets;
 /// on one processor they are always the same.
 ///
+/// factorize() and solve() share their work among the team lent to the thread (core/base/team.hpp)
+/// where it is large enough; the bits do not depend on how many there are.
+///
 /// factorize() and solve() allocate nothing. A factorisation starts at the first row whose entries
 /// differ from those of the one before; the factor is the same, bit by bit, as one from the
 /// first row on.
@@ -65,6 +68,8 @@ private:
   int first_changed_row(std::span<const double> values) const;
   void take_matrix(std::span<const double> values, int from);
   bool streams() const;
+  bool is_worth_sharing() const;
+  bool factorize_from(int row);
   TileBand band();
 
   const TileKernels* kernels_;

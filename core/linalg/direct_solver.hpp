@@ -41,7 +41,8 @@ public:
   double factor_entries() const;
   /// What the factor takes [byte], after analyze().
   std::size_t memory_bytes() const;
-  /// Threads of CHOLMOD's dense products; the band has one. @param threads  at least 1, the default
+  /// Threads of CHOLMOD's dense products; the band takes those of the team lent to the thread that
+  /// calls. @param threads  at least 1, the default
   void use_threads(int threads) { cholmod_.use_threads(threads); }
 
 private:

@@ -31,6 +31,11 @@ public:
   int unknowns_per_node() const { return unknowns_per_node_; }
   const std::vector<int>& column_start() const { return column_start_; }
   const std::vector<int>& row() const { return row_; }
+  /// First columns of the parts of a product, and the end of the last one. What the columns of a
+  /// part reach is not reached by those of the part after the next, so that the even parts, and
+  /// then the odd ones, can be done at the same time. One part where the matrix is small, wide or
+  /// not of nodes with three unknowns.
+  const std::vector<int>& parts() const { return part_; }
   /// Place of the diagonal entry of an unknown.
   int diagonal(int unknown) const { return column_start_[std::size_t(unknown)]; }
   /// Places of an element's entries, (per_element, per_element) full and symmetric; -1 where an
@@ -43,16 +48,19 @@ public:
 private:
   bool is_made_of_nodes(int unknowns_per_node, int first) const;
   void find_unknowns_per_node(int first);
+  void find_parts();
+  bool is_divided_by(const std::vector<int>& part) const;
 
   int per_element_ = 0;
   int unknowns_per_node_ = 1;
   std::vector<int> column_start_{0};
   std::vector<int> row_;
   std::vector<int> place_;
+  std::vector<int> part_{0, 0};
 };
 
 /// y = A x for a symmetric matrix given by its lower triangle; node by node where each has three
-/// unknowns.
+/// unknowns, and then shared among the team lent to the thread. The bits do not depend on it.
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y);
 

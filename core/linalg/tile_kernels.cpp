@@ -83,46 +83,77 @@ DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
   return true;
 }
 
-/// Column by column of tiles, from the left: the rows of one column do not wait for each other.
+/// What a factorisation of several members has reached when a pivot was no positive number.
+constexpr int no_factor = std::numeric_limits<int>::max();
+
+/// The tile of the diagonal, given all other tiles of its row; others may then go on with its
+/// column.
 template <int Lanes>
-DCCAST_INLINE bool factorize_band(const TileBand& band, int from) {
+DCCAST_INLINE bool finish_row(const TileBand& band, int j, const BandShare& share) {
+  const int first = band.first[j];
+  Tile& tile = *band.at(j, j);
+  subtract_products<Lanes>(band.at(j, first), band.at(j, first), j - first, tile);
+  const bool positive = factorize_tile<Lanes>(tile, band.inverse[j]);
+  if (share.factorized != nullptr) share.factorized->reach(positive ? j : no_factor);
+  return positive;
+}
+
+/// Column by column of tiles, from the left: the rows of one column do not wait for each other.
+/// The row below the diagonal comes first and is finished at once, so that the next column can
+/// begin while this one goes on.
+template <int Lanes>
+DCCAST_INLINE bool factorize_band(const TileBand& band, int from, const BandShare& share) {
   for (int j = from < band.rows ? band.first[from] : band.rows; j < band.rows; ++j) {
-    for (int i = j < from ? from : j; i <= band.last[j]; ++i) {
+    const bool begins = band.first[j] == j && j >= from;
+    if (begins && share.owns(j) && !finish_row<Lanes>(band, j, share)) return false;
+    if (share.factorized != nullptr && share.factorized->wait_for(j) == no_factor) return false;
+    const int below = j + 1 < from ? from : j + 1;
+    for (int i = share.first_from(below); i <= band.last[j]; i += share.members) {
       const int first = band.first[i];
       Tile& tile = *band.at(i, j);
       subtract_products<Lanes>(band.at(i, first), band.at(j, first), j - first, tile);
-      if (i > j) {
-        substitute<Lanes>(*band.at(j, j), band.inverse[j], tile);
-      } else if (!factorize_tile<Lanes>(tile, band.inverse[j])) {
-        return false;
-      }
+      substitute<Lanes>(*band.at(j, j), band.inverse[j], tile);
+      if (i == j + 1 && !finish_row<Lanes>(band, i, share)) return false;
     }
   }
   return true;
 }
 
-/// x <- L^-1 x in a row of tiles, given the rows before.
-template <int Lanes>
-DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x) {
-  constexpr int parts = tile_size / Lanes, chains = Lanes / 2;  // sums that do not wait
-  typename Register<Lanes>::type sum[chains][parts] = {};
-  const Tile* tile = band.at(i, band.first[i]);
-  for (int c = band.first[i]; c < i; ++c, ++tile) {
+/// Adds the products of consecutive tiles of a row with x to sums that do not wait for each other.
+template <int Lanes, int Chains>
+DCCAST_INLINE void add_products(const Tile* tile, const TileRow* x, int count,
+                                typename Register<Lanes>::type (&sum)[Chains][tile_size / Lanes]) {
+  for (int c = 0; c < count; ++c) {
     for (int k = 0; k < tile_size; ++k) {
-      for (int p = 0; p < parts; ++p) {
-        sum[k % chains][p] +=
-            rows_at<Lanes>(tile->entry + tile_size * k + Lanes * p) * x[c].entry[k];
+      for (int p = 0; p < tile_size / Lanes; ++p) {
+        sum[k % Chains][p] +=
+            rows_at<Lanes>(tile[c].entry + tile_size * k + Lanes * p) * x[c].entry[k];
       }
     }
   }
+}
+
+/// x <- L^-1 x in a row of tiles, given the rows before.
+template <int Lanes>
+DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x, const BandShare& share) {
+  constexpr int parts = tile_size / Lanes, chains = Lanes / 2;
+  typename Register<Lanes>::type sum[chains][parts] = {};
+  const int first = band.first[i];
+  // Its own row before this one, and with it all before that, are done.
+  const int late = first > i - share.members + 1 ? first : i - share.members + 1;
+  add_products<Lanes>(band.at(i, first), x + first, late - first, sum);
+  if (share.forward != nullptr) share.forward->wait_for(i - 1);
+  add_products<Lanes>(band.at(i, late), x + late, i - late, sum);
   for (int c = 0; c < chains; ++c) {
     for (int p = 0; p < parts; ++p) rows_at<Lanes>(x[i].entry + Lanes * p) -= sum[c][p];
   }
+  const Tile& own = *band.at(i, i);
   for (int k = 0; k < tile_size; ++k) {
     const double found = x[i].entry[k] * band.inverse[i].entry[k];
-    for (int r = k; r < tile_size; ++r) x[i].entry[r] -= tile->entry[tile_size * k + r] * found;
+    for (int r = k; r < tile_size; ++r) x[i].entry[r] -= own.entry[tile_size * k + r] * found;
     x[i].entry[k] = found;
   }
+  if (share.forward != nullptr) share.forward->reach(i);
 }
 
 /// x <- (L')^-1 x with the tile of the diagonal.
@@ -156,48 +187,60 @@ DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
   substitute_back(band, j, x);
 }
 
-/// The same, and adds to the sums of the columns before what this row gives to them. All tiles are
-/// met from the last one down, which is as fast as memory streams; by columns it is a third of
-/// that.
-template <int Lanes>
-DCCAST_INLINE void backward_streaming(const TileBand& band, int j, TileRow* x) {
-  constexpr int parts = tile_size / Lanes;
+/// x <- (L')^-1 x in a row of tiles, given the sum of what the rows after give to its column.
+DCCAST_INLINE void finish_column(const TileBand& band, int j, TileRow* x, const BandShare& share) {
   Tile& own = band.sums[j % band.sum_columns];
   for (int k = 0; k < tile_size; ++k) {
     for (int p = 0; p < tile_size; ++p) x[j].entry[k] -= own.entry[tile_size * k + p];
   }
   own = Tile{};
   substitute_back(band, j, x);
-  typename Register<Lanes>::type found[parts];
-  for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x[j].entry + Lanes * p);
-  const Tile* tile = band.at(j, j);
-  for (int c = j - 1; c >= band.first[j]; --c) {
-    --tile;
-    double* sum = band.sums[c % band.sum_columns].entry;
-    for (int k = tile_size - 1; k >= 0; --k) {
-      for (int p = 0; p < parts; ++p) {
-        const int at = tile_size * k + Lanes * p;
-        rows_at<Lanes>(sum + at) += rows_at<Lanes>(tile->entry + at) * found[p];
+  if (share.backward != nullptr) share.backward->reach(band.rows - j);
+}
+
+/// x <- (L')^-1 x, row by row from the last one: each adds to the sums of the columns before what
+/// it gives to them. All tiles are met from the last one down, which is as fast as memory streams;
+/// by columns it is a third of that. The column before a row is finished first, so that the next
+/// row can begin while this one goes on.
+template <int Lanes>
+DCCAST_INLINE void backward_streaming(const TileBand& band, TileRow* x, const BandShare& share) {
+  constexpr int parts = tile_size / Lanes;
+  for (int j = band.rows - 1; j >= 0; --j) {
+    if (band.last[j] == j && share.owns(j)) finish_column(band, j, x, share);
+    if (share.backward != nullptr) share.backward->wait_for(band.rows - j);
+    typename Register<Lanes>::type found[parts];
+    for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x[j].entry + Lanes * p);
+    for (int c = share.last_up_to(j - 1); c >= band.first[j]; c -= share.members) {
+      const Tile* tile = band.at(j, c);
+      double* sum = band.sums[c % band.sum_columns].entry;
+      for (int k = tile_size - 1; k >= 0; --k) {
+        for (int p = 0; p < parts; ++p) {
+          const int at = tile_size * k + Lanes * p;
+          rows_at<Lanes>(sum + at) += rows_at<Lanes>(tile->entry + at) * found[p];
+        }
       }
+      if (c == j - 1) finish_column(band, c, x, share);
     }
   }
 }
 
 template <int Lanes>
-DCCAST_INLINE void solve_band(const TileBand& band, TileRow* x) {
-  for (int i = 0; i < band.rows; ++i) forward<Lanes>(band, i, x);
+DCCAST_INLINE void solve_band(const TileBand& band, TileRow* x, const BandShare& share) {
+  for (int i = share.first_from(0); i < band.rows; i += share.members) {
+    forward<Lanes>(band, i, x, share);
+  }
   if (band.sums == nullptr) {
     for (int j = band.rows - 1; j >= 0; --j) backward<Lanes>(band, j, x);
   } else {
-    for (int j = band.rows - 1; j >= 0; --j) backward_streaming<Lanes>(band, j, x);
+    backward_streaming<Lanes>(band, x, share);
   }
 }
 
-bool factorize_plain(const TileBand& band, int from) {
-  return factorize_band<2>(band, from);
+bool factorize_plain(const TileBand& band, int from, const BandShare& share) {
+  return factorize_band<2>(band, from, share);
 }
-void solve_plain(const TileBand& band, TileRow* x) {
-  solve_band<2>(band, x);
+void solve_plain(const TileBand& band, TileRow* x, const BandShare& share) {
+  solve_band<2>(band, x, share);
 }
 constexpr TileKernels plain{"plain", 120.0 * 120.0, 16e9, factorize_plain, solve_plain};
 
@@ -205,19 +248,19 @@ constexpr TileKernels plain{"plain", 120.0 * 120.0, 16e9, factorize_plain, solve
 #define DCCAST_AVX2 [[gnu::target("avx2,fma")]]
 #define DCCAST_AVX512 [[gnu::target("avx512f,avx512vl,avx512dq,avx2,fma")]]
 
-DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from) {
-  return factorize_band<4>(band, from);
+DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from, const BandShare& share) {
+  return factorize_band<4>(band, from, share);
 }
-DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x) {
-  solve_band<4>(band, x);
+DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x, const BandShare& share) {
+  solve_band<4>(band, x, share);
 }
 constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, 38e9, factorize_avx2, solve_avx2};
 
-DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from) {
-  return factorize_band<8>(band, from);
+DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from, const BandShare& share) {
+  return factorize_band<8>(band, from, share);
 }
-DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x) {
-  solve_band<8>(band, x);
+DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x, const BandShare& share) {
+  solve_band<8>(band, x, share);
 }
 constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, 45e9, factorize_avx512, solve_avx512};
 

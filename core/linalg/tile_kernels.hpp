@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "core/base/team.hpp"
+
 namespace dccast::linalg {
 
 /// Rows and columns of a tile.
@@ -34,6 +36,20 @@ struct TileBand {
   Tile* at(int row, int column) const { return tile + start[row] + (column - first[row]); }
 };
 
+/// The rows or columns of a band that one member of a team computes: every so many-th. A member
+/// computes them as one alone would, number by number, and waits where it needs those of others.
+struct BandShare {
+  int member = 0, members = 1;
+  /// Rows that are done: of a factorisation and of the forward half of a solve the last one, of its
+  /// backward half how many from the end. Null for one that is alone.
+  Progress *factorized = nullptr, *forward = nullptr, *backward = nullptr;
+
+  /// Its first row from this one on, and its last one up to this one; the next is `members` away.
+  int first_from(int row) const { return row + (member + members - row % members) % members; }
+  int last_up_to(int row) const { return row - (row + members - member) % members; }
+  bool owns(int row) const { return row % members == member; }
+};
+
 /// The numerical work of BandCholesky, compiled for several instruction sets. For the sources of
 /// this room only.
 struct TileKernels {
@@ -44,11 +60,13 @@ struct TileKernels {
   /// What a factorisation reaches [1/s]. Measured there too.
   double flops_per_second;
   /// Replaces the matrix by its Cholesky factor.
-  /// @param from  first row of tiles to compute; those before it hold the factor already
-  /// @return false when a pivot is not a positive number
-  bool (*factorize)(const TileBand& band, int from);
-  /// x <- (L L')^-1 x
-  void (*solve)(const TileBand& band, TileRow* x);
+  /// @param from   first row of tiles to compute; those before it hold the factor already
+  /// @param share  its rows
+  /// @return false when a pivot is not a positive number, to one member at least
+  bool (*factorize)(const TileBand& band, int from, const BandShare& share);
+  /// x <- (L L')^-1 x. Several members only where the band has room for sums.
+  /// @param share  its rows on the way forward, its columns on the way back
+  void (*solve)(const TileBand& band, TileRow* x, const BandShare& share);
 };
 
 /// The fastest of those that this processor can run.

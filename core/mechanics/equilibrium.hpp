@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -11,7 +12,8 @@
 
 namespace dccast::mechanics {
 
-/// Internal forces and stiffness of a step problem, over one streaming pass through the elements.
+/// Internal forces and stiffness of a step problem, over one streaming pass through the elements,
+/// which the team lent to the thread shares.
 template <int Dim>
 class Equilibrium {
 public:
@@ -24,8 +26,7 @@ public:
         blocks_((problem.forms->elements() + elements_in_block - 1) / elements_in_block),
         response_(blocks_ * places_ * ResponseBlock<Dim>::numbers),
         inelastic_(blocks_ * places_ * (Tensor::components + 1)),
-        trial_(places_ * Tensor::components),
-        pressure_(places_) {
+        whole_(problem.forms->elements()) {
     for_each_block([this](ElementBlock block) { take_inelastic(block); });
   }
 
@@ -37,17 +38,17 @@ public:
   template <class Law>
   double residual(std::span<const double> u, std::span<double> out, Law&& law) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = -problem_->external_force[i];
-    double squares = 0.0;
-    for_each_block([&](ElementBlock block) {
-      problem_->forms->strains(block, u, trial(), dilatation_);
-      subtract_inelastic(block);
-      if constexpr (std::is_invocable_v<Law, ElementBlock, TensorBlock<Dim>, ResponseBlock<Dim>>) {
-        law(block, trial(), response_of(block));
-      } else {
-        respond_point_by_point(block, law);
-      }
-      problem_->forms->add_forces(block, response_of(block).deviator, pressure_, out, squares);
-    });
+    std::vector<double> squares_of(parts().parts(), 0.0);
+    const auto add_part = [&](std::size_t part, std::size_t first, std::size_t end) {
+      squares_of[part] = add_blocks(first, end, u, out, law);
+    };
+    if constexpr (by_block<Law>) {
+      parts().for_each(add_part);
+    } else {
+      const Team::Lent none(nullptr);  // such a law keeps what it has found
+      parts().for_each(add_part);
+    }
+    double squares = std::accumulate(squares_of.begin(), squares_of.end(), 0.0);
     for (std::size_t i = 0; i < problem_->spring.size(); ++i) {
       const double force = problem_->spring[i] * u[i];
       out[i] += force;
@@ -58,7 +59,9 @@ public:
 
   /// Stiffness at the last residual. @param values  the pattern's entries, overwritten
   void tangent(std::span<double> values) {
-    std::fill(values.begin(), values.end(), 0.0);
+    for_each_stretch(values.size(), numbers_worth_a_call, [&](std::size_t first, std::size_t end) {
+      std::fill(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(end), 0.0);
+    });
     for_each_block([&](ElementBlock block) {
       problem_->forms->add_stiffness(block, response_of(block), of_block(block, problem_->bulk),
                                      *problem_->pattern, values);
@@ -86,15 +89,48 @@ public:
   }
 
 private:
+  static constexpr std::size_t numbers_worth_a_call = 50'000;  // some 10 us of one thread
+
+  /// What is known of a block on its way through residual().
+  struct Passing {
+    explicit Passing(std::size_t places)
+        : deviator(places * Tensor::components), pressure(places) {}
+    TensorBlock<Dim> trial() { return {deviator.data(), pressure.size()}; }
+    std::vector<double> deviator;
+    std::vector<double> pressure;
+    std::array<double, elements_in_block> dilatation{};
+  };
+  template <class Law>
+  static constexpr bool by_block =
+      std::is_invocable_v<Law, ElementBlock, TensorBlock<Dim>, ResponseBlock<Dim>>;
+
+  const ElementParts& parts() const { return problem_->parts ? *problem_->parts : whole_; }
   template <class Use>
-  void for_each_block(Use&& use) const {
-    for (std::size_t b = 0; b < blocks_; ++b) use(block_of(b * elements_in_block));
+  void for_each_block(const Use& use) const {
+    parts().for_each([&](std::size_t, std::size_t first, std::size_t end) {
+      for (std::size_t b = first; b < end; ++b) use(block_of(b * elements_in_block));
+    });
+  }
+  /// Internal forces of consecutive blocks. @return sum of the squares of their elements' forces
+  template <class Law>
+  double add_blocks(std::size_t first, std::size_t end, std::span<const double> u,
+                    std::span<double> out, Law&& law) {
+    Passing passing(places_);
+    double squares = 0.0;
+    for (std::size_t b = first; b < end; ++b) {
+      const ElementBlock block = block_of(b * elements_in_block);
+      problem_->forms->strains(block, u, passing.trial(), passing.dilatation);
+      subtract_inelastic(block, passing);
+      respond(block, passing.trial(), law);
+      problem_->forms->add_forces(block, response_of(block).deviator, passing.pressure, out,
+                                  squares);
+    }
+    return squares;
   }
   ElementBlock block_of(std::size_t element) const {
     const std::size_t first = element / elements_in_block * elements_in_block;
     return {first, std::min(first + elements_in_block, problem_->forms->elements())};
   }
-  TensorBlock<Dim> trial() { return {trial_.data(), places_}; }
   ResponseBlock<Dim> response_of(ElementBlock block) {
     const std::size_t number = block.first / elements_in_block;
     return {&response_[number * places_ * ResponseBlock<Dim>::numbers], places_};
@@ -120,27 +156,33 @@ private:
   }
 
   /// From the strains of a block its trial deviators and the pressures at its points.
-  void subtract_inelastic(ElementBlock block) {
+  void subtract_inelastic(ElementBlock block, Passing& passing) {
+    std::vector<double>& trial = passing.deviator;
     const double* inelastic = inelastic_of(block);
-    for (std::size_t i = 0; i < trial_.size(); ++i) trial_[i] -= inelastic[i];
-    const double* inelastic_dilatation = inelastic + trial_.size();
+    for (std::size_t i = 0; i < trial.size(); ++i) trial[i] -= inelastic[i];
+    const double* inelastic_dilatation = inelastic + trial.size();
     const auto bulk = of_block(block, problem_->bulk);
     const auto prestress = of_block(block, problem_->prestress);
     for (std::size_t q = 0; q < points_; ++q) {
       for (std::size_t i = 0; i < elements_in_block; ++i) {
         const std::size_t place = place_in_block(i, q);
-        pressure_[place] = bulk[i] * (dilatation_[i] - inelastic_dilatation[place]) + prestress[i];
+        passing.pressure[place] =
+            bulk[i] * (passing.dilatation[i] - inelastic_dilatation[place]) + prestress[i];
       }
     }
   }
 
   template <class Law>
-  void respond_point_by_point(ElementBlock block, Law&& law) {
+  void respond(ElementBlock block, TensorBlock<Dim> trial, Law&& law) {
     const ResponseBlock<Dim> response = response_of(block);
-    for (std::size_t e = block.first; e < block.end; ++e) {
-      for (std::size_t q = 0; q < points_; ++q) {
-        const std::size_t place = place_in_block(e - block.first, q);
-        response.set(place, law(e, e * points_ + q, trial().at(place)));
+    if constexpr (by_block<Law>) {
+      law(block, trial, response);
+    } else {
+      for (std::size_t e = block.first; e < block.end; ++e) {
+        for (std::size_t q = 0; q < points_; ++q) {
+          const std::size_t place = place_in_block(e - block.first, q);
+          response.set(place, law(e, e * points_ + q, trial.at(place)));
+        }
       }
     }
   }
@@ -151,10 +193,7 @@ private:
   std::size_t blocks_;
   std::vector<double> response_;   ///< (block) @see ResponseBlock
   std::vector<double> inelastic_;  ///< (block) @see inelastic_of
-  // Of the block under way.
-  std::vector<double> trial_;
-  std::vector<double> pressure_;
-  std::array<double, elements_in_block> dilatation_{};
+  ElementParts whole_;             ///< where the problem names no parts
 };
 
 /// Mean normal stress of an element at displacement `u` [Pa].

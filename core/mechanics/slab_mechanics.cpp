@@ -40,6 +40,7 @@ void SlabMechanics<Dim>::set_mesh(const Mesh& mesh, int first_moved) {
     find_supports();
   problem_.forms = forms_.get();
   problem_.pattern = &pattern_;
+  problem_.parts = Dim == 3 ? &parts_ : nullptr;
   problem_.exponent = properties_.creep().exponent;
 }
 
@@ -59,6 +60,7 @@ void SlabMechanics<Dim>::new_pattern() {
     pattern_ = linalg::SparsityPattern(unknowns, unknown, mesh_->nodes_per_element * Dim);
   }
   element_unknown_ = std::move(unknown);
+  if (Dim == 3) parts_ = ElementParts::of(*mesh_);
   for (auto* field :
        {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);

@@ -103,6 +103,7 @@ private:
   const Mesh* mesh_ = nullptr;
   std::vector<int> element_unknown_;  ///< (element, unknown of it) of the pattern
   linalg::SparsityPattern pattern_;
+  ElementParts parts_;  ///< of a solid
   Workspace work_;
   StepProblem<Dim> problem_;
   SlabChecks checks_;

@@ -5,6 +5,7 @@
 
 #include "core/base/symmetric_tensor.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
+#include "core/mechanics/element_parts.hpp"
 #include "core/mechanics/mechanics_forms.hpp"
 
 namespace dccast::mechanics {
@@ -14,15 +15,19 @@ namespace dccast::mechanics {
 /// The law of an element is, with e the deviator and tr the trace of the strain of u minus the
 /// inelastic strain of the step's start,
 ///     s + 2 mu dt kappa |s|^(q-2) s = 2 mu e,     p = bulk (tr - 3 thermal) + prestress,
-/// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find u
-/// with the fixed unknowns at their targets, gaps and reactions of the contact unknowns not negative,
-/// one of the two zero, and zero residual elsewhere: paper eq. (45) to (47) discretised in time.
+/// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find
+/// u with the fixed unknowns at their targets, gaps and reactions of the contact unknowns not
+/// negative, one of the two zero, and zero residual elsewhere: paper eq. (45) to (47) discretised
+/// in time.
 template <int Dim>
 struct StepProblem {
   using Tensor = SymmetricTensor<Dim>;
 
   const MechanicsForms<Dim>* forms = nullptr;
   const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
+
+  /// In which the elements are gone through; null: one after the other.
+  const ElementParts* parts = nullptr;
 
   double dt = 0.0;        ///< [s]
   double exponent = 2.0;  ///< q [1], the same in all elements
@@ -42,8 +47,8 @@ struct StepProblem {
   std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D
   std::vector<char> fixed;             ///< not zero: held at `target`
   std::vector<double> target;          ///< [m]
-  /// Stiffness of a spring towards zero [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in 3D; empty
-  /// where there is none.
+  /// Stiffness of a spring towards zero [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in 3D;
+  /// empty where there is none.
   std::vector<double> spring;
 
   /// Unknowns whose gap may not become negative, frictionless: of the bottom, over the block
@@ -64,9 +69,7 @@ struct StepProblem {
   std::size_t unknowns() const { return external_force.size(); }
   std::size_t carrying() const { return contact.size() - walls; }
 
-  double sense(std::size_t pair) const {
-    return contact_sense.empty() ? 1.0 : contact_sense[pair];
-  }
+  double sense(std::size_t pair) const { return contact_sense.empty() ? 1.0 : contact_sense[pair]; }
   /// Where a contact unknown stands on the block or at the wall [m].
   double closed_at(std::size_t pair) const {
     return initial_gap.empty() ? 0.0 : -sense(pair) * initial_gap[pair];
@@ -75,8 +78,8 @@ struct StepProblem {
   double normal_gap(std::size_t pair, std::span<const double> u) const {
     return sense(pair) * (u[std::size_t(contact[pair])] - closed_at(pair));
   }
-  /// How fast the gap opens along a vector of the unknowns, or by what force it is held, of a vector
-  /// of forces.
+  /// How fast the gap opens along a vector of the unknowns, or by what force it is held, of a
+  /// vector of forces.
   double along_gap(std::size_t pair, std::span<const double> v) const {
     return sense(pair) * v[std::size_t(contact[pair])];
   }

@@ -30,7 +30,7 @@ struct StepReport {
   double weight = 0.0;                      ///< [N/m]
   double sump_depth = 0.0;                  ///< [m] below the metal level, on the symmetry plane
   double contact_length = 0.0;              ///< [m] of the bottom that stands on the block
-  double solver_seconds = 0.0;   ///< [s] of the processor so far, of the thread of the run
+  double solver_seconds = 0.0;   ///< [s] of processors so far, of the threads of the run
   double process_seconds = 0.0;  ///< [s] of the processor so far, of all threads of the process
   double progress = 0.0;         ///< [1] 0 to 1, of the simulated time
   std::int64_t nodes = 0;

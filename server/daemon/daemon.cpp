@@ -62,6 +62,11 @@ int number_or_cores(int wanted) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// One query has the machine to itself more often than not.
+int query_threads(const v1::DaemonConfig& config) {
+  return config.query_threads() > 0 ? config.query_threads() : std::min(2, number_or_cores(0));
+}
+
 int worker_count(const v1::DaemonConfig& config) {
   return number_or_cores(config.workers());
 }
@@ -81,7 +86,8 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                                     .heartbeat = milliseconds(config.heartbeat_timeout_s()),
                                     .stall = milliseconds(config.stall_timeout_s())},
                        .other_version = config.other_version(),
-                       .solver = solver},
+                       .solver = solver,
+                       .job_threads = config.job_threads()},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
@@ -264,6 +270,7 @@ int serve(const v1::DaemonConfig& config) {
       .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
       .checks_at_once = number_or_cores(config.checkers()),
       .queries_at_once = number_or_cores(config.query_workers()),
+      .query_threads = query_threads(config),
       .maximum_waiting_checks = config.maximum_waiting_checks(),
       .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
       .maximum_connections = connections};

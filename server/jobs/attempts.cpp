@@ -165,6 +165,7 @@ v1::WorkerOrder Attempts::start_order(const Attempt& attempt) const {
   start->set_heartbeat_interval_s(
       std::chrono::duration<double>(options_.heartbeat_interval).count());
   start->set_other_version(options_.other_version);
+  start->set_threads(options_.job_threads);
   return order;
 }
 

@@ -26,6 +26,7 @@ struct AttemptOptions {
   WatchdogLimits watchdog;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
   std::string solver{};  ///< identity of the solver that the workers run; empty: not known
+  int job_threads = 1;   ///< of a quarter slab
 };
 
 /// What happened to a job in its attempt that the queue must know of.

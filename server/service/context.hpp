@@ -33,6 +33,7 @@ struct Context {
   std::int64_t maximum_message_bytes = 0;
   int checks_at_once = 1;
   int queries_at_once = 1;
+  int query_threads = 1;  ///< of a quarter slab
   int maximum_waiting_checks = 1;
   std::chrono::milliseconds check_timeout{30000};
   std::size_t maximum_connections = 1;

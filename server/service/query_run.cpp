@@ -113,6 +113,7 @@ private:
     v1::WorkerOrder::Start start;
     *start.mutable_case_() = examined_.complete;
     start.set_directory(run_.folder);
+    start.set_threads(context_.query_threads);
     if (request_.keep()) return start;
     v1::CheckpointPolicy& checkpoint = *start.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // nobody resumes it

@@ -1,5 +1,6 @@
 #include "server/worker/run_job.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -96,8 +97,9 @@ Finished run(const v1::WorkerOrder::Start& start, RunLink& link, Results results
   const fs::path directory = start.directory();
   const auto casting_case = translate::to_core(start.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case.monitors);
-  return to_finished(casting::run(casting_case, directory_of(start, results), observer), directory,
-                     results);
+  const auto outcome = casting::run(casting_case, directory_of(start, results), observer,
+                                    std::max(start.threads(), 1));
+  return to_finished(outcome, directory, results);
 }
 
 }  // namespace

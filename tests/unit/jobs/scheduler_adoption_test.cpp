@@ -53,6 +53,7 @@ TEST_F(SchedulerAdoption, AWorkerThatIsFoundCallsAgainAndItsHistoryHasNoHole) {
   const auto& start = channel_->orders.back().start();
   EXPECT_EQ(start.last_reported_step(), 3);
   EXPECT_TRUE(start.resume());
+  EXPECT_EQ(start.threads(), 2) << "as the settings say";
   for (const std::int64_t number : {4, 5}) daemon->scheduler.report(run, step(number));
   daemon->scheduler.report(run, finished(Finished::SUCCEEDED));
   daemon->scheduler.detach(run);

@@ -137,7 +137,8 @@ struct Daemon {
                                 .worker_restarts = 1,
                                 .stop_grace = std::chrono::milliseconds(50),
                                 .watchdog = watchdog,
-                                .other_version = other_version},
+                                .other_version = other_version,
+                                .job_threads = 2},
                    .maximum_queued = 2},
                   store, logs, executor) {
     executor.workers_survive = workers_survive;
