@@ -1,8 +1,13 @@
 // Whole runs of a quarter slab solved by two grids instead of factors, as large ones are.
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <cmath>
 
+#include "core/casting/slab_run.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 
 namespace dccast::casting {
@@ -78,6 +83,39 @@ TEST(TwoGrids, AreNotMadeForTetrahedra) {
   run(c, {one / "", false}, first);
   run(by_two_grids(c), {other / "", false}, second);
   EXPECT_TRUE(equal_except_timing(first.reports.back(), second.reports.back()));
+}
+
+/// Peak of the memory of a process that makes some steps of a case [byte].
+double measured_memory(const Case& c) {
+  const pid_t child = fork();
+  if (child == 0) {
+    SlabRun<3> steps(c);
+    while (!steps.finished()) steps.advance();
+    _exit(0);
+  }
+  int status = 1;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  EXPECT_EQ(status, 0);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// A job beyond the memory of a worker is refused by this estimate: it may not be too low.
+TEST(TwoGrids, TakeTheMemoryThatIsEstimated) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer takes memory of its own";
+#endif
+  Case c = small_quarter_slab();
+  c.section.columns = 24;
+  c.section.layers = 16;
+  c.section.rows = 24;
+  c.section.side_cell = c.section.wide_side_cell = 8e-3;
+  c.section.bottom_cell = 2e-3;
+  c.schedule.hold = 0.5;
+  c.time.end = 0.25;
+  const double estimated = check(c).estimate.memory_bytes, measured = measured_memory(c);
+  EXPECT_LE(measured, estimated);
+  EXPECT_GE(measured, 0.6 * estimated);
 }
 
 }  // namespace
