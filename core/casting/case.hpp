@@ -36,6 +36,7 @@ struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
   double tolerance = 1e-11;  ///< [1] residual relative to the heat that moves in a step
   int maximum_iterations = 60;
+  int two_grids_from_nodes = 5000;  ///< of an extruded solid; no key of a case: the measured rule
   std::filesystem::path file;  ///< prescribed temperature; empty: the heat solver
 };
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "core/base/stopwatch.hpp"
 #include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/run_frame.hpp"
 #include "core/casting/state_fit.hpp"
@@ -228,7 +229,10 @@ bool SlabRun<Dim>::grow(double length, double temperature,
   mesh::SlabMesh<Dim>& slab = mesh_.slab();
   const int first_moved = slab.elements_per_row() * (slab.rows() - 1);
   slab.grow_to(level);
-  entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
+  {
+    const Stopwatch watch(heat_seconds_);
+    entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
+  }
   mechanics_.follow_growth(state_.slab, slab.mesh(), slab.nodes_per_row(), first_moved);
   state_.row_heights = slab.row_heights();
   return true;
@@ -267,6 +271,7 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   const std::vector<double> rise = side_rise();
   input.rise = rise;
   input.entry = entry;
+  const Stopwatch watch(heat_seconds_);
   tried.heat = heat_.step(state_.heat, input);
   if (!tried.heat.converged) tried.why = "heat";
   return tried.heat.converged;

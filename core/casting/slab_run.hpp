@@ -62,6 +62,9 @@ public:
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
+  /// Where the seconds went, of the heat [s] and of the mechanics.
+  double heat_seconds() const { return heat_seconds_; }
+  const mechanics::CostSplit& mechanics_cost() const { return mechanics_.cost(); }
   /// Nodes of a row of the built-in mesh; 0 for an imported one.
   int growth_row() const;
 
@@ -96,6 +99,7 @@ private:
   bool has_profile_;  ///< the block is not flat
   ValidityJudge<Dim> validity_;
   RunState<Dim> state_;
+  double heat_seconds_ = 0.0;  ///< [s] of the processor, steps and growth
 };
 
 extern template class SlabRun<2>;

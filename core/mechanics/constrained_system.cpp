@@ -9,6 +9,8 @@ namespace {
 constexpr double cheap_share = 0.1;
 /// Conjugate gradients that need more are slower than a factorisation.
 constexpr int most_gradients = 25;
+/// Ten times what two grids need: a system that is not solved then is none of a sound step.
+constexpr int most_gradients_of_grids = 400;
 }  // namespace
 
 void ConstrainedSystem::lift(std::span<const double> stiffness,
@@ -26,6 +28,7 @@ bool ConstrainedSystem::factorize(std::span<const char> fixed,
 }
 
 bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
+  const Stopwatch watch(work_->cost.preconditioner);
   auto& values = work_->stiffness;
   values = work_->unheld_stiffness;
   const auto& start = pattern_->column_start();
@@ -39,9 +42,10 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
   held_.assign(fixed.begin(), fixed.end());
-  condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
-  factor_is_exact_ = true;
   renewed_ = false;
+  factor_is_exact_ = work_->two_grid == nullptr;
+  if (!factor_is_exact_) return work_->two_grid->factorize(*pattern_, values, fixed);
+  condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
   return work_->solver.factorize(values);
 }
 
@@ -62,6 +66,7 @@ bool ConstrainedSystem::change(std::span<const char> fixed, std::span<const doub
 }
 
 bool ConstrainedSystem::change_solid(std::span<const char> fixed) {
+  if (work_->two_grid != nullptr) return true;
   const bool same = std::ranges::equal(fixed, held_);
   if (!renewed_ && !same && changes_only_last_rows(fixed)) return hold_and_factorize(fixed);
   factor_is_exact_ = same && !renewed_;
@@ -81,6 +86,7 @@ bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance
     condensation_.solve(d, d);
     return true;
   }
+  if (work_->two_grid != nullptr) return solve_by_two_grid(fixed, tolerance);
   const auto by_factor = [&](std::span<const double> r, std::span<double> z) {
     work_->solver.solve(r, z);
   };
@@ -94,8 +100,21 @@ bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance
   return true;
 }
 
+bool ConstrainedSystem::solve_by_two_grid(std::span<const char> fixed, double tolerance) {
+  auto& d = work_->direction;
+  work_->lifted = d;
+  const auto by_grids = [&](std::span<const double> r, std::span<double> z) {
+    work_->two_grid->apply(r, z);
+  };
+  const auto outcome = gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, by_grids,
+                                        work_->lifted, d, {tolerance, most_gradients_of_grids});
+  work_->gradient_iterations += outcome.iterations;
+  return outcome.end == linalg::CgOutcome::End::converged;
+}
+
 bool ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
                               double tolerance) {
+  const Stopwatch watch(work_->cost.solution);
   auto& d = work_->direction;
   for (std::size_t i = 0; i < d.size(); ++i) {
     d[i] = fixed[i] != 0 ? 0.0 : -work_->residual[i] - (lifting_ ? work_->lifted[i] : 0.0);

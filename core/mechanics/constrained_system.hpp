@@ -15,7 +15,8 @@ namespace dccast::mechanics {
 ///
 /// In the plane each solution is one by the factor. Of a solid a factorisation costs as much as
 /// many solutions: there the factor is kept for as long as it serves as preconditioner of conjugate
-/// gradients, through changes of the held unknowns and of the stiffness.
+/// gradients, through changes of the held unknowns and of the stiffness. Where even one factor is
+/// too large the two grids of the workspace take its place: docs/large-solids.md.
 class ConstrainedSystem {
 public:
   ConstrainedSystem(const linalg::SparsityPattern& pattern, Workspace& work)
@@ -41,7 +42,7 @@ public:
   /// direction = solution of K d = -residual on the free unknowns, step_of_fixed on the held ones.
   /// Factorises anew where conjugate gradients do not get there.
   /// @param tolerance  [1] of the residual of conjugate gradients, relative
-  /// @return false when the matrix is not positive definite
+  /// @return false when the matrix is not positive definite, or two grids did not get there
   bool solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
              double tolerance = tight);
 
@@ -51,6 +52,7 @@ public:
 private:
   bool change_solid(std::span<const char> fixed);
   bool solve_free(std::span<const char> fixed, double tolerance);
+  bool solve_by_two_grid(std::span<const char> fixed, double tolerance);
   bool hold_and_factorize(std::span<const char> fixed);
   bool changes_only_last_rows(std::span<const char> fixed) const;
   void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);

@@ -30,6 +30,9 @@ constexpr double chord_reduction = 0.25;
 // choice 2).
 constexpr double loosest_forcing = 1e-1;
 constexpr double forcing_share = 0.9;
+// By two grids, made anew for every tangent: a further iteration costs more than the gradients that
+// save it, and a contact set that follows a looser direction may cycle.
+constexpr double grids_forcing = 1e-3;
 constexpr int line_search_steps = 12;
 // A step is good enough once the slope along it has come down to this share.
 constexpr double line_search_slope = 0.9;
@@ -96,24 +99,34 @@ private:
 
   /// Where a factorisation costs as much as many solutions. By a band it does not, and chord steps
   /// are faster: docs/factorisation.md.
-  bool keeps_factor() const { return work_.is_solid && !work_.solver.uses_band(); }
+  bool keeps_factor() const {
+    return work_.two_grid != nullptr || (work_.is_solid && !work_.solver.uses_band());
+  }
 
-  /// One factor a step; the tangents after the first are solved with it as preconditioner.
+  /// One factor a step; the tangents after the first are solved with it as preconditioner. Two
+  /// grids are made anew for each: they cost some ten gradients, and those of an older tangent or
+  /// contact set take ten times as many.
   bool find_direction_by_gradients(double relative, double last,
                                    std::span<const double> step_of_fixed) {
-    if (outcome_.iterations == 1) {
+    const bool first = outcome_.iterations == 1;
+    if (work_.two_grid != nullptr) {
+      return factorize(step_of_fixed) &&
+             system_.solve(constraints_.fixed(), step_of_fixed,
+                           first ? grids_forcing : forcing(relative, last, grids_forcing));
+    }
+    if (first) {
       return factorize(step_of_fixed) && system_.solve(constraints_.fixed(), step_of_fixed);
     }
-    equilibrium_.tangent(work_.stiffness);
+    assemble_tangent();
     return system_.renew(constraints_.fixed(), step_of_fixed) &&
            system_.solve(constraints_.fixed(), step_of_fixed, forcing(relative, last));
   }
 
   /// Tolerance of conjugate gradients, no tighter than the step asks for.
-  double forcing(double relative, double last) const {
+  double forcing(double relative, double last, double loosest = loosest_forcing) const {
     const double reduction = relative / last;
     const double needed = 0.1 * options_.tolerance / relative;
-    return std::max(needed, std::min(loosest_forcing, forcing_share * reduction * reduction));
+    return std::max(needed, std::min(loosest, forcing_share * reduction * reduction));
   }
 
   /// @return whether the full step was taken
@@ -138,11 +151,17 @@ private:
   double relative_residual() const { return constraints_.norm_of_free(work_.residual) / acting_; }
 
   bool factorize(std::span<const double> step_of_fixed) {
-    equilibrium_.tangent(work_.stiffness);
+    assemble_tangent();
     return system_.factorize(constraints_.fixed(), step_of_fixed);
   }
 
+  void assemble_tangent() {
+    const Stopwatch watch(work_.cost.stiffness);
+    equilibrium_.tangent(work_.stiffness);
+  }
+
   void evaluate() {
+    const Stopwatch watch(work_.cost.forces);
     const double acting =
         equilibrium_.residual(unknowns_.displacement, work_.residual, return_map_law(problem_));
     acting_ = std::max(acting, least_acting_);
@@ -187,6 +206,7 @@ private:
 
   /// Lets the contact set move. @return number of pairs that did
   int change_contact(bool full_step) {
+    const Stopwatch watch(work_.cost.contact);
     const double relative = relative_residual();
     // A state in balance is always asked, whatever led to it: it may be the answer.
     const bool balanced = relative <= options_.tolerance;

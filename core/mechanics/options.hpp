@@ -46,6 +46,9 @@ struct Options {
   double tolerance = 1e-8;                ///< [1] residual relative to the forces that act
   std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()
   AlgorithmParameters parameters;
+  /// Unknowns of an extruded solid from which newton solves by two grids instead of a factor. No key of
+  /// a case: the measured rule, docs/large-solids.md.
+  int two_grids_from_unknowns = 15000;
 };
 
 /// Iterations after which a step counts as not converged. The fixed-point methods need their

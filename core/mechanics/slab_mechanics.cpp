@@ -9,6 +9,7 @@
 #include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/mechanics/viscoplastic_history.hpp"
+#include "core/mesh/extrusion.hpp"
 
 namespace dccast::mechanics {
 
@@ -16,6 +17,10 @@ namespace {
 
 template <int Dim>
 constexpr int up = Dim - 1;
+
+/// From 4 to 32 rows of the least height the conjugate gradients grow by a seventh, while the
+/// coarse factor shrinks to a hundredth: docs/large-solids.md.
+constexpr double rows_of_a_coarse_one = 32.0;
 
 }  // namespace
 
@@ -46,6 +51,7 @@ void SlabMechanics<Dim>::set_mesh(const Mesh& mesh, int first_moved) {
 
 template <int Dim>
 void SlabMechanics<Dim>::new_pattern() {
+  const Stopwatch watch(work_.cost.analysis);
   std::vector<int> unknown;
   unknown.reserve(mesh_->element_node.size() * Dim);
   for (int n : mesh_->element_node) {
@@ -71,7 +77,23 @@ void SlabMechanics<Dim>::new_pattern() {
   find_supports();
   supports_.place_on_block(problem_, options_.contact);
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
+  choose_solver();
   work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid, fronts);
+}
+
+/// A factor, or two grids where that is too large. The other algorithms solve with one matrix many
+/// times and to the last digit, which only a factor is made for.
+template <int Dim>
+void SlabMechanics<Dim>::choose_solver() {
+  work_.two_grid.reset();
+  if constexpr (Dim == 3) {
+    if (options_.algorithm != Algorithm::newton) return;
+    if (pattern_.unknowns() < options_.two_grids_from_unknowns) return;
+    const auto extrusion = mesh::extrusion_of(*mesh_);
+    if (!extrusion) return;
+    work_.two_grid = std::make_unique<linalg::TwoGrid<3>>();
+    work_.two_grid->analyze(*extrusion, rows_of_a_coarse_one);
+  }
 }
 
 /// Also of a mesh that has only stretched: a node's share of a side decides its mean normal.

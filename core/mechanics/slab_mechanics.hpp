@@ -76,11 +76,13 @@ public:
   double bottom_gap(const State& state, std::size_t place) const;
   const Options& options() const { return options_; }
   std::size_t points() const { return points_; }  ///< of an element
+  const CostSplit& cost() const { return work_.cost; }
 
 private:
   using Tensor = SymmetricTensor<Dim>;
 
   void new_pattern();
+  void choose_solver();
   void find_supports();
   double element_temperature(int e, std::span<const double> temperature) const;
   double centroid_height(int e) const;

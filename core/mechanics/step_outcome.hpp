@@ -1,10 +1,14 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/base/stopwatch.hpp"
 #include "core/contact/active_set.hpp"
 #include "core/linalg/direct_solver.hpp"
+#include "core/linalg/two_grid.hpp"
+#include "core/mechanics/cost_split.hpp"
 
 namespace dccast::mechanics {
 
@@ -32,12 +36,15 @@ struct Workspace {
   std::vector<double> lifted;
   bool is_solid = false;         ///< geometry of the mesh
   long gradient_iterations = 0;  ///< of conjugate gradients, ever
+  CostSplit cost;
+  /// Takes the place of the factor where that is too large.
+  std::unique_ptr<linalg::TwoGrid<3>> two_grid;
 
   /// @param geometry  plane or solid, decides the ordering
   /// @param fronts    sets of unknowns from which an elimination may start
   void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry,
               std::span<const std::vector<int>> fronts = {}) {
-    solver.analyze(pattern, geometry, fronts);
+    if (two_grid == nullptr) solver.analyze(pattern, geometry, fronts);
     is_solid = geometry == linalg::Geometry::solid;
     stiffness.assign(pattern.entries(), 0.0);
     for (auto* v : {&residual, &direction, &lifted}) {

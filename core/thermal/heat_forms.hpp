@@ -2,11 +2,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/linalg/cholmod_solver.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
+#include "core/mesh/extrusion.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/thermal/growth.hpp"
 #include "core/thermal/surface_shares.hpp"
@@ -46,6 +48,8 @@ public:
   /// For the direct solver: what its orders depend on.
   virtual linalg::Geometry geometry() const = 0;
   virtual std::array<std::vector<int>, 2> fronts() const = 0;
+  /// How the nodes lie where an extruded mesh of hexahedra has them in lines.
+  virtual std::optional<mesh::Extrusion> extrusion() const = 0;
 
   /// Divides the side among nodes and laws: @see SideShare. @param shares  replaced; its storage is
   /// kept from step to step

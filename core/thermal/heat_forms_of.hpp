@@ -36,6 +36,12 @@ public:
   std::array<std::vector<int>, 2> fronts() const override {
     return mesh::edges_to_sweep_from(mesh_, 1);
   }
+  std::optional<mesh::Extrusion> extrusion() const override {
+    if constexpr (dim == 3)
+      return mesh::extrusion_of(mesh_);
+    else
+      return std::nullopt;
+  }
 
   void divide_side(const CoolingSpec& cooling, const SideInstant& instant,
                    std::vector<SideShare>& shares) const override {

@@ -15,6 +15,9 @@ using material::ThermalState;
 /// D of a node that is inside an isothermal change, relative to the alloy's largest: zero but for
 /// the division. c/D then outweighs every other entry of its row by this factor.
 constexpr double vanishing_slope = 1e-14;
+/// Below this share of the largest D the diagonal of a node outweighs its row so far that the
+/// coarse problem of a preconditioner would lose its neighbours in round-off.
+constexpr double vanishing_slope_of_stiff = 1e-6;
 /// Diagonal entry of a node whose temperature is given; the other entries are of order one.
 constexpr double held_diagonal = 1e30;
 /// The line search accepts against the largest of so many last residuals: a kink passed on the way
@@ -25,6 +28,11 @@ constexpr double smallest_capacity = 0.05;
 constexpr double smallest_damping = 1.0 / 64.0;
 /// While the residual falls by more than this factor the factor of the matrix is kept.
 constexpr double keep_factor_while_falling_by = 50.0;
+/// The heat of a step reaches few cells: all that the lines leave is smooth, and hardly any.
+constexpr double rows_of_a_coarse_one = 64.0;
+/// Of conjugate gradients, relative: Newton's method squares the rest away.
+constexpr double gradients_tolerance = 1e-8;
+constexpr int most_gradients = 200;
 
 double sum_of_products(const std::vector<double>& a, const std::vector<double>& b) {
   long double sum = 0.0L;  // totals are 1e4 times larger than what moves in a small step
@@ -40,12 +48,14 @@ double water_flow_of(Face face, const HeatStepInput& input) {
 }  // namespace
 
 HeatSolver::HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
-                       std::unique_ptr<HeatForms> forms, double tolerance, int maximum_iterations)
+                       std::unique_ptr<HeatForms> forms, double tolerance, int maximum_iterations,
+                       int two_grids_from_nodes)
     : properties_(std::move(properties)),
       cooling_(std::move(cooling)),
       forms_(std::move(forms)),
       tolerance_(tolerance),
-      maximum_iterations_(maximum_iterations) {
+      maximum_iterations_(maximum_iterations),
+      two_grids_from_nodes_(two_grids_from_nodes) {
   forms_->update();
   take_elements();
 }
@@ -66,8 +76,7 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
 }
 
 void HeatSolver::take_elements() {
-  const auto fronts = forms_->fronts();
-  solver_.analyze(forms_->pattern(), forms_->geometry(), fronts);
+  choose_solver();
   const std::size_t nodes = std::size_t(forms_->nodes());
   for (auto* by_node :
        {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
@@ -79,7 +88,22 @@ void HeatSolver::take_elements() {
   top_nodes_.clear();
   if (cooling_.top == Top::pouring) top_nodes_ = forms_->top_nodes();
   held_.assign(nodes, 0);
+  stiff_.assign(nodes, 0);
   for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
+}
+
+/// A factor, or two grids where that is too large.
+void HeatSolver::choose_solver() {
+  two_grid_.reset();
+  if (forms_->nodes() >= two_grids_from_nodes_) {
+    if (const auto extrusion = forms_->extrusion()) {
+      two_grid_ = std::make_unique<linalg::TwoGrid<1>>();
+      two_grid_->analyze(*extrusion, rows_of_a_coarse_one);
+      return;
+    }
+  }
+  const auto fronts = forms_->fronts();
+  solver_.analyze(forms_->pattern(), forms_->geometry(), fronts);
 }
 
 HeatField HeatSolver::uniform_field(double temperature) const {
@@ -240,6 +264,7 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
     const double storage = volume[i] / time_step, smallest = smallest_capacity * storage;
     const double slope = kind == Slope::largest ? largest : state_[i].kirchhoff_derivative;
     capacity_[i] = storage + flux_derivative_[i];
+    stiff_[i] = held_[i] != 0 || slope < vanishing_slope_of_stiff * largest ? 1 : 0;
     from_slope_[i] = 0.0;
     if (capacity_[i] < smallest) {
       const bool conducts = slope > vanishing_slope * largest;
@@ -252,7 +277,22 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
     matrix_[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))] +=
         held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
-  return solver_.factorize(matrix_);
+  return factorize_matrix();
+}
+
+bool HeatSolver::factorize_matrix() {
+  if (two_grid_ == nullptr) return solver_.factorize(matrix_);
+  return two_grid_->factorize(forms_->pattern(), matrix_, stiff_);
+}
+
+/// false: not positive definite, or too many gradients.
+bool HeatSolver::solve_by_two_grid() {
+  const auto by_grids = [this](std::span<const double> r, std::span<double> z) {
+    two_grid_->apply(r, z);
+  };
+  const auto outcome = gradients_.solve(forms_->pattern(), matrix_, held_, by_grids, right_, y_,
+                                        {gradients_tolerance, most_gradients});
+  return outcome.end == linalg::CgOutcome::End::converged;
 }
 
 /// Where the flux falls with rising temperature (a table of film boiling, a solid surface cooled
@@ -262,15 +302,21 @@ bool HeatSolver::factorize_newton(double time_step) {
   return factorize(Slope::newton, time_step) || factorize(Slope::newton_bounded, time_step);
 }
 
-void HeatSolver::newton_direction() {
+/// false: the matrix is not positive definite.
+bool HeatSolver::newton_direction() {
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = held_[i] != 0 ? 0.0 : -residual_[i];
-  solver_.solve(right_, y_);
+  if (two_grid_ == nullptr) {
+    solver_.solve(right_, y_);
+  } else if (!solve_by_two_grid()) {
+    return false;
+  }
   linalg::multiply(forms_->pattern(), forms_->stiffness(), y_, stiffness_y_);
   for (std::size_t i = 0; i < direction_.size(); ++i) {
     direction_[i] = from_slope_[i] > 0.0 ? y_[i] * from_slope_[i]
                                          : -(residual_[i] + stiffness_y_[i]) / capacity_[i];
     if (held_[i] != 0) direction_[i] = 0.0;
   }
+  return true;
 }
 
 /// Goes along the direction until the residual is below `reference`; false, at the full step, if it
@@ -292,8 +338,7 @@ bool HeatSolver::line_search(const HeatStepInput& input, double reference) {
 /// A step with D at its upper bound everywhere: a contraction, slow but never wrong.
 bool HeatSolver::bounded_step(const HeatStepInput& input) {
   evaluate(enthalpy_, input);
-  if (!factorize(Slope::largest, input.time_step)) return false;
-  newton_direction();
+  if (!factorize(Slope::largest, input.time_step) || !newton_direction()) return false;
   for (std::size_t i = 0; i < enthalpy_.size(); ++i) enthalpy_[i] += direction_[i];
   evaluate(enthalpy_, input);
   return true;
@@ -314,7 +359,9 @@ bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
 
     const double before = residual_sum_;
     if (!keep_factor && !factorize_newton(input.time_step)) return false;
-    newton_direction();
+    if (!newton_direction() &&
+        !(factorize(Slope::newton_bounded, input.time_step) && newton_direction()))
+      return false;
     if (line_search(input, *std::max_element(remembered.begin(), remembered.end()))) {
       keep_factor = residual_sum_ * keep_factor_while_falling_by < before;
     } else if (keep_factor) {  // the factor was an old one: try the true one from the same point

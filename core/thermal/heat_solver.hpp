@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "core/linalg/conjugate_gradients.hpp"
 #include "core/linalg/direct_solver.hpp"
+#include "core/linalg/two_grid.hpp"
 #include "core/material/thermal_properties.hpp"
 #include "core/thermal/cooling.hpp"
 #include "core/thermal/heat_forms.hpp"
@@ -88,9 +90,11 @@ class HeatSolver {
 public:
   /// @param forms      of a mesh, which stays where it is
   /// @param tolerance  residual relative to the heat that moves in the step
+  /// @param two_grids_from_nodes  of an extruded solid, from which a step is solved by conjugate
+  ///                              gradients with two grids: docs/large-solids.md
   HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
              std::unique_ptr<HeatForms> forms, double tolerance = 1e-11,
-             int maximum_iterations = 60);
+             int maximum_iterations = 60, int two_grids_from_nodes = 5000);
 
   /// Takes the mesh as it is now; analyses the matrix only if elements changed.
   void update_mesh();
@@ -113,6 +117,7 @@ public:
 
 private:
   void take_elements();
+  void choose_solver();
   void prepare(const HeatField& field, const HeatStepInput& input);
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
   bool water_runs(Face face, const HeatStepInput& input) const;
@@ -126,7 +131,9 @@ private:
   enum class Slope { newton, newton_bounded, largest };
   bool factorize(Slope kind, double time_step);
   bool factorize_newton(double time_step);
-  void newton_direction();
+  bool factorize_matrix();
+  bool solve_by_two_grid();
+  bool newton_direction();
   double relative_residual(double time_step) const;
   bool line_search(const HeatStepInput& input, double reference);
   bool bounded_step(const HeatStepInput& input);
@@ -140,8 +147,11 @@ private:
   std::unique_ptr<HeatForms> forms_;
   double tolerance_;  ///< [1]
   int maximum_iterations_;
+  int two_grids_from_nodes_;
 
   linalg::DirectSolver solver_;
+  std::unique_ptr<linalg::TwoGrid<1>> two_grid_;  ///< in its place where a factor is too large
+  linalg::ConjugateGradients gradients_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
 
@@ -158,6 +168,7 @@ private:
   std::vector<double> flux_derivative_;  ///< (node) dq/dH
   std::vector<double> residual_;         ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;
+  std::vector<char> stiff_;         ///< (node) held, or nearly so by its diagonal
   std::vector<double> capacity_;    ///< c in the factor
   std::vector<double> from_slope_;  ///< 1/D where dH = y/D because c is too small, else zero
   std::vector<double> right_, y_, stiffness_y_, direction_;

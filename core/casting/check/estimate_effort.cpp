@@ -21,16 +21,23 @@ constexpr double ring_factor = 4.0;           // a billet's steps need more iter
 constexpr double memory_base = 3e7;           // [bytes]
 constexpr double memory_by_node = 1.2e4;      // [bytes]
 
-// Of a quarter slab, whose cells are bricks: the factor of 3 unknowns a node in a nested dissection,
-// measured from 5,000 to 192,000 unknowns, and what states and matrices take beside it.
-constexpr double solid_memory_by_node = 3.5e4;   // [bytes]
-constexpr double factor_bytes = 143e6;           // [bytes] of `factor_unknowns`
-constexpr double factor_seconds = 0.25;          // [s]
+// Of a quarter slab, whose cells are bricks: the factor of 3 unknowns a node in a nested
+// dissection, measured from 5,000 to 192,000 unknowns, and what states and matrices take beside it.
+constexpr double solid_memory_by_node = 3.5e4;  // [bytes]
+constexpr double factor_bytes = 143e6;          // [bytes] of `factor_unknowns`
+constexpr double factor_seconds = 0.25;         // [s]
 constexpr double factor_unknowns = 20.6e3;
 constexpr double factor_memory_power = 1.28;
 constexpr double factor_time_power = 1.75;
-constexpr double solid_heat_by_node = 5e-6;      // [s]
-constexpr double solid_mechanics_by_node = 1.8e-5; // [s] iterations of newton without the factor
+constexpr double solid_heat_by_node = 5e-6;         // [s]
+constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton without the factor
+
+// The same where two grids take the place of the factor: peaks of whole processes from 6,000 to
+// 97,000 nodes were 13 to 17 kB a node, seconds of a step 40 to 60 us a node
+// (docs/large-solids.md).
+constexpr double grids_memory_by_node = 1.8e4;  // [bytes]
+constexpr double grids_seconds_by_node = 5e-5;  // [s] a mechanical step
+constexpr double memory_before_grids = 1.5e8;   // [bytes] of the factor that they took over from
 
 /// Of a mechanical step against newton's.
 double algorithm_factor(const Case& c) {
@@ -99,10 +106,21 @@ double mean_nodes_of_solid(const CaseFindings& found) {
   return 0.5 * (plan * (s.rows * s.refinement + 1.0) + at_end);
 }
 
+/// Whether so many nodes are solved by two grids.
+bool by_two_grids(const CaseFindings& found, double nodes) {
+  const Case& c = found.casting;
+  const bool lines = c.section.file.empty() && c.section.element != mesh::ElementKind::p1;
+  return lines && c.mechanics.options.algorithm == mechanics::Algorithm::newton &&
+         3.0 * nodes >= c.mechanics.options.two_grids_from_unknowns;
+}
+
 StepSeconds in_a_solid(const CaseFindings& found) {
   const double nodes = mean_nodes_of_solid(found);
-  const double factor =
-      factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
+  if (by_two_grids(found, nodes)) {
+    const bool moves = found.mechanical_steps > 0;
+    return {solid_heat_by_node * nodes, moves ? grids_seconds_by_node * nodes : 0.0};
+  }
+  const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
   StepSeconds seconds{solid_heat_by_node * nodes, 0.0};
   if (found.mechanical_steps > 0) seconds.mechanics = factor + solid_mechanics_by_node * nodes;
   return seconds;
@@ -111,8 +129,9 @@ StepSeconds in_a_solid(const CaseFindings& found) {
 double memory(const CaseFindings& found) {
   const auto nodes = static_cast<double>(found.estimate.nodes);
   if (!found.solid()) return memory_base + memory_by_node * nodes;
-  const double factor =
-      factor_bytes * std::pow(3.0 * nodes / factor_unknowns, factor_memory_power);
+  if (by_two_grids(found, nodes))
+    return std::max(memory_base + grids_memory_by_node * nodes, memory_before_grids);
+  const double factor = factor_bytes * std::pow(3.0 * nodes / factor_unknowns, factor_memory_power);
   return memory_base + solid_memory_by_node * nodes + factor;
 }
 

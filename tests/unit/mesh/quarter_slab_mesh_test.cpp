@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/mesh/base.hpp"
+#include "core/mesh/extrusion.hpp"
 #include "core/mesh/rounded_corner.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
@@ -229,6 +230,23 @@ TEST(RoundedCorner, ManyChordsCutOffWhatACircleDoes) {
   EXPECT_NEAR(reach_of(plan, 0.3), thickness, 1e-12);
   EXPECT_NEAR(reach_of(plan, length), thickness - 0.06, 1e-12);
   EXPECT_NEAR(reach_of(plan, length - 0.03), thickness - 0.06 * (1.0 - std::sqrt(0.75)), 1e-5);
+}
+
+TEST(QuarterSlabMesh, IsFoundToBeExtruded) {
+  SlabMesh<3> slab(convex(ElementKind::q1_bending));
+  slab.grow_to(0.1);
+  const auto rows = extrusion_of(slab.mesh());
+  ASSERT_TRUE(rows.has_value());
+  EXPECT_EQ(rows->lines, slab.nodes_per_row());
+  EXPECT_EQ(rows->height, slab.row_heights());
+  EXPECT_EQ(rows->cell.size(), 4u * 6u * 4u);
+}
+
+TEST(QuarterSlabMesh, IsNoExtrusionOfHexahedraWhereANodeHasMovedOrOfTetrahedra) {
+  Mesh<3> bent = SlabMesh<3>(quarter(ElementKind::q1)).mesh();
+  bent.node[bent.node.size() - 3] += 1e-3;
+  EXPECT_FALSE(extrusion_of(bent).has_value());
+  EXPECT_FALSE(extrusion_of(SlabMesh<3>(quarter(ElementKind::p1)).mesh()).has_value());
 }
 
 }  // namespace
