@@ -72,19 +72,27 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
   return text;
 }
 
+/// What mesh and steps leave uncertain of a curl; empty where that is not known.
+std::string error_text(const Answer& answer, double curl_m) {
+  const auto error_m = discretisation_error(answer.description, curl_m);
+  return error_m ? fixed(1e3 * *error_m, 3) : "";
+}
+
 std::string weights_text(const std::vector<Answer>& answers) {
-  Table table({"MONITOR", "RUN", ">CURL mm", ">LESS 1 mm", ">LARGEST mm", ">AT s", ""});
+  Table table({"MONITOR", "RUN", ">CURL mm", ">± mm", ">LESS 1 mm", ">LARGEST mm", ">AT s", ""});
   for (const std::string& monitor : monitors_of(answers)) {
     for (const auto& series : answers.front().history.monitors)
       if (series.name == monitor && !series.curl_m.empty())
-        table.add({monitor, "1", fixed(1e3 * series.curl_m.back(), 3), "", "", "", ""});
+        table.add({monitor, "1", fixed(1e3 * series.curl_m.back(), 3),
+                   error_text(answers.front(), series.curl_m.back()), "", "", "", ""});
     for (const CurlDifference& row : curl_differences(answers)) {
       if (row.monitor != monitor) continue;
       const auto& theirs = answers[row.answer].history.monitors;
       const auto found = std::ranges::find(theirs, monitor, &CurlHistory::Series::name);
-      table.add({monitor, std::to_string(row.answer + 1), fixed(1e3 * found->curl_m.back(), 3),
-                 signed_mm(row.end_m), signed_mm(row.largest_m), fixed(row.largest_time_s, 1),
-                 in_words(weight_of(row))});
+      const double curl_m = found->curl_m.back();
+      table.add({monitor, std::to_string(row.answer + 1), fixed(1e3 * curl_m, 3),
+                 error_text(answers[row.answer], curl_m), signed_mm(row.end_m),
+                 signed_mm(row.largest_m), fixed(row.largest_time_s, 1), in_words(weight_of(row))});
     }
   }
   return table.text();

@@ -52,6 +52,13 @@ Eigen::VectorXd Components::left_out_errors(Eigen::Index figure) const {
   return errors;
 }
 
+std::size_t Components::bytes() const {
+  const Eigen::Index points = rest_.rows();  // squared in the factor of each process
+  return sizeof(double) *
+         static_cast<std::size_t>(rest_.size() + shape_.size() +
+                                  points * points * static_cast<Eigen::Index>(amounts_.size()));
+}
+
 Eigen::VectorXd Components::variance_of(const Eigen::MatrixXd& places,
                                         const std::vector<Eigen::Index>& figures) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());

@@ -25,6 +25,9 @@ public:
   Eigen::VectorXd variance_of(const Eigen::MatrixXd& places,
                               const std::vector<Eigen::Index>& figures) const;
 
+  /// Of memory.
+  std::size_t bytes() const;
+
 private:
   Eigen::RowVectorXd mean_;
   Eigen::MatrixXd shape_;  ///< (figure, component), orthonormal
