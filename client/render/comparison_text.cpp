@@ -5,11 +5,14 @@
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
+#include "client/case_options.hpp"
 #include "client/discretisation_error.hpp"
 #include "client/render/answer_text.hpp"
 #include "client/render/braille.hpp"
 #include "client/render/findings.hpp"
+#include "client/render/plant_units.hpp"
 #include "client/render/table.hpp"
 
 namespace dccast::client::render {
@@ -33,7 +36,8 @@ std::string names_text(const std::vector<Answer>& answers) {
   for (std::size_t i = 0; i < answers.size(); ++i)
     text += std::to_string(i + 1) + "  " + answers[i].name +
             (answers[i].description.title().empty() ? "" : "  " + answers[i].description.title()) +
-            "\n";
+            "\n" +
+            (answers[i].changes.empty() ? "" : "   " + changes_text(answers[i].changes) + "\n");
   return text;
 }
 
@@ -123,20 +127,24 @@ Json difference_json(const CurlDifference& row) {
 }  // namespace
 
 std::string shown_value(const std::string& value) {
+  static constexpr std::string_view speed = " m/s";
   std::string text;
   for (const char* at = value.c_str(); *at != '\0';) {
     char* end = nullptr;
-    const double number =
-        std::isdigit(static_cast<unsigned char>(*at)) ? std::strtod(at, &end) : 0.0;
+    double number = std::isdigit(static_cast<unsigned char>(*at)) ? std::strtod(at, &end) : 0.0;
     if (end == nullptr) {
       if (*at != '"') text += *at;
       ++at;
       continue;
     }
+    at = end;
+    const char* const behind = at + speed.size();
+    const bool is_speed = std::string_view(at).starts_with(speed) &&
+                          std::isalnum(static_cast<unsigned char>(*behind)) == 0;
+    if (is_speed) number *= mm_per_min, at = behind;
     char rounded[32];
     std::snprintf(rounded, sizeof rounded, "%.6g", number);
-    text += rounded;
-    at = end;
+    text += rounded + std::string(is_speed ? " mm/min" : "");
   }
   return text;
 }

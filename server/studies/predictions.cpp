@@ -223,8 +223,8 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   return keys_[study.id] = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
-/// @return null where it is missing or out of date
-Predictions::Surface Predictions::kept_surface(const Wanted& wanted) {
+/// @param of_fewer_runs  also one that is out of date  @return null where it is missing
+Predictions::Surface Predictions::kept_surface(const Wanted& wanted, bool of_fewer_runs) {
   const std::lock_guard lock(mutex_);
   const auto study = kept_.find(wanted.study.id);
   if (study == kept_.end()) return nullptr;
@@ -233,13 +233,19 @@ Predictions::Surface Predictions::kept_surface(const Wanted& wanted) {
   Kept& kept = found->second;
   kept.used = Clock::now();
   const bool recent = wanted.running && kept.used - kept.built < building_share * kept.took;
-  return kept.succeeded == wanted.succeeded || recent ? kept.surface : nullptr;
+  return kept.succeeded == wanted.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;
 }
 
 Predictions::Surface Predictions::surface_of(const Wanted& wanted,
                                              const std::function<Surface()>& build) {
   if (auto surface = kept_surface(wanted)) return surface;
-  const std::lock_guard one_at_a_time(building_);
+  std::unique_lock one_at_a_time(building_, std::try_to_lock);
+  if (!one_at_a_time) {
+    // While runs arrive, what a surface of fewer of them says now is worth more than a better
+    // answer later: the prediction says how many it rests on.
+    if (auto older = wanted.running ? kept_surface(wanted, true) : nullptr) return older;
+    one_at_a_time.lock();
+  }
   if (auto surface = kept_surface(wanted)) return surface;  // built while we waited
   const auto begin = Clock::now();
   Surface surface = build();

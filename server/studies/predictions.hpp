@@ -71,7 +71,7 @@ private:
     const std::string& kind;
   };
   Surface surface_of(const Wanted& wanted, const std::function<Surface()>& build);
-  Surface kept_surface(const Wanted& wanted);
+  Surface kept_surface(const Wanted& wanted, bool of_fewer_runs = false);
   void keep(const Wanted& wanted, Surface surface, Clock::time_point begin);
   void make_room();
 
