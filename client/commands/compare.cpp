@@ -7,6 +7,7 @@
 #include "client/commands/output_file.hpp"
 #include "client/comparison.hpp"
 #include "client/job_id.hpp"
+#include "client/queries.hpp"
 #include "client/render/comparison_text.hpp"
 
 namespace dccast::client::commands {
@@ -25,27 +26,56 @@ bool is_case_file(const std::string& text) {
   return text == "-" || std::filesystem::exists(text, error);
 }
 
-/// Computes a case, unless it was computed before.
-Answer answer_of_file(Connection& connection, const std::string& text,
-                      const std::vector<v1::CaseChange>& changes) {
-  CaseUnderCheck checked = read_case(text, changes);
-  auto answer =
-      checked.faults.empty() ? ask_query(connection, checked, false) : std::optional<Answer>();
-  if (!answer) {
-    print_faults(checked, std::cerr);
-    throw CommandFailed(ExitCode::invalid, text + " has faults");
-  }
-  answer->name = text + (changes.empty() ? "" : ", changed");
-  return std::move(*answer);
+/// A run as it was named: a job, or a case file with changes.
+struct NamedRun {
+  std::string text;
+  std::vector<v1::CaseChange> changes;
+};
+
+[[noreturn]] void refuse(const CaseUnderCheck& checked, const std::string& file) {
+  print_faults(checked, std::cerr);
+  throw CommandFailed(ExitCode::invalid, file + " has faults");
 }
 
-/// What is no file means a job.
-Answer answer_to(Connection& connection, const std::string& text) {
-  if (is_case_file(text)) return answer_of_file(connection, text, {});
+/// Computes the cases side by side, save those that were computed before.
+std::vector<Answer> answers_of_files(Connection& connection, const std::vector<NamedRun>& files) {
+  std::vector<CaseUnderCheck> cases;
+  for (const NamedRun& file : files) {
+    cases.push_back(read_case(file.text, file.changes));
+    if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
+  }
+  std::vector<Answer> answers;
+  for (auto& answer : ask_queries(connection, cases)) {
+    const NamedRun& file = files[answers.size()];
+    if (!answer) refuse(cases[answers.size()], file.text);
+    answer->name = file.text + (file.changes.empty() ? "" : ", changed");
+    answers.push_back(std::move(*answer));
+  }
+  return answers;
+}
+
+Answer answer_of_named_job(Connection& connection, const std::string& text) {
   const std::string id = resolve_job(connection, text);
   Answer answer = answer_of_job(connection, id);
   answer.name = text == "last" ? id.substr(0, 8) : text;
   return answer;
+}
+
+/// What is no file means a job.
+std::vector<Answer> answers_to(Connection& connection, const Options& options) {
+  std::vector<NamedRun> runs;
+  for (const std::string& text : options.runs) runs.push_back({text, {}});
+  if (!options.set.empty()) runs.push_back({options.runs.front(), changes_of(options.set)});
+  std::vector<NamedRun> files;
+  for (const NamedRun& run : runs)
+    if (is_case_file(run.text)) files.push_back(run);
+  std::vector<Answer> computed = answers_of_files(connection, files);
+  auto next = computed.begin();
+  std::vector<Answer> answers;
+  for (const NamedRun& run : runs)
+    answers.push_back(is_case_file(run.text) ? std::move(*next++)
+                                             : answer_of_named_job(connection, run.text));
+  return answers;
 }
 
 void require_runs(const Options& options) {
@@ -77,10 +107,7 @@ ExitCode run(const Options& options, Program& program) {
   require_runs(options);
   if (!options.output.empty()) require_free(options.output, options.force);
   Connection connection = program.connect();
-  std::vector<Answer> answers;
-  for (const std::string& text : options.runs) answers.push_back(answer_to(connection, text));
-  if (!options.set.empty())
-    answers.push_back(answer_of_file(connection, options.runs.front(), changes_of(options.set)));
+  const std::vector<Answer> answers = answers_to(connection, options);
   if (!options.output.empty()) write_file(answers, options.output);
   if (options.json)
     std::cout << render::comparison_json(answers).dump() << '\n';

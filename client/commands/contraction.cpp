@@ -1,4 +1,3 @@
-#include <cmath>
 #include <iostream>
 
 #include "client/case_options.hpp"
@@ -78,19 +77,16 @@ void print_table(const Contraction& contraction, const Options& options) {
   std::cout << table.text() << std::flush;
 }
 
-Json number_or_null(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
+/// Not a number is null when it is written.
 Json json_of(const FaceRow& row) {
   Json json{{"height_m", row.height_m}, {"solid", row.solid}};
   for (const FacePoint& p : row.points) {
     json["x_m"].push_back(p.x_m);
     json["mould_half_opening_m"].push_back(p.mould_m);
     json["half_thickness_m"].push_back(p.now_m);
-    json["half_thickness_at_20_c_m"].push_back(number_or_null(p.cold_m));
+    json["half_thickness_at_20_c_m"].push_back(p.cold_m);
     json["pull_in_m"].push_back(p.pull_in_m());
-    json["pull_in_at_20_c_m"].push_back(number_or_null(p.cold_pull_in_m()));
+    json["pull_in_at_20_c_m"].push_back(p.cold_pull_in_m());
   }
   return json;
 }

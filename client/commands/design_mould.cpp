@@ -3,6 +3,7 @@
 #include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/commands/output_file.hpp"
+#include "client/commands/study_options.hpp"
 #include "client/failure.hpp"
 #include "client/message_json.hpp"
 #include "client/mould_design.hpp"
@@ -13,17 +14,11 @@
 namespace dccast::client::commands {
 namespace {
 
-struct Options {
-  StudyCase base;
-  std::string study;
+struct Options : StudyOptions {
   std::string tolerance = "0.5 mm";
   std::string wanted;
   int most_runs = 0;
   bool flat = false;
-  bool no_wait = false;
-  bool force = false;
-  bool json = false;
-  std::string plot;
 };
 
 v1::MouldPlan plan_of(const Options& options) {
@@ -125,15 +120,11 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--runs", options.most_runs, "Most runs; 0 for 12")
       ->check(CLI::Range(0, 50))
       ->capture_default_str();
-  add_set_option(command, options.base.set);
-  command.add_option("--label", options.base.labels, "Label of the study; repeatable");
-  command.add_option("--study", options.study, "Take this design up again");
-  command.add_flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
-  command.add_option("--plot", options.plot,
-                     "Write an HTML page with mould and cold slab of the runs; - for standard "
-                     "output");
-  add_force_flag(command, options.force);
-  command.add_flag("--json", options.json, "As JSON, in metres, with every run");
+  add_study_options(command, options,
+                    {.study = "Take this design up again",
+                     .plot = "Write an HTML page with mould and cold slab of the runs; - for "
+                             "standard output",
+                     .json = "As JSON, in metres, with every run"});
 }
 
 }  // namespace

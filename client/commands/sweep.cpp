@@ -4,6 +4,7 @@
 #include "client/case_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/commands/output_file.hpp"
+#include "client/commands/study_options.hpp"
 #include "client/download.hpp"
 #include "client/message_json.hpp"
 #include "client/render/sweep_page.hpp"
@@ -16,16 +17,11 @@
 namespace dccast::client::commands {
 namespace {
 
-struct Options {
-  std::string file;
-  std::string study;
-  std::vector<std::string> grid, list, set, labels;
+struct Options : StudyOptions {  // its file may be a sweep file
+  std::vector<std::string> grid, list;
   int hypercube = 0;
   std::uint64_t seed = 0;
-  bool no_wait = false;
-  bool force = false;
-  bool json = false;
-  std::string csv, plot, output;
+  std::string csv, output;
 };
 
 /// The plan that the command line names.
@@ -44,10 +40,10 @@ v1::SweepPlan plan_of(const Options& options) {
 /// The case file and the plan, from a sweep file or from the command line.
 SweepFile sweep_of(const Options& options) {
   const bool by_command = !options.grid.empty() || !options.list.empty();
-  if (by_command) return {options.file, plan_of(options)};
-  if (is_sweep_file(options.file)) return read_sweep_file(options.file);
+  if (by_command) return {options.base.file, plan_of(options)};
+  if (is_sweep_file(options.base.file)) return read_sweep_file(options.base.file);
   throw CommandFailed(ExitCode::invalid,
-                      options.file +
+                      options.base.file +
                           ": has no [[axis]]; give a sweep file, or keys of the case by --grid "
                           "KEY=a,b,c");
 }
@@ -55,7 +51,7 @@ SweepFile sweep_of(const Options& options) {
 std::optional<v1::Study> create(Connection& connection, const Options& options) {
   const SweepFile sweep = sweep_of(options);
   return create_study(
-      connection, {sweep.case_file, options.set, options.labels},
+      connection, {sweep.case_file, options.base.set, options.base.labels},
       [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
 }
 
@@ -84,7 +80,7 @@ ExitCode wait_and_print(Connection& connection, const Options& options, const st
 }
 
 ExitCode run(const Options& options, Program& program) {
-  if (options.file.empty() == options.study.empty())
+  if (options.base.file.empty() == options.study.empty())
     throw CommandFailed(ExitCode::invalid,
                         "give a sweep FILE or a case to begin, or --study ID to take one up again");
   for (const std::string& file : {options.csv, options.plot, options.output})
@@ -113,7 +109,7 @@ constexpr const char* examples =
     "studies cancels and resumes them, dccast predict answers for values that were not run.";
 
 void add_options(CLI::App& command, Options& options) {
-  command.add_option("FILE", options.file, "Sweep file, or with --grid or --list a case file");
+  command.add_option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
   auto* const grid = command.add_option(
       "--grid", options.grid, "KEY=a,b,c: every value with those of the other keys; repeatable");
   auto* const list = command.add_option(
@@ -126,17 +122,14 @@ void add_options(CLI::App& command, Options& options) {
       ->check(CLI::Range(1, 10000))
       ->excludes(list);
   command.add_option("--seed", options.seed, "Of the Latin hypercube")->capture_default_str();
-  add_set_option(command, options.set);
-  command.add_option("--label", options.labels, "Label of the study; repeatable");
-  command.add_option("--study", options.study, "Take this study up again");
-  command.add_flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
   command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
-  command.add_option("--plot", options.plot,
-                     "Write an HTML page with the curl against the keys; - for standard output");
   command.add_option("-o,--output", options.output,
                      "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
-  add_force_flag(command, options.force);
-  command.add_flag("--json", options.json, "As JSON, in metres, with the curves");
+  add_study_options(
+      command, options,
+      {.study = "Take this study up again",
+       .plot = "Write an HTML page with the curl against the keys; - for standard output",
+       .json = "As JSON, in metres, with the curves"});
 }
 
 }  // namespace

@@ -5,11 +5,14 @@
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
+#include "client/case_options.hpp"
 #include "client/discretisation_error.hpp"
 #include "client/render/answer_text.hpp"
 #include "client/render/braille.hpp"
 #include "client/render/findings.hpp"
+#include "client/render/plant_units.hpp"
 #include "client/render/table.hpp"
 
 namespace dccast::client::render {
@@ -33,7 +36,8 @@ std::string names_text(const std::vector<Answer>& answers) {
   for (std::size_t i = 0; i < answers.size(); ++i)
     text += std::to_string(i + 1) + "  " + answers[i].name +
             (answers[i].description.title().empty() ? "" : "  " + answers[i].description.title()) +
-            "\n";
+            "\n" +
+            (answers[i].changes.empty() ? "" : "   " + changes_text(answers[i].changes) + "\n");
   return text;
 }
 
@@ -72,19 +76,27 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
   return text;
 }
 
+/// What mesh and steps leave uncertain of a curl; empty where that is not known.
+std::string error_text(const Answer& answer, double curl_m) {
+  const auto error_m = discretisation_error(answer.description, curl_m);
+  return error_m ? fixed(1e3 * *error_m, 3) : "";
+}
+
 std::string weights_text(const std::vector<Answer>& answers) {
-  Table table({"MONITOR", "RUN", ">CURL mm", ">LESS 1 mm", ">LARGEST mm", ">AT s", ""});
+  Table table({"MONITOR", "RUN", ">CURL mm", ">± mm", ">LESS 1 mm", ">LARGEST mm", ">AT s", ""});
   for (const std::string& monitor : monitors_of(answers)) {
     for (const auto& series : answers.front().history.monitors)
       if (series.name == monitor && !series.curl_m.empty())
-        table.add({monitor, "1", fixed(1e3 * series.curl_m.back(), 3), "", "", "", ""});
+        table.add({monitor, "1", fixed(1e3 * series.curl_m.back(), 3),
+                   error_text(answers.front(), series.curl_m.back()), "", "", "", ""});
     for (const CurlDifference& row : curl_differences(answers)) {
       if (row.monitor != monitor) continue;
       const auto& theirs = answers[row.answer].history.monitors;
       const auto found = std::ranges::find(theirs, monitor, &CurlHistory::Series::name);
-      table.add({monitor, std::to_string(row.answer + 1), fixed(1e3 * found->curl_m.back(), 3),
-                 signed_mm(row.end_m), signed_mm(row.largest_m), fixed(row.largest_time_s, 1),
-                 in_words(weight_of(row))});
+      const double curl_m = found->curl_m.back();
+      table.add({monitor, std::to_string(row.answer + 1), fixed(1e3 * curl_m, 3),
+                 error_text(answers[row.answer], curl_m), signed_mm(row.end_m),
+                 signed_mm(row.largest_m), fixed(row.largest_time_s, 1), in_words(weight_of(row))});
     }
   }
   return table.text();
@@ -115,20 +127,24 @@ Json difference_json(const CurlDifference& row) {
 }  // namespace
 
 std::string shown_value(const std::string& value) {
+  static constexpr std::string_view speed = " m/s";
   std::string text;
   for (const char* at = value.c_str(); *at != '\0';) {
     char* end = nullptr;
-    const double number =
-        std::isdigit(static_cast<unsigned char>(*at)) ? std::strtod(at, &end) : 0.0;
+    double number = std::isdigit(static_cast<unsigned char>(*at)) ? std::strtod(at, &end) : 0.0;
     if (end == nullptr) {
       if (*at != '"') text += *at;
       ++at;
       continue;
     }
+    at = end;
+    const char* const behind = at + speed.size();
+    const bool is_speed = std::string_view(at).starts_with(speed) &&
+                          std::isalnum(static_cast<unsigned char>(*behind)) == 0;
+    if (is_speed) number *= mm_per_min, at = behind;
     char rounded[32];
     std::snprintf(rounded, sizeof rounded, "%.6g", number);
-    text += rounded;
-    at = end;
+    text += rounded + std::string(is_speed ? " mm/min" : "");
   }
   return text;
 }

@@ -21,7 +21,7 @@ std::string comparison_page(const std::vector<Answer>& answers);
 /// Names of all monitors, in the order in which they come first.
 std::vector<std::string> monitors_of(const std::vector<Answer>& answers);
 
-/// A value of a case with its numbers rounded to six digits, and without quotes around it.
+/// A value of a case with its numbers rounded to six digits, speeds in mm/min, without quotes.
 std::string shown_value(const std::string& value);
 
 /// The curl of one monitor in all answers.

@@ -6,7 +6,7 @@ namespace dccast::client::render {
 /// slab_picture draw the last one: colour bands cut out of triangles, fronts, outlines. Reads the
 /// JSON of frame_slider.cpp.
 inline constexpr const char* slider_script = R"js(
-(() => {
+addEventListener('DOMContentLoaded', () => {  // the caption stands below this script
 const box = document.querySelector('.slider'), data = JSON.parse(document.querySelector('.frames').textContent);
 const range = box.querySelector('input'), said = box.querySelector('output');
 const groups = [...document.querySelectorAll('svg g.now')].slice(0, data.views.length);
@@ -105,7 +105,7 @@ addEventListener('beforeprint', () => show(data.frames.length));
 addEventListener('afterprint', () => show(+range.value));
 box.hidden = false;
 show(+range.value);  // a browser may keep the place of the slider over a reload
-})();
+});
 )js";
 
 }  // namespace dccast::client::render

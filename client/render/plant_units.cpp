@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/frames/curve_value.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -65,16 +66,8 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
 }
 
 double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise) {
-  const int count = std::min(curve.at_size(), curve.value_size());
-  if (count == 0) return curve.value_size() > 0 ? curve.value(0) : otherwise;
-  const double x = curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s;
-  if (x <= curve.at(0)) return curve.value(0);
-  for (int i = 1; i < count; ++i)
-    if (x <= curve.at(i)) {
-      const double part = (x - curve.at(i - 1)) / (curve.at(i) - curve.at(i - 1));
-      return curve.value(i - 1) + part * (curve.value(i) - curve.value(i - 1));
-    }
-  return curve.value(count - 1);
+  if (curve.value_size() == 0) return otherwise;
+  return frames::curve_value(curve, curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s);
 }
 
 std::string readable_toml(const v1::Case& input) {

@@ -28,7 +28,7 @@ p.answer{font-size:18px;line-height:1.45;margin:0 0 16px;max-width:62em}.wanted{
 table.figures.pull-in tr+tr th:first-child{padding-left:7px;text-align:right}
 .slider{margin:10px auto 0;max-width:900px}.slider input{width:100%;margin:0;accent-color:var(--line-0)}.slider p{margin:0;color:var(--ink);font-variant-numeric:tabular-nums}.slider small{color:var(--soft)}.beyond-now{font-weight:650;color:var(--ink)}
 figure{margin:0}figcaption{color:var(--soft);font-size:13px;margin-top:8px}figcaption strong{color:var(--ink)}svg{display:block;width:100%;height:auto}
-svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
+svg.section{max-width:900px;max-height:720px;margin:0 auto;overflow:visible}.grid{stroke:var(--rule)}.zero{stroke:var(--zero)}.tick{fill:var(--soft);font-size:11.5px}.label{fill:var(--ink);font-size:12px}
 .beyond{fill:var(--bad);opacity:.13}p.invalid{border:1px solid var(--bad);border-radius:8px;padding:10px 14px;color:var(--bad);margin:0 0 16px}
 .band{stroke:none;opacity:.18}.middle{fill:none;stroke-width:1.4;stroke-dasharray:5 4}.line{fill:none;stroke-width:2;stroke-linejoin:round}.deformed{fill:none;stroke:var(--ink);stroke-width:1.2}
 .undeformed{fill:none;stroke:var(--soft);stroke-width:1;stroke-dasharray:4 4}.isotherm{fill:none;stroke:#fff;stroke-width:.9;opacity:.85}
@@ -37,13 +37,13 @@ svg.section{max-width:900px;margin:0 auto}.grid{stroke:var(--rule)}.zero{stroke:
 table{border-collapse:collapse;width:100%;font-size:14px}th,td{text-align:left;vertical-align:top;padding:5px 10px 5px 0;border-top:1px solid var(--rule)}
 tr:first-child>*{border-top:0}th{font-weight:500;width:34%}td:nth-child(2){font-variant-numeric:tabular-nums;overflow-wrap:break-word}td code{overflow-wrap:anywhere}td:last-child:not(:nth-child(2)){color:var(--soft);font-size:13px}
 details{margin-top:14px}summary{cursor:pointer;color:var(--soft)}pre{overflow-x:auto;font-size:12.5px;line-height:1.45}code{font-size:12px}
-tr.danger th{color:var(--bad)}.findings th{width:6em}.findings td small{display:block;color:var(--soft)}
+tr.danger th{color:var(--bad)}.findings th{width:6em}.findings td{overflow-wrap:anywhere}.findings td:nth-child(3){white-space:nowrap}.findings td small{display:block;color:var(--soft)}
 @page{size:A4;margin:9mm}
 @media print{:root{color-scheme:light;--page:#fff;--card:#fff;--ink:#1c2430;--soft:#4a5463;--rule:#d5dae1;--zero:#98a2b1;
 --line-0:#1f5fbf;--line-1:#c8521a;--line-2:#2c8a57;--line-3:#8747b5;--line-4:#b5860b;--line-5:#0d8a96;--good:#1f7a46;--bad:#b3261e}
 *{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{background:#fff;font-size:8.5px;line-height:1.3}main{max-width:none;padding:0}header{margin-bottom:4px}
 h1{font-size:15px;margin:0}h2{font-size:9.5px;margin:0 0 3px}h3,.kicker,figcaption,.card p,.note,.tile span,.tile small,td:last-child:not(:nth-child(2)){font-size:7px}
-.card{padding:4px 6px;margin:0 0 5px;border-radius:3px}.cards,.pair{grid-template-columns:repeat(3,1fr);gap:0 5px;grid-auto-flow:dense}svg.chart,svg.map{max-height:96px}svg.slab{max-height:140px}
+.card{padding:4px 6px;margin:0 0 5px;border-radius:3px}.cards,.pair{grid-template-columns:repeat(3,1fr);gap:0 5px;grid-auto-flow:dense}svg.chart,svg.map{max-height:96px}svg.slab{max-height:140px}svg.section{max-height:230px}
 .tick{font-size:13px}.label{font-size:14px}code{font-size:7px}.scroll{overflow:visible}.views{grid-template-columns:repeat(3,1fr)}
 .tiles{grid-template-columns:repeat(8,1fr);gap:4px;margin-bottom:5px}.tile{padding:3px 5px;border-radius:3px}.tile strong{font-size:12px}.tile em{font-size:8.5px}
 p.answer{font-size:10.5px;margin:0 0 5px;max-width:none}p.invalid{padding:3px 6px;margin:0 0 5px}figcaption{margin-top:2px}table,table.figures thead th{font-size:7.5px}

@@ -6,20 +6,13 @@
 #include <map>
 #include <utility>
 
+#include "proto/frames/curve_value.hpp"
+
 namespace dccast::frames {
 namespace {
 
 constexpr double room_temperature_c = 20.0;
 constexpr double same_place_m = 1e-7;
-
-double value_of(const v1::Curve& curve, double at) {
-  const auto right = static_cast<int>(std::lower_bound(curve.at().begin(), curve.at().end(), at) -
-                                      curve.at().begin());
-  if (right == 0) return curve.value(0);
-  if (right == curve.at_size()) return curve.value(right - 1);
-  const double share = (at - curve.at(right - 1)) / (curve.at(right) - curve.at(right - 1));
-  return curve.value(right - 1) + share * (curve.value(right) - curve.value(right - 1));
-}
 
 /// The nodes at one x and one height, as y and number, from the middle plane outwards.
 using Line = std::vector<std::pair<double, int>>;
@@ -79,7 +72,7 @@ private:
   }
 
   FacePoint point_of(double x_m, const Line& line) const {
-    FacePoint point{x_m, value_of(opening_, x_m), 0.0, 0.0};
+    FacePoint point{x_m, curve_value(opening_, x_m), 0.0, 0.0};
     point.now_m = line.back().first + frame_.displacement_m(3 * line.back().second + 1);
     point.cold_m = point.now_m + strain_to_come(line);
     return point;
@@ -100,7 +93,8 @@ private:
 
   /// Length over that at the liquidus, as the mechanics takes it (paper eq. (11)).
   double stretch(double temperature_c) const {
-    return std::cbrt(value_of(density_, frame_.liquidus_c()) / value_of(density_, temperature_c));
+    return std::cbrt(curve_value(density_, frame_.liquidus_c()) /
+                     curve_value(density_, temperature_c));
   }
 
   const v1::Curve& density_;
@@ -111,7 +105,7 @@ private:
 }  // namespace
 
 double half_opening_m(const v1::Section& section, double x_m) {
-  return value_of(section.half_thickness_m(), x_m);
+  return curve_value(section.half_thickness_m(), x_m);
 }
 
 const FaceRow& Contraction::at(double height_m) const {

@@ -24,6 +24,7 @@ Eigen::Index count_of(const Eigen::VectorXd& singular) {
 Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& figures)
     : mean_(figures.colwise().mean()) {
   rest_ = figures.rowwise() - mean_;
+  left_out_ = Eigen::VectorXd::Zero(figures.cols());
   if (figures.cols() == 0) return;
   const Eigen::BDCSVD<Eigen::MatrixXd> parts(rest_, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Index count = count_of(parts.singularValues());
@@ -31,6 +32,17 @@ Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& fig
   const Eigen::MatrixXd amounts = rest_ * shape_;
   rest_ -= amounts * shape_.transpose();
   for (Eigen::Index k = 0; k < count; ++k) amounts_.emplace_back(places, amounts.col(k));
+  leave_out_one_by_one(places.cols());
+}
+
+/// A process that has found long lengths by chance says too little of its error between few points.
+void Components::leave_out_one_by_one(Eigen::Index inputs) {
+  Eigen::MatrixXd errors = rest_;
+  for (std::size_t k = 0; k < amounts_.size(); ++k)
+    errors += amounts_[k].left_out_errors() * shape_.col(static_cast<Eigen::Index>(k)).transpose();
+  // Mean, lengths and nugget have followed the points that are left out, too.
+  const double free = std::max(1.0, static_cast<double>(errors.rows() - inputs - 2));
+  left_out_ = errors.colwise().squaredNorm().transpose() / free;
 }
 
 Components::Estimate Components::estimate(const Eigen::RowVectorXd& place) const {
@@ -42,6 +54,7 @@ Components::Estimate Components::estimate(const Eigen::RowVectorXd& place) const
     result.mean += amount.mean(0) * shape;
     result.variance += amount.variance(0) * shape.cwiseAbs2();
   }
+  result.variance = result.variance.cwiseMax(left_out_);
   return result;
 }
 
@@ -50,6 +63,13 @@ Eigen::VectorXd Components::left_out_errors(Eigen::Index figure) const {
   for (std::size_t k = 0; k < amounts_.size(); ++k)
     errors += amounts_[k].left_out_errors() * shape_(figure, static_cast<Eigen::Index>(k));
   return errors;
+}
+
+std::size_t Components::bytes() const {
+  const Eigen::Index points = rest_.rows();  // squared in the factor of each process
+  return sizeof(double) *
+         static_cast<std::size_t>(rest_.size() + shape_.size() +
+                                  points * points * static_cast<Eigen::Index>(amounts_.size()));
 }
 
 Eigen::VectorXd Components::variance_of(const Eigen::MatrixXd& places,

@@ -16,7 +16,7 @@ public:
 
   struct Estimate {
     Eigen::VectorXd mean;      ///< by figure
-    Eigen::VectorXd variance;  ///< by figure
+    Eigen::VectorXd variance;  ///< by figure, at least what points left out are off
   };
   Estimate estimate(const Eigen::RowVectorXd& place) const;
   /// (point) what one figure of each point is off when the point is left out.
@@ -25,11 +25,17 @@ public:
   Eigen::VectorXd variance_of(const Eigen::MatrixXd& places,
                               const std::vector<Eigen::Index>& figures) const;
 
+  /// Of memory.
+  std::size_t bytes() const;
+
 private:
+  void leave_out_one_by_one(Eigen::Index inputs);
+
   Eigen::RowVectorXd mean_;
   Eigen::MatrixXd shape_;  ///< (figure, component), orthonormal
   Eigen::MatrixXd rest_;   ///< (point, figure), what the components leave
   std::vector<GaussianProcess> amounts_;
+  Eigen::VectorXd left_out_;  ///< by figure: mean square of what points left out are off
 };
 
 }  // namespace dccast::studies

@@ -13,8 +13,9 @@ namespace dccast::studies {
 namespace {
 
 constexpr std::size_t most_instants = 150;
-constexpr std::size_t most_runs = 1000;  // beyond them the surface gains nothing but time
-constexpr int candidates = 200;          // for the next run
+constexpr std::size_t most_runs = 1000;            // beyond them the surface gains nothing but time
+constexpr std::size_t most_for_cast_length = 200;  // it follows the recipe alone, smoothly
+constexpr int candidates = 200;                    // for the next run
 constexpr std::size_t most_inputs_with_corners = 6;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -50,6 +51,14 @@ Eigen::MatrixXd places_of(const std::vector<std::vector<double>>& places) {
   return matrix;
 }
 
+/// At most as many as the cast length needs, spread over all.
+Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all) {
+  const Eigen::Index count = std::min<Eigen::Index>(all.rows(), most_for_cast_length);
+  Eigen::MatrixXd some(count, all.cols());
+  for (Eigen::Index i = 0; i < count; ++i) some.row(i) = all.row(i * all.rows() / count);
+  return some;
+}
+
 /// A spread over the domain, and its corners, where surfaces are least certain.
 Eigen::MatrixXd candidate_places(std::size_t inputs) {
   auto places = latin_hypercube(candidates, static_cast<int>(inputs), 1);
@@ -71,7 +80,7 @@ public:
         time_s_(common_instants(runs)),
         places_(scaled_places(runs)),
         curls_(places_, curl_figures(runs)),
-        lengths_(places_, length_figures(runs)) {
+        lengths_(some_rows(places_), some_rows(length_figures(runs))) {
     judge();
   }
 
@@ -94,6 +103,7 @@ public:
   }
 
   int runs() const { return runs_; }
+  std::size_t bytes() const { return curls_.bytes() + lengths_.bytes(); }
   double error_m() const { return error_m_; }
   const std::vector<double>& next_place() const { return next_place_; }
 
@@ -208,6 +218,10 @@ const std::vector<double>& CurlSurface::next_place() const {
 
 int CurlSurface::runs() const {
   return parts_->runs();
+}
+
+std::size_t CurlSurface::bytes() const {
+  return parts_->bytes();
 }
 
 }  // namespace dccast::studies

@@ -46,6 +46,8 @@ public:
   /// Where the curls at the end are least certain. @return by input, 0 to 1 over the domain
   const std::vector<double>& next_place() const;
   int runs() const;
+  /// Of memory, most of it.
+  std::size_t bytes() const;
 
 private:
   class Parts;

@@ -53,6 +53,7 @@ GaussianProcess::GaussianProcess(Eigen::MatrixXd places, const Eigen::VectorXd& 
   const Eigen::VectorXd centred = values.array() - mean_;
   weights_ = factor_.solve(centred);
   variance_ = centred.dot(weights_) / static_cast<double>(values.size());
+  leave_out_one_by_one();
 }
 
 GaussianProcess::Estimate GaussianProcess::estimate(const Eigen::MatrixXd& places) const {
@@ -63,17 +64,21 @@ GaussianProcess::Estimate GaussianProcess::estimate(const Eigen::MatrixXd& place
   // The mean is estimated too, which is the second term.
   const Eigen::ArrayXd missing = 1.0 - (cross.transpose() * mean_weights_).array();
   const Eigen::ArrayXd known = solved.colwise().squaredNorm().transpose().array();
-  result.variance =
-      variance_ * (1.0 - known + missing.square() / mean_weights_.sum()).max(0.0).matrix();
+  const Eigen::ArrayXd of_function = 1.0 - known + missing.square() / mean_weights_.sum();
+  result.variance = variance_ * (of_function.max(0.0) + hyperparameters_.nugget).matrix();
   return result;
 }
 
-Eigen::VectorXd GaussianProcess::left_out_errors() const {
+void GaussianProcess::leave_out_one_by_one() {
   const Eigen::Index n = places_.rows();
-  Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd root = factor_.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
   // The mean is estimated anew without the value: what it takes of the inverse is left out.
-  inverse -= mean_weights_ * mean_weights_.transpose() / mean_weights_.sum();
-  return weights_.cwiseQuotient(inverse.diagonal());
+  const Eigen::VectorXd precision =
+      root.colwise().squaredNorm().transpose() - mean_weights_.cwiseAbs2() / mean_weights_.sum();
+  left_out_errors_ = weights_.cwiseQuotient(precision);
+  // Mean, lengths and nugget follow the values, too: what they have taken of the errors.
+  const double free = std::max(1.0, static_cast<double>(n - places_.cols() - 2));
+  variance_ = std::max(variance_, left_out_errors_.cwiseAbs2().dot(precision) / free);
 }
 
 }  // namespace dccast::studies

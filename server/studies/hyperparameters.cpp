@@ -64,7 +64,8 @@ Likelihood log_likelihood(const Eigen::MatrixXd& places, const Eigen::VectorXd& 
   const Eigen::Index n = places.rows(), inputs = places.cols();
   const Eigen::VectorXd length = parameters.head(inputs).array().exp();
   const double nugget = std::exp(parameters(inputs));
-  Eigen::MatrixXd covariance = correlation(places, places, length);
+  const CorrelationSlopes slopes = correlation_slopes(places, length);
+  Eigen::MatrixXd covariance = slopes.value;
   covariance.diagonal().array() += nugget;
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   Likelihood result{-std::numeric_limits<double>::infinity(), Eigen::VectorXd::Zero(inputs + 1)};
@@ -78,12 +79,10 @@ Likelihood log_likelihood(const Eigen::MatrixXd& places, const Eigen::VectorXd& 
   const double variance = std::max(centred.dot(weights) / count, 1e-300);
   const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   result.value = -0.5 * (count * std::log(variance) + log_determinant);
-  const auto slope = [&](const Eigen::MatrixXd& by) {
-    return 0.5 * (weights.dot(by * weights) / variance - inverse.cwiseProduct(by).sum());
-  };
+  const Eigen::MatrixXd turn = weights * weights.transpose() / variance - inverse;
   for (Eigen::Index j = 0; j < inputs; ++j)
-    result.gradient(j) = slope(correlation_by_length(places, length, j));
-  result.gradient(inputs) = 0.5 * nugget * (weights.squaredNorm() / variance - inverse.trace());
+    result.gradient(j) = 0.5 * turn.cwiseProduct(slopes.by_length[std::size_t(j)]).sum();
+  result.gradient(inputs) = 0.5 * nugget * turn.trace();
   add_prior(parameters, result);
   return result;
 }

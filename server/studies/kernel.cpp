@@ -1,6 +1,7 @@
 #include "server/studies/kernel.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace dccast::studies {
 
@@ -24,13 +25,22 @@ Eigen::MatrixXd correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
   return (1.0 + scaled + scaled.square() / 3.0) * (-scaled).exp();
 }
 
-Eigen::MatrixXd correlation_by_length(const Eigen::MatrixXd& a, const Eigen::VectorXd& length,
-                                      Eigen::Index input) {
-  const Eigen::ArrayXXd scaled = std::sqrt(5.0) * distance(a, a, length).array();
-  Eigen::ArrayXXd along(a.rows(), a.rows());
-  for (Eigen::Index k = 0; k < a.rows(); ++k)
-    along.col(k) = ((a.col(input).array() - a(k, input)) / length(input)).square();
-  return 5.0 / 3.0 * (1.0 + scaled) * (-scaled).exp() * along;
+CorrelationSlopes correlation_slopes(const Eigen::MatrixXd& a, const Eigen::VectorXd& length) {
+  const Eigen::Index n = a.rows();
+  std::vector<Eigen::MatrixXd> squares;
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    Eigen::MatrixXd along(n, n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      along.col(k) = ((a.col(j).array() - a(k, j)) / length(j)).square();
+    square += along;
+    squares.push_back(std::move(along));
+  }
+  const Eigen::ArrayXXd scaled = (5.0 * square.array()).sqrt();
+  const Eigen::ArrayXXd decay = (-scaled).exp();
+  const Eigen::ArrayXXd slope = 5.0 / 3.0 * (1.0 + scaled) * decay;
+  for (Eigen::MatrixXd& along : squares) along.array() *= slope;
+  return {(1.0 + scaled + scaled.square() / 3.0) * decay, std::move(squares)};
 }
 
 }  // namespace dccast::studies

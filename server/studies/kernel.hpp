@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace dccast::studies {
 
@@ -18,8 +19,11 @@ struct Hyperparameters {
 Eigen::MatrixXd correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                             const Eigen::VectorXd& length);
 
-/// Its derivative by the logarithm of one length, among the rows of `a`.
-Eigen::MatrixXd correlation_by_length(const Eigen::MatrixXd& a, const Eigen::VectorXd& length,
-                                      Eigen::Index input);
+/// A correlation among places, and its derivatives by the logarithm of each length.
+struct CorrelationSlopes {
+  Eigen::MatrixXd value;
+  std::vector<Eigen::MatrixXd> by_length;
+};
+CorrelationSlopes correlation_slopes(const Eigen::MatrixXd& a, const Eigen::VectorXd& length);
 
 }  // namespace dccast::studies

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "proto/case_file/case_file.hpp"
@@ -21,6 +22,10 @@ namespace {
 // A surface may be out of date while runs arrive, so that no more than this share of the time goes
 // into building it.
 constexpr int building_share = 20;
+// A sweep of many alloys has a surface for each; further ones are built when they are asked for.
+constexpr std::size_t most_prepared = 8;
+constexpr int fewest_prepared = 16;              // runs; with fewer a surface takes no time
+constexpr std::size_t most_bytes = 256'000'000;  // of all surfaces that are kept
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One axis of a sweep: numbers are the inputs of surfaces, other values choose among them.
@@ -118,6 +123,23 @@ bool counts(const EvaluatedRun& run) {
          run.history.curves.front().time_s_size() > 0;
 }
 
+/// The values of a run's keys that are no numbers.
+std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) {
+  std::string kind;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (!keys[i].numeric) kind += run.run.values(static_cast<int>(i)) + "\n";
+  return kind;
+}
+
+/// Those of the first runs, as many as are prepared.
+std::set<std::string> kinds_of(const std::vector<SweptKey>& keys,
+                               const std::vector<EvaluatedRun>& runs) {
+  std::set<std::string> kinds;
+  for (const EvaluatedRun& run : runs)
+    if (counts(run) && kinds.size() < most_prepared) kinds.insert(kind_of(keys, run));
+  return kinds;
+}
+
 }  // namespace
 
 /// The axes of a sweep. To read all values of a long list takes longer than to predict.
@@ -134,7 +156,8 @@ public:
       : keys_(keys) {
     std::vector<SurfaceRun> chosen;
     for (const EvaluatedRun& run : runs)
-      if (counts(run) && kind_of(run) == kind) chosen.push_back({inputs_of(run), run.history});
+      if (counts(run) && kind_of(keys_, run) == kind)
+        chosen.push_back({inputs_of(run), run.history});
     std::vector<InputRange> domain;
     for (const SweptKey& key : keys_)
       if (key.numeric) domain.push_back(key.range);
@@ -161,19 +184,14 @@ public:
     return prediction;
   }
 
+  std::size_t bytes() const { return surface_->bytes(); }
+
 private:
   std::vector<double> inputs_of(const EvaluatedRun& run) const {
     std::vector<double> inputs;
     for (std::size_t i = 0; i < keys_.size(); ++i)
       if (keys_[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
     return inputs;
-  }
-
-  std::string kind_of(const EvaluatedRun& run) const {
-    std::string kind;
-    for (std::size_t i = 0; i < keys_.size(); ++i)
-      if (!keys_[i].numeric) kind += run.run.values(static_cast<int>(i)) + "\n";
-    return kind;
   }
 
   void name_next_run(const v1::Case& base) {
@@ -205,21 +223,61 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   return keys_[study.id] = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
-std::shared_ptr<const SweepSurface> Predictions::surface_of(
-    const StudyRecord& study, int succeeded, bool running, const std::string& kind,
-    const std::function<std::shared_ptr<const SweepSurface>()>& build) {
+/// @param of_fewer_runs  also one that is out of date  @return null where it is missing
+Predictions::Surface Predictions::kept_surface(const Wanted& wanted, bool of_fewer_runs) {
   const std::lock_guard lock(mutex_);
-  Kept& kept = kept_[study.id][kind];
-  const bool recent = running && Clock::now() - kept.built < building_share * kept.took;
-  if (kept.surface && (kept.succeeded == succeeded || recent)) return kept.surface;
+  const auto study = kept_.find(wanted.study.id);
+  if (study == kept_.end()) return nullptr;
+  const auto found = study->second.find(wanted.kind);
+  if (found == study->second.end()) return nullptr;
+  Kept& kept = found->second;
+  kept.used = Clock::now();
+  const bool recent = wanted.running && kept.used - kept.built < building_share * kept.took;
+  return kept.succeeded == wanted.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;
+}
+
+Predictions::Surface Predictions::surface_of(const Wanted& wanted,
+                                             const std::function<Surface()>& build) {
+  if (auto surface = kept_surface(wanted)) return surface;
+  std::unique_lock one_at_a_time(building_, std::try_to_lock);
+  if (!one_at_a_time) {
+    // While runs arrive, what a surface of fewer of them says now is worth more than a better
+    // answer later: the prediction says how many it rests on.
+    if (auto older = wanted.running ? kept_surface(wanted, true) : nullptr) return older;
+    one_at_a_time.lock();
+  }
+  if (auto surface = kept_surface(wanted)) return surface;  // built while we waited
   const auto begin = Clock::now();
-  kept.surface = build();
-  kept.succeeded = succeeded;
-  kept.built = Clock::now();
-  kept.took = kept.built - begin;
-  spdlog::debug("study {}: response surface of {} runs in {} ms", study.id, succeeded,
-                std::chrono::duration_cast<std::chrono::milliseconds>(kept.took).count());
-  return kept.surface;
+  Surface surface = build();
+  keep(wanted, surface, begin);
+  return surface;
+}
+
+void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
+  const auto now = Clock::now();
+  spdlog::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
+                std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
+  const std::lock_guard lock(mutex_);
+  kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,
+                                         now};
+  make_room();
+}
+
+/// Lets go of those asked for longest ago, save the last one.
+void Predictions::make_room() {
+  for (;;) {
+    std::size_t bytes = 0, count = 0;
+    auto oldest = Clock::time_point::max();
+    for (const auto& [study, kinds] : kept_)
+      for (const auto& [kind, kept] : kinds) {
+        bytes += kept.surface->bytes();
+        oldest = std::min(oldest, kept.used);
+        ++count;
+      }
+    if (bytes <= most_bytes || count <= 1) return;
+    for (auto& [study, kinds] : kept_)
+      std::erase_if(kinds, [&](const auto& entry) { return entry.second.used == oldest; });
+  }
 }
 
 v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, bool running,
@@ -229,16 +287,39 @@ v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, boo
     throw CannotPredict("study " + study.id + " is no sweep: nothing lies between its runs");
   const auto keys = keys_of(study);
   const Place place = place_of(keys->base, keys->all, request);
-  const auto surface = surface_of(study, succeeded, running, place.kind, [&] {
+  const auto surface = surface_of({study, succeeded, running, place.kind}, [&] {
     return std::make_shared<const SweepSurface>(study, keys->all, place.kind, runs());
   });
   return surface->predict(place.inputs);
+}
+
+void Predictions::prepare(const StudyRecord& study, int succeeded, bool running,
+                          const std::function<std::vector<EvaluatedRun>()>& runs) {
+  {
+    const std::lock_guard lock(mutex_);
+    int& before = prepared_[study.id];
+    if (succeeded == before) return;
+    if (running && succeeded < std::max(fewest_prepared, 2 * before)) return;
+    before = succeeded;
+  }
+  const auto keys = keys_of(study);
+  const auto evaluated = runs();
+  for (const std::string& kind : kinds_of(keys->all, evaluated)) {
+    try {
+      surface_of({study, succeeded, running, kind}, [&] {
+        return std::make_shared<const SweepSurface>(study, keys->all, kind, evaluated);
+      });
+    } catch (const CannotPredict&) {
+      // Whoever asks is told.
+    }
+  }
 }
 
 void Predictions::forget(const std::string& study) {
   const std::lock_guard lock(mutex_);
   kept_.erase(study);
   keys_.erase(study);
+  prepared_.erase(study);
 }
 
 }  // namespace dccast::studies

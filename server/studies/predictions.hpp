@@ -34,8 +34,8 @@ public:
 class SweepSurface;
 struct SweptKeys;
 
-/// Response surfaces of sweeps, built when one is asked for and kept until runs arrive. Safe to use
-/// from several threads.
+/// Response surfaces of sweeps, built when one is asked for or beforehand, and kept until runs
+/// arrive. Safe to use from several threads.
 class Predictions {
 public:
   Predictions();
@@ -48,25 +48,40 @@ public:
   v1::Prediction predict(const StudyRecord& study, int succeeded, bool running,
                          const v1::PredictStudyRequest& request,
                          const std::function<std::vector<EvaluatedRun>()>& runs);
+  /// Builds what will be asked for: as the runs of a sweep double, and when all have ended.
+  void prepare(const StudyRecord& study, int succeeded, bool running,
+               const std::function<std::vector<EvaluatedRun>()>& runs);
   void forget(const std::string& study);
 
 private:
   using Clock = std::chrono::steady_clock;
+  using Surface = std::shared_ptr<const SweepSurface>;
   struct Kept {
-    std::shared_ptr<const SweepSurface> surface;
+    Surface surface;
     int succeeded = 0;
     Clock::time_point built{};
     Clock::duration took{};
+    Clock::time_point used{};
   };
-  std::shared_ptr<const SweepSurface> surface_of(
-      const StudyRecord& study, int succeeded, bool running, const std::string& kind,
-      const std::function<std::shared_ptr<const SweepSurface>()>& build);
+  /// What a surface is looked for by.
+  struct Wanted {
+    const StudyRecord& study;
+    int succeeded;
+    bool running;
+    const std::string& kind;
+  };
+  Surface surface_of(const Wanted& wanted, const std::function<Surface()>& build);
+  Surface kept_surface(const Wanted& wanted, bool of_fewer_runs = false);
+  void keep(const Wanted& wanted, Surface surface, Clock::time_point begin);
+  void make_room();
 
   std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);
 
-  std::mutex mutex_;  ///< one surface is built at a time
+  std::mutex building_;  ///< one surface is built at a time; taken before the other one
+  std::mutex mutex_;     ///< of all below
   std::map<std::string, std::shared_ptr<const SweptKeys>> keys_;  ///< by study
   std::map<std::string, std::map<std::string, Kept>> kept_;       ///< by study and kind
+  std::map<std::string, int> prepared_;  ///< runs of a study that had succeeded then
 };
 
 }  // namespace dccast::studies

@@ -90,7 +90,8 @@ Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& sched
       store_(store),
       scheduler_(scheduler),
       desk_(std::move(desk)),
-      notifier_([&store] { return store.version(); }) {}
+      notifier_([&store] { return store.version(); }),
+      surface_keeper_([this](const std::string& id) { return ready_surface(id); }) {}
 
 Studies::~Studies() {
   stop();
@@ -106,9 +107,13 @@ void Studies::recover() {
 
 void Studies::start() {
   feeder_ = std::jthread([this](const std::stop_token& stop) { feed(stop); });
+  constexpr int likely_asked = 5;  // of the studies that are there, the newest
+  for (const StudyRecord& study : store_.list({.size = likely_asked}))
+    surface_keeper_.follow(study.id);
 }
 
 void Studies::stop() {
+  surface_keeper_.stop();
   if (!feeder_.joinable()) return;
   feeder_.request_stop();
   feeder_.join();
@@ -140,6 +145,7 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::
                                " already; choose a new request_id");
   write_study_file(options_.directory, record);
   spdlog::info("study {}: {} runs", record.id, runs);
+  surface_keeper_.follow(record.id);
   wake_feeder();
   return view(record);
 }
@@ -164,6 +170,7 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
   for (const RunRecord& run : store_.runs(record.id))
     if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run.number);
   store_.queue_again(record.id, deleted);
+  surface_keeper_.follow(record.id);
   wake_feeder();
   return view(record);
 }
@@ -236,6 +243,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   }
   store_.queue_again(id, again);
   notifier_.note(id);
+  surface_keeper_.follow(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};
 }

@@ -21,6 +21,7 @@
 #include "server/studies/study_notifier.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
+#include "server/studies/surface_keeper.hpp"
 
 namespace dccast::studies {
 
@@ -132,6 +133,8 @@ private:
     int before = INT_MAX;  ///< only runs of a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
+  /// Has the response surface of a sweep built. @return whether it may get more runs
+  bool ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);
   void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
 
@@ -154,6 +157,7 @@ private:
   bool feeder_has_news_ = true;
   std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a checker
   std::jthread feeder_;
+  SurfaceKeeper surface_keeper_;
 };
 
 /// The plan of a study file or row, as runs of which none is a job yet.

@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """Queries: an answer at once, beside the queue, and no job left behind."""
 import os
+import re
+import subprocess
 import time
 
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import ServiceTest, curve, fake_case, main, until
+from support import BIN, ServiceTest, curve, fake_case, main, until
 
 
 def question(title="", columns=30, **rest):
@@ -166,6 +168,22 @@ class SeveralAtOnce(QueryTest):
             self.assertTrue(any(response.HasField("step") for response in call))
         for call in calls:
             call.cancel()
+
+    def test_the_cases_of_a_comparison_are_computed_side_by_side(self):
+        """Three of a second each in less than two."""
+        new = subprocess.run([os.path.join(BIN, "dccast"), "new", "start-2d-thickness"],
+                             capture_output=True, text=True,
+                             timeout=10, check=True).stdout
+        files = []
+        for number in range(3):
+            files.append(os.path.join(self.folder, f"case{number}.toml"))
+            with open(files[-1], "w", encoding="utf-8") as file:
+                file.write(re.sub(r"(?m)^title = .*$", 'title = "steps=40 sleep_ms=25"', new))
+                file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
+        begin = time.monotonic()
+        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare",
+                        *files], capture_output=True, timeout=30, check=True)
+        self.assertLess(time.monotonic() - begin, 2.0)
 
 
 class Kept(QueryTest):

@@ -17,6 +17,16 @@ Located<Dim> whole_height(const mesh::Mesh<Dim>& mesh) {
   return found;
 }
 
+/// Of the lowest node of an element.
+template <int Dim>
+double height_of(const mesh::Mesh<Dim>& mesh, int e) {
+  const int* node = mesh.nodes_of(e);
+  double lowest = mesh.point(node[0])[Dim - 1];
+  for (int i = 1; i < mesh.nodes_per_element; ++i)
+    lowest = std::min(lowest, mesh.point(node[i])[Dim - 1]);
+  return lowest;
+}
+
 /// Where an edge between a cold and a hot node reaches the isotherm.
 template <int Dim>
 std::array<double, Dim> crossing(const double* cold, const double* hot, double share) {
@@ -38,6 +48,7 @@ Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> t
   };
   const auto edges = edges_of(Dim, mesh.nodes_per_element);
   for (int e = 0; e < mesh.elements(); ++e) {
+    if (height_of(mesh, e) >= lowest.value) continue;  // most, once a place is known
     for (const auto& [i, j] : edges) {
       int cold = mesh.nodes_of(e)[i], hot = mesh.nodes_of(e)[j];
       if (temperature[std::size_t(cold)] > temperature[std::size_t(hot)]) std::swap(cold, hot);

@@ -74,6 +74,7 @@ public:
     std::vector<CutPoint<Dim>> points;
     for (int e = 0; e < mesh_.elements(); ++e) {
       const int* node = mesh_.nodes_of(e);
+      if (!meets(node)) continue;
       points.clear();
       for (const auto& [a, b] : edges) add_crossing(node[a], node[b], points);
       if (!points.empty()) use(points);
@@ -87,6 +88,15 @@ private:
     std::copy_n(mesh_.point(n), Dim, p.at.begin());
     p.temperature = temperature_[std::size_t(n)];
     return p;
+  }
+  /// Most elements lie above or below the cut as a whole.
+  bool meets(const int* node) const {
+    double lowest = up(node[0]), highest = lowest;
+    for (int i = 1; i < mesh_.nodes_per_element; ++i) {
+      lowest = std::min(lowest, up(node[i]));
+      highest = std::max(highest, up(node[i]));
+    }
+    return lowest <= height_ && height_ <= highest;
   }
   /// An edge that lies in the cut ends where others meet it.
   void add_crossing(int a, int b, std::vector<CutPoint<Dim>>& points) const {
@@ -171,9 +181,22 @@ std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const 
   return slice;
 }
 
+template <int Dim>
+std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
+                                            std::span<const double> temperature, double height) {
+  const Cut<Dim> cut(mesh, temperature, height);
+  if (cut.side().empty()) return std::nullopt;
+  const CutPoint<Dim> surface = hottest(cut.side());
+  return Located<Dim>{surface.temperature, surface.at};
+}
+
 template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>, double,
                                           double);
 template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>, double,
                                           double);
+template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&, std::span<const double>,
+                                                   double);
+template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&, std::span<const double>,
+                                                   double);
 
 }  // namespace dccast::casting

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "core/casting/plausibility/bottom_shell.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::casting {
@@ -30,9 +31,20 @@ template <int Dim>
 std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                                    double height, double isotherm);
 
+/// The hottest place of the side at a height, with its temperature [°C]: what slice_at says of the
+/// surface, without a look at every element.
+/// @return  nothing where the slab has no side at that height
+template <int Dim>
+std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
+                                            std::span<const double> temperature, double height);
+
 extern template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>,
                                                  double, double);
 extern template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>,
                                                  double, double);
+extern template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&,
+                                                          std::span<const double>, double);
+extern template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&,
+                                                          std::span<const double>, double);
 
 }  // namespace dccast::casting

@@ -38,18 +38,18 @@ void measure_gap(const Case& c, const StepView<Dim>& view, StepFigures& f) {
   const double begin = contact_end(c), length = mould_exit(c) - begin;
   if (length <= 0.0 || view.metal_level < begin) return;
   const auto at = [&](double distance) {
-    return slice_at(view.mesh, view.temperature, view.metal_level - distance, c.alloy.solidus);
+    return hottest_side_at(view.mesh, view.temperature, view.metal_level - distance);
   };
   const auto entry = at(begin);
   if (!entry) return;
   f.in_gap = true;
-  f.gap_entry = entry->hottest_surface;
+  f.gap_entry = entry->value;
   for (int i = 1; i <= heights; ++i) {
     const double distance = begin + length * i / heights;
     if (distance > view.metal_level) return;
-    const auto slice = at(distance);
-    if (!slice || slice->hottest_surface <= f.gap_surface.value) continue;
-    f.gap_surface = placed(slice->hottest_surface, slice->hottest_at);
+    const auto surface = at(distance);
+    if (!surface || surface->value <= f.gap_surface.value) continue;
+    f.gap_surface = placed(surface->value, surface->place);
   }
 }
 

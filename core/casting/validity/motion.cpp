@@ -33,6 +33,16 @@ Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
   return product(after, inverse(before));
 }
 
+/// atan2(y, x); small angles, nearly all there are, by the series, which is exact to round-off
+/// there and takes a fraction of the time.
+double angle_of(double y, double x) {
+  constexpr double small = 0.02;  // its eleventh power is nothing beside it
+  const double t = y / x;
+  if (!(x > 0.0 && std::abs(t) < small)) return std::atan2(y, x);
+  const double square = t * t;
+  return t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square / 9.0))));
+}
+
 constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
     {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
@@ -55,7 +65,7 @@ Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double
     xx += u * dy, xy -= u * dx;
     yx += v * dy, yy -= v * dx;
   }
-  return {std::atan2(yx - xy, 2.0 * area + xx + yy)};
+  return {angle_of(yx - xy, 2.0 * area + xx + yy)};
 }
 
 template <>

@@ -54,6 +54,7 @@ TEST_P(In2D, TheShellIsAsThickAsALinearFieldSays) {
     EXPECT_NEAR(slice->shell, shell, 1e-12);
     EXPECT_NEAR(slice->thinnest_at[0], 0.28 - shell, 1e-12);
     EXPECT_NEAR(slice->hottest_surface, isotherm - 3000.0 * shell, 1e-9);
+    EXPECT_EQ(hottest_side_at(mesh, field, height)->value, slice->hottest_surface);
   }
 }
 
@@ -63,6 +64,7 @@ TEST_P(In2D, WhereTheSideIsHotThereIsNoShellAndWhereNothingIsTheSlabIsTheShell) 
   const std::vector<double> cold(std::size_t(mesh.nodes()), 20.0);
   EXPECT_NEAR(slice_at(mesh, cold, 0.05, isotherm)->shell, 0.28, 1e-12);
   EXPECT_FALSE(slice_at(mesh, cold, 0.2, isotherm)) << "no slab there";
+  EXPECT_FALSE(hottest_side_at(mesh, cold, 0.2)) << "no slab there";
 }
 
 TEST_P(In2D, TheBottomShellIsTheLeastHeightOfTheIsotherm) {

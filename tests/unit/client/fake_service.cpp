@@ -62,7 +62,11 @@ grpc::Status FakeService::CancelJob(grpc::ServerContext*, const v1::CancelJobReq
 grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
                                         const v1::QueryButtCurlRequest* request,
                                         grpc::ServerWriter<v1::QueryButtCurlResponse>* writer) {
-  queried = *request;
+  {
+    static std::mutex mutex;  // a comparison asks several at once
+    const std::lock_guard lock(mutex);
+    queried = *request;
+  }
   if (verdict.faults_size() > 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "the case has faults", verdict.SerializeAsString()};
   v1::QueryButtCurlResponse response;

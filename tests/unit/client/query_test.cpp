@@ -10,6 +10,7 @@
 #include "client/comparison.hpp"
 #include "client/message_json.hpp"
 #include "client/render/braille.hpp"
+#include "client/render/comparison_text.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
 #include "proto/case_file/shipped.hpp"
@@ -79,6 +80,12 @@ TEST_F(Query, FaultsOfTheServerStandInTheFile) {
 TEST_F(Query, ARunThatFailedHasItsOwnExitCode) {
   service.job.set_state(v1::FAILED);
   EXPECT_EQ(run({"query", file}).code, 3);
+}
+
+TEST(ShownValue, IsInTheUnitsOfThePit) {
+  EXPECT_EQ(render::shown_value("[[\"60 s\", \"0.0006666666666666668 m/s\"]]"),
+            "[[60 s, 40 mm/min]]");
+  EXPECT_EQ(render::shown_value("\"9.81 m/s2\""), "9.81 m/s2");
 }
 
 TEST_F(Query, AComparisonNamesKeysAndDifferences) {

@@ -119,6 +119,25 @@ TEST(GaussianProcess, LeavesPointsOutAsIfTheyHadNotBeenThere) {
   }
 }
 
+/// Rougher than a few points can tell from a slope, as the curl of a slab that rocks: what it says
+/// of its error must hold for values it has not seen, over many such functions.
+TEST(GaussianProcess, KnowsItsErrorOnAFunctionItCannotFollow) {
+  constexpr int functions = 40, unseen = 50;
+  double square = 0.0;
+  for (int k = 0; k < functions; ++k) {
+    const auto rough = [k](const Eigen::MatrixXd& x) {
+      const Eigen::ArrayXd along = 11.0 * x.col(0).array() + 7.0 * x.col(1).array() + k;
+      return Eigen::VectorXd(smooth(x) + (0.1 * along.sin() + 0.1 * (1.7 * along).cos()).matrix());
+    };
+    const Eigen::MatrixXd x = spread(20, 2, 100 + k), asked = spread(unseen, 2, 500 + k);
+    const auto estimate = GaussianProcess(x, rough(x)).estimate(asked);
+    const Eigen::ArrayXd off = (estimate.mean - rough(asked)).array();
+    square += (off.square() / estimate.variance.array()).mean() / functions;
+  }
+  EXPECT_LT(std::sqrt(square), 1.3);
+  EXPECT_GT(std::sqrt(square), 0.6);
+}
+
 TEST(GaussianProcess, IsConstantWhereNothingVaries) {
   const Eigen::MatrixXd x = spread(6, 2, 3);
   const GaussianProcess process(x, Eigen::VectorXd::Constant(6, 2.5));

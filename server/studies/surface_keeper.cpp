@@ -1,0 +1,67 @@
+#include "server/studies/surface_keeper.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr std::chrono::milliseconds look_interval{500};
+
+/// On Linux the priority is that of a thread. Where it cannot be lowered the thread works on.
+void step_back() {
+  constexpr int steps_behind = 10;  // as the workers of jobs
+  const int now = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), now + steps_behind);
+}
+
+}  // namespace
+
+SurfaceKeeper::SurfaceKeeper(Ready ready)
+    : ready_(std::move(ready)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void SurfaceKeeper::follow(const std::string& study) {
+  const std::lock_guard lock(mutex_);
+  followed_.insert(study);
+  changed_.notify_all();
+}
+
+void SurfaceKeeper::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+/// What cannot be built now is built when it is asked for.
+bool SurfaceKeeper::may_get_more(const std::string& study) const {
+  try {
+    return ready_(study);
+  } catch (const std::exception& error) {
+    spdlog::warn("study {}: no response surface yet: {}", study, error.what());
+    return false;
+  }
+}
+
+void SurfaceKeeper::run(const std::stop_token& stop) {
+  step_back();
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    changed_.wait(lock, stop, [this] { return !followed_.empty(); });
+    const std::set<std::string> studies = std::exchange(followed_, {});
+    std::set<std::string> go_on;
+    lock.unlock();
+    for (const std::string& study : studies)
+      if (!stop.stop_requested() && may_get_more(study)) go_on.insert(study);
+    lock.lock();
+    followed_.merge(go_on);
+    if (!followed_.empty())
+      changed_.wait_for(lock, stop, look_interval, [] { return false; });  // or the end
+  }
+}
+
+}  // namespace dccast::studies
