@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/casting/attempt.hpp"
 #include "core/casting/case.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/casting_schedule.hpp"
@@ -18,15 +19,6 @@
 #include "core/results/step_report.hpp"
 
 namespace dccast::casting {
-
-/// Outcome of one attempt at one step.
-struct Attempt {
-  bool converged = false;
-  std::string why;         ///< heat or mechanics, when it did not converge
-  double time_step = 0.0;  ///< [s]
-  thermal::HeatStepOutcome heat;
-  mechanics::StepOutcome mechanics;
-};
 
 /// Where a step begins that heat and mechanics take in several rounds.
 template <int Dim>
@@ -72,9 +64,7 @@ private:
   std::vector<double> side_rise() const;
   double metal_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
-  void report_heat(const Attempt& accepted, results::StepReport& report) const;
   void report_mechanics(results::StepReport& report);
-  void report_monitors(results::StepReport& report) const;
   void judge_plausibility(results::StepReport& report);
   Extreme liquid_pressure_error() const;
   int growing_elements() const;
