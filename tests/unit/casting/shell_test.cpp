@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/print_kinds.hpp"
 
 namespace dccast::casting {
 namespace {
@@ -27,7 +28,9 @@ protected:
   const mesh::SlabMesh2D slab{even_cells(GetParam())};
   std::vector<char> solid = std::vector<char>(std::size_t(slab.mesh().elements()), 0);
 
-  int elements_in_cell() const { return slab.mesh().elements() / (slab.rows() * slab.cells_per_row()); }
+  int elements_in_cell() const {
+    return slab.mesh().elements() / (slab.rows() * slab.cells_per_row());
+  }
   void set(int column, int row, bool is_solid) {
     const int cell = row * slab.cells_per_row() + column;
     for (int i = 0; i < elements_in_cell(); ++i)
