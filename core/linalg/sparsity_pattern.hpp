@@ -20,7 +20,7 @@ public:
   SparsityPattern(int unknowns, std::span<const int> element_unknown, int per_element);
 
   /// Takes a mesh that has grown: columns from the least unknown of a new element on are found
-  /// anew, those before stay where they are. The same pattern as one built of all elements.
+  /// again, those before stay where they are. The same pattern as one built of all elements.
   /// @param element_unknown  of all elements, those the pattern has first
   void extend(int unknowns, std::span<const int> element_unknown);
 
@@ -51,8 +51,8 @@ private:
   std::vector<int> place_;
 };
 
-/// y = A x for a symmetric matrix given by its lower triangle; node by node where each has three
-/// unknowns.
+/// y = A x for a symmetric matrix given by its lower triangle [units are the caller's in all of
+/// this room]; node by node where each has three unknowns.
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y);
 
