@@ -21,7 +21,7 @@ public:
   /// @param places  a row each
   Estimate estimate(const Eigen::MatrixXd& places) const;
 
-  /// What each value is off the estimate made without it; no process is built anew (eq. 5.12).
+  /// Error of the estimate of each value made without it, from one factorisation (eq. 5.12).
   Eigen::VectorXd left_out_errors() const;
   const Hyperparameters& hyperparameters() const { return hyperparameters_; }
 
