@@ -30,9 +30,8 @@ const char* const guide =
     "  dccast report JOB -o report.html          one page that opens from disk\n"
     "\nExit codes: 0 done, 2 usage or invalid case, 3 the solve failed, 4 server unreachable or\n"
     "refused, 5 not found or not allowed, 6 not in its present state, 130 interrupted (Ctrl-C,\n"
-    "SIGTERM; a job goes on). Results go to standard output, talk to standard error. JOB is an "
-    "id,\n"
-    "the beginning of one, or `last`. Defaults stand in ~/.config/dccast/client.toml. `dccast "
+    "SIGTERM; a job goes on). Results go to standard output, messages to standard error. JOB is\n"
+    "an id, the beginning of one, or `last`. Defaults are in ~/.config/dccast/client.toml. `dccast "
     "COMMAND\n"
     "--help` shows the options of a command with an example.";
 

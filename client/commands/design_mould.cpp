@@ -100,15 +100,16 @@ constexpr const char* examples =
     "mm/min\"\n"
     "  dccast design-mould --study ID --plot mould.html   what there is, and a page of charts\n"
     "\n"
-    "The first run casts in the mould of the case; each further one in an opening corrected by "
-    "what\n"
-    "the cold slab lacked. docs/mould-design.md says how. Exit code 3 when no opening within the\n"
+    "The first run casts in the mould of the case; each further one in an opening "
+    "corrected\n"
+    "by the deviation of the cold slab (docs/mould-design.md). Exit code 3 when no opening within "
+    "the\n"
     "tolerance was found.";
 
 void add_options(CLI::App& command, Options& options) {
   command.add_option("CASE", options.base.file,
                      "Case file of a quarter slab that is cast until it is steady");
-  command.add_flag("--flat", options.flat, "The cold slab shall be flat along its wide face");
+  command.add_flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
   command
       .add_option("--tolerance", options.tolerance,
                   "Of the half-thickness of the cold slab, anywhere along the face")

@@ -64,8 +64,8 @@ void add_predict(CLI::App& app, Program& program) {
       app, "predict",
       "The curl at values that a sweep has not run, from a response surface over its runs. It "
       "covers "
-      "the range of the sweep and nothing outside; the +- is its own standard error, to which the "
-      "error of the runs' mesh comes",
+      "the range of the sweep and nothing outside; the +- is its own standard error, without "
+      "the mesh error of the runs",
       "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
       "schedule.water_flow.scale=0.9");
   command->add_option("STUDY", options->id, "Id of a sweep")->required();

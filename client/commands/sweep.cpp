@@ -116,9 +116,8 @@ void add_options(CLI::App& command, Options& options) {
       "--list", options.list, "KEY=a,b,c: the first values of all keys, the second ones, ...");
   list->excludes(grid);
   command
-      .add_option(
-          "--lhs", options.hypercube,
-          "So many runs at places of a Latin hypercube between the two values of each --grid")
+      .add_option("--lhs", options.hypercube,
+                  "Number of runs of a Latin hypercube between the two values of each --grid")
       ->check(CLI::Range(1, 10000))
       ->excludes(list);
   command.add_option("--seed", options.seed, "Of the Latin hypercube")->capture_default_str();

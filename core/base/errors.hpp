@@ -16,7 +16,7 @@ struct Fault {
   std::string remedy;     ///< what to write instead
 };
 
-/// Collects every fault of a case, so that one answer names them all.
+/// Collects every fault of a case, so that one answer names them all. Values are in SI and °C.
 class Faults {
 public:
   void add(Fault fault) { list_.push_back(std::move(fault)); }
@@ -41,14 +41,14 @@ private:
   Faults faults_;
 };
 
-/// A step did not converge at the smallest time step the case permits.
+/// A step did not converge at the smallest time step [s] that the case permits.
 class SolveFailed : public std::runtime_error {
 public:
   SolveFailed(const std::string& what, double time, double time_step,
               std::vector<double> residual_history);
   double time() const { return time_; }            ///< [s] where the step began
   double time_step() const { return time_step_; }  ///< [s] smallest step tried
-  /// Relative residual after each iteration of the last attempt.
+  /// Relative residual after each iteration of the last attempt [1].
   const std::vector<double>& residual_history() const { return residual_history_; }
 
 private:

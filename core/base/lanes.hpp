@@ -3,13 +3,15 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/instructions.hpp"
+
 // Lanes are passed by value inside functions compiled for one set of instructions only.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace dccast {
 
-/// So many numbers side by side, on which + - * / and comparisons work at once. What a formula says
-/// of a number it then says of those of several elements or points.
+/// `Count` numbers side by side, on which + - * / and comparisons work at once: a formula written
+/// for one number is evaluated for several elements or points.
 template <int Count>
 struct LanesOf {
   typedef double type __attribute__((vector_size(8 * Count), may_alias));
@@ -17,19 +19,10 @@ struct LanesOf {
 template <int Count>
 using Lanes = typename LanesOf<Count>::type;
 
-/// How many numbers the registers of this processor hold: 8, 4 or 2.
+/// How many numbers the registers of the instruction set in use hold: 8, 4 or 2.
 inline int register_lanes() {
-#if defined(__x86_64__)
-  static const int count = [] {
-    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return 2;
-    const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                      __builtin_cpu_supports("avx512dq");
-    return wide ? 8 : 4;
-  }();
+  static const int count = 2 << static_cast<int>(instructions());
   return count;
-#else
-  return 2;
-#endif
 }
 
 /// An upper bound of register_lanes().

@@ -4,9 +4,9 @@
 
 namespace dccast {
 
-using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< by row
+using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< by row [1]
 
-double determinant(const Matrix3& m);
+double determinant(const Matrix3& m);  ///< [1]
 /// @pre determinant(m) != 0
 Matrix3 inverse(const Matrix3& m);
 Matrix3 product(const Matrix3& a, const Matrix3& b);
@@ -15,7 +15,7 @@ Matrix3 product(const Matrix3& a, const Matrix3& b);
 /// (Higham 1986); no rotation where F turns a volume inside out.
 Matrix3 polar_rotation(const Matrix3& gradient);
 
-/// The unit quaternion of a rotation, its real part first (Shepperd 1978).
+/// The unit quaternion of a rotation, its real part first [1] (Shepperd 1978).
 std::array<double, 4> quaternion_of(const Matrix3& rotation);
 
 }  // namespace dccast

@@ -29,7 +29,7 @@ public:
   double casting_temperature(double time, double length) const;  ///< [°C]
   /// [m2/s], that of an open valve where it is pulsed; zero before its start.
   double water_flow(double time, double length) const;
-  double narrow_water_flow(double time, double length) const;  ///< the same of the narrow face
+  double narrow_water_flow(double time, double length) const;  ///< [m2/s] of the narrow face
 
   /// First time after another one at which the fields are stored [s].
   double next_frame(double time) const;

@@ -19,11 +19,13 @@ public:
 
   /// Takes the mesh as it is now.
   void update_mesh();
+  /// @param time  [s] @param temperature  [°C] of all metal where none is prescribed
   thermal::HeatField initial_field(double time, double temperature) const;
 
   /// Takes the mesh after it has grown and carries the enthalpy over.
-  /// @param nodes_per_row  of the mesh
-  /// @return               what the balance needs to know of it
+  /// @param nodes_per_row        of the mesh
+  /// @param casting_temperature  [°C] of the metal that entered
+  /// @return                     what the balance needs to know of it
   std::optional<thermal::MetalEntry> follow_growth(thermal::HeatField& field, int nodes_per_row,
                                                    double casting_temperature);
 

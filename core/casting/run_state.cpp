@@ -2,76 +2,99 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace dccast::casting {
 
 namespace {
 
 using restart::Sections;
-template <int Dim>
-using Tensors = std::vector<SymmetricTensor<Dim>>;
 
-template <int Dim>
-Sections::Reals flat(const Tensors<Dim>& tensors) {
-  Sections::Reals values;
-  values.reserve(tensors.size() * SymmetricTensor<Dim>::components);
-  for (const auto& t : tensors) values.insert(values.end(), t.value.begin(), t.value.end());
-  return values;
+/// Puts fields into sections, each under its name.
+struct FieldWriter {
+  Sections& sections;
+
+  void operator()(const char* name, double value) const { sections.set_real(name, value); }
+  void operator()(const char* name, std::int64_t value) const { sections.set_integer(name, value); }
+  void operator()(const char* name, bool value) const { sections.set_integer(name, value ? 1 : 0); }
+  void operator()(const char* name, const Sections::Reals& values) const {
+    sections.set(name, values);
+  }
+  void operator()(const char* name, const std::vector<char>& flags) const {
+    sections.set(name, Sections::Integers{flags.begin(), flags.end()});
+  }
+  template <int Dim>
+  void operator()(const char* name, const std::vector<SymmetricTensor<Dim>>& tensors) const {
+    Sections::Reals values;
+    values.reserve(tensors.size() * SymmetricTensor<Dim>::components);
+    for (const auto& t : tensors) values.insert(values.end(), t.value.begin(), t.value.end());
+    sections.set(name, std::move(values));
+  }
+};
+
+/// Takes them from sections. Throws std::out_of_range for a section that is missing or whose values
+/// are no flags or no whole tensors.
+struct FieldReader {
+  const Sections& sections;
+
+  void operator()(const char* name, double& value) const { value = sections.real(name); }
+  void operator()(const char* name, std::int64_t& value) const { value = sections.integer(name); }
+  void operator()(const char* name, bool& value) const { value = sections.integer(name) != 0; }
+  void operator()(const char* name, Sections::Reals& values) const {
+    values = sections.reals(name);
+  }
+  void operator()(const char* name, std::vector<char>& flags) const {
+    const Sections::Integers& values = sections.integers(name);
+    for (const std::int64_t value : values)
+      if (value != 0 && value != 1)
+        throw std::out_of_range("'" + std::string(name) + "' has more than 0 and 1");
+    flags.assign(values.begin(), values.end());
+  }
+  template <int Dim>
+  void operator()(const char* name, std::vector<SymmetricTensor<Dim>>& tensors) const {
+    constexpr std::size_t components = SymmetricTensor<Dim>::components;
+    const Sections::Reals& values = sections.reals(name);
+    if (values.size() % components != 0)
+      throw std::out_of_range("'" + std::string(name) + "' is no whole tensors");
+    tensors.resize(values.size() / components);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      tensors[i / components][i % components] = values[i];
+  }
+};
+
+/// Calls use(name, field) for every field of a slab, constant or not.
+template <class Slab, class Use>
+void for_slab_fields(Slab& slab, const Use& use) {
+  use("slab/started", slab.started);
+  use("slab/displacement_m", slab.displacement);
+  use("slab/released", slab.released);
+  use("slab/solid", slab.solid);
+  use("slab/inelastic_strain", slab.inelastic);
+  use("slab/viscoplastic_strain", slab.viscoplastic);
+  use("slab/stress_deviator_pa", slab.deviator);
+  use("slab/pressure_pa", slab.pressure);
+  use("slab/contact", slab.contact);
+  use("slab/contact_multiplier_pa", slab.contact_multiplier);
+  use("slab/reaction_n_per_m", slab.reaction);
 }
 
-/// @throws std::out_of_range  the values are not whole tensors
-template <int Dim>
-Tensors<Dim> tensors(const Sections& s, const std::string& name) {
-  constexpr std::size_t components = SymmetricTensor<Dim>::components;
-  const Sections::Reals& values = s.reals(name);
-  if (values.size() % components != 0)
-    throw std::out_of_range("'" + name + "' is no whole tensors");
-  Tensors<Dim> result(values.size() / components);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    result[i / components][i % components] = values[i];
-  return result;
-}
-
-Sections::Integers flags(const std::vector<char>& values) {
-  return {values.begin(), values.end()};
-}
-
-/// @throws std::out_of_range  a value is neither 0 nor 1
-std::vector<char> flags(const Sections& s, const std::string& name) {
-  const Sections::Integers& values = s.integers(name);
-  for (const std::int64_t value : values)
-    if (value != 0 && value != 1) throw std::out_of_range("'" + name + "' has more than 0 and 1");
-  return {values.begin(), values.end()};
-}
-
-template <int Dim>
-void write_slab(const mechanics::SlabState<Dim>& slab, Sections& s) {
-  s.set_integer("slab/started", slab.started ? 1 : 0);
-  s.set("slab/displacement_m", slab.displacement);
-  s.set("slab/released", flags(slab.released));
-  s.set("slab/solid", flags(slab.solid));
-  s.set("slab/inelastic_strain", flat<Dim>(slab.inelastic));
-  s.set("slab/viscoplastic_strain", flat<Dim>(slab.viscoplastic));
-  s.set("slab/stress_deviator_pa", flat<Dim>(slab.deviator));
-  s.set("slab/pressure_pa", slab.pressure);
-  s.set("slab/contact", flags(slab.contact));
-  s.set("slab/contact_multiplier_pa", slab.contact_multiplier);
-  s.set("slab/reaction_n_per_m", slab.reaction);
-}
-
-template <int Dim>
-void read_slab(const Sections& s, mechanics::SlabState<Dim>& slab) {
-  slab.started = s.integer("slab/started") != 0;
-  slab.displacement = s.reals("slab/displacement_m");
-  slab.released = flags(s, "slab/released");
-  slab.solid = flags(s, "slab/solid");
-  slab.inelastic = tensors<Dim>(s, "slab/inelastic_strain");
-  slab.viscoplastic = tensors<Dim>(s, "slab/viscoplastic_strain");
-  slab.deviator = tensors<Dim>(s, "slab/stress_deviator_pa");
-  slab.pressure = s.reals("slab/pressure_pa");
-  slab.contact = flags(s, "slab/contact");
-  slab.contact_multiplier = s.reals("slab/contact_multiplier_pa");
-  slab.reaction = s.reals("slab/reaction_n_per_m");
+/// The same for a run, without what judges it and how it failed.
+template <class State, class Use>
+void for_fields(State& state, const Use& use) {
+  use("step", state.step);
+  use("time_s", state.time);
+  use("cast_length_m", state.cast_length);
+  use("next_frame_s", state.next_frame);
+  use("step_limit_s", state.step_limit);
+  use("solver_s", state.solver_seconds);
+  use("process_s", state.process_seconds);
+  use("row_heights_m", state.row_heights);
+  use("heat/enthalpy_j_per_m3", state.heat.enthalpy);
+  use("heat/temperature_c", state.heat.temperature);
+  use("heat/liquid_fraction", state.heat.liquid_fraction);
+  use("heat/wetted", state.heat.wetted);
+  for_slab_fields(state.slab, use);
 }
 
 void write_failures(const RunFailures& failures, Sections& s) {
@@ -109,19 +132,7 @@ RunFailures read_failures(const Sections& s) {
 template <int Dim>
 Sections to_sections(const RunState<Dim>& state) {
   Sections s;
-  s.set_integer("step", state.step);
-  s.set_real("time_s", state.time);
-  s.set_real("cast_length_m", state.cast_length);
-  s.set_real("next_frame_s", state.next_frame);
-  s.set_real("step_limit_s", state.step_limit);
-  s.set_real("solver_s", state.solver_seconds);
-  s.set_real("process_s", state.process_seconds);
-  s.set("row_heights_m", state.row_heights);
-  s.set("heat/enthalpy_j_per_m3", state.heat.enthalpy);
-  s.set("heat/temperature_c", state.heat.temperature);
-  s.set("heat/liquid_fraction", state.heat.liquid_fraction);
-  s.set("heat/wetted", flags(state.heat.wetted));
-  write_slab(state.slab, s);
+  for_fields(state, FieldWriter{s});
   write_validity(state.validity, s);
   write_plausibility(state.plausibility, s);
   write_failures(state.failures, s);
@@ -131,19 +142,7 @@ Sections to_sections(const RunState<Dim>& state) {
 template <int Dim>
 RunState<Dim> state_of(const Sections& s) {
   RunState<Dim> state;
-  state.step = s.integer("step");
-  state.time = s.real("time_s");
-  state.cast_length = s.real("cast_length_m");
-  state.next_frame = s.real("next_frame_s");
-  state.step_limit = s.real("step_limit_s");
-  state.solver_seconds = s.real("solver_s");
-  state.process_seconds = s.real("process_s");
-  state.row_heights = s.reals("row_heights_m");
-  state.heat.enthalpy = s.reals("heat/enthalpy_j_per_m3");
-  state.heat.temperature = s.reals("heat/temperature_c");
-  state.heat.liquid_fraction = s.reals("heat/liquid_fraction");
-  state.heat.wetted = flags(s, "heat/wetted");
-  read_slab(s, state.slab);
+  for_fields(state, FieldReader{s});
   state.validity = read_validity(s);
   state.plausibility = read_plausibility(s);
   state.failures = read_failures(s);

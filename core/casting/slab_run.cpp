@@ -8,10 +8,9 @@
 #include "core/base/stopwatch.hpp"
 #include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/run_frame.hpp"
+#include "core/casting/run_report.hpp"
 #include "core/casting/state_fit.hpp"
-#include "core/casting/temperature_figures.hpp"
 #include "core/casting/validity/motion.hpp"
-#include "core/fem/point_location.hpp"
 
 namespace dccast::casting {
 
@@ -46,14 +45,6 @@ mechanics::Options options_of(const Case& c) {
   mechanics::Options options = c.mechanics.options;
   options.mould_length = c.cooling.water.from;
   return options;
-}
-
-/// The last component of every vector.
-template <int Dim>
-std::vector<double> along_last(const std::vector<double>& vectors) {
-  std::vector<double> last;
-  for (std::size_t i = Dim - 1; i < vectors.size(); i += Dim) last.push_back(vectors[i]);
-  return last;
 }
 
 /// How far a block with a profile lies below each bottom node [m]; empty for a flat one.
@@ -297,27 +288,9 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
 
 template <int Dim>
 results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts) {
-  results::StepReport r;
-  r.step = state_.step;
-  r.time = state_.time;
-  r.time_step = accepted.time_step;
-  r.cast_length = state_.cast_length;
-  r.iterations = accepted.mechanics.iterations;
-  r.heat_iterations = accepted.heat.iterations;
-  r.contact_changes = accepted.mechanics.contact_changes;
-  r.factorizations = accepted.mechanics.factorizations + accepted.heat.factorizations;
-  r.solves = accepted.mechanics.solves + accepted.heat.solves;
-  r.conjugate_gradient_iterations = accepted.mechanics.gradient_iterations;
-  r.failed_attempts = failed_attempts;
-  r.constitutive_residual = accepted.mechanics.constitutive_residual;
-  report_heat(accepted, r);
+  results::StepReport r = report_of<Dim>(
+      {case_, mesh(), state_, accepted, metal_level(), face_length_, schedule_}, failed_attempts);
   if (state_.slab.started) report_mechanics(r);
-  report_monitors(r);
-  r.nodes = mesh().nodes();
-  r.elements = mesh().elements();
-  r.solver_seconds = state_.solver_seconds;
-  r.process_seconds = state_.process_seconds;
-  r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
   judge_plausibility(r);
   return r;
 }
@@ -331,35 +304,6 @@ void SlabRun<Dim>::judge_plausibility(results::StepReport& r) {
                            state_.slab, mesh().elements() - growing_elements(),
                            lift,        state_.validity.lost};
   judge(case_, view, r, state_.plausibility);
-}
-
-template <int Dim>
-void SlabRun<Dim>::report_heat(const Attempt& accepted, results::StepReport& r) const {
-  const thermal::HeatBalance& balance = accepted.heat.balance;
-  r.energy_balance_error = balance.error;
-  r.wall_heat_flux = (balance.side + balance.bottom) / (accepted.time_step * face_length_);
-  r.side_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::wide)] / face_length_;
-  r.narrow_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::narrow)] / face_length_;
-  r.bottom_heat = accepted.heat.bottom_heat_flux / face_length_;
-  const double level = metal_level();
-  r.sump_depth = sump_depth<Dim>(mesh(), state_.heat.temperature, level, case_.alloy.coherency);
-  r.mould_exit_temperature =
-      side_temperature<Dim>(mesh(), state_.heat.temperature, level - case_.cooling.water.from);
-}
-
-/// A monitor above the metal level is not poured yet: it has neither displacement nor temperature.
-template <int Dim>
-void SlabRun<Dim>::report_monitors(results::StepReport& r) const {
-  for (const Monitor& monitor : case_.monitors) {
-    const auto place = fem::locate(mesh(), point_of<Dim>(monitor));
-    std::vector<double> displacement(Dim, std::nan(""));
-    for (int d = 0; place && d < Dim; ++d)
-      displacement[std::size_t(d)] =
-          fem::interpolate<Dim>(mesh(), *place, state_.slab.displacement, Dim, d);
-    r.monitor_displacement.push_back(std::move(displacement));
-    r.monitor_temperature.push_back(
-        place ? fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature) : std::nan(""));
-  }
 }
 
 template <int Dim>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/team.hpp"
+#include "core/casting/attempt.hpp"
 #include "core/casting/case.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/casting_schedule.hpp"
@@ -19,15 +20,6 @@
 #include "core/results/step_report.hpp"
 
 namespace dccast::casting {
-
-/// Outcome of one attempt at one step.
-struct Attempt {
-  bool converged = false;
-  std::string why;         ///< heat or mechanics, when it did not converge
-  double time_step = 0.0;  ///< [s]
-  thermal::HeatStepOutcome heat;
-  mechanics::StepOutcome mechanics;
-};
 
 /// Where a step begins that heat and mechanics take in several rounds.
 template <int Dim>
@@ -79,9 +71,7 @@ private:
   std::vector<double> side_rise() const;
   double metal_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
-  void report_heat(const Attempt& accepted, results::StepReport& report) const;
   void report_mechanics(results::StepReport& report);
-  void report_monitors(results::StepReport& report) const;
   void judge_plausibility(results::StepReport& report);
   Extreme liquid_pressure_error() const;
   int growing_elements() const;

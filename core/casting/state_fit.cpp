@@ -132,6 +132,8 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
     reasons.require_reals(state.validity.when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
                           "rotation when liquid");
+  for (const Finding& finding : state.plausibility.raised)
+    if (!finding.place.empty()) reasons.require_reals(finding.place, Dim, "the place of a finding");
   return reasons.first();
 }
 

@@ -9,19 +9,19 @@ public:
   /// @param smallest  [s] below it the run has failed
   explicit StepControl(double smallest) : smallest_(smallest) {}
 
-  /// Step to try [s]. @param wanted  what the case asks for
+  /// Step to try [s]. @param wanted  what the case asks for [s]
   double choose(double wanted) const { return wanted < limit_ ? wanted : limit_; }
   void accepted();
-  /// @return false when there is no smaller step to try
+  /// @param step  [s] that did not converge @return false when there is no smaller step to try
   bool rejected(double step);
 
-  double limit() const { return limit_; }  ///< [s] for the checkpoint
-  void restore(double limit) { limit_ = limit; }
+  double limit() const { return limit_; }         ///< [s] for the checkpoint
+  void restore(double limit) { limit_ = limit; }  ///< [s]
 
 private:
-  static constexpr double unlimited = 1e300;
-  double smallest_;           ///< [s]
-  double limit_ = unlimited;  ///< [s]
+  static constexpr double unlimited = 1e300;  ///< [s]
+  double smallest_;                           ///< [s]
+  double limit_ = unlimited;                  ///< [s]
 };
 
 }  // namespace dccast::casting

@@ -23,10 +23,10 @@ public:
   /// A step up to the checkpoint, whose report was lost on its way:
   /// RunDirectory::last_reported_step. Comes before on_resumed(), is exact, and is stored already.
   virtual void on_missed_step(const results::StepReport&) {}
-  /// The run went on from a checkpoint; steps after `step` are reported (again).
+  /// The run went on from a checkpoint; steps after `step`, at `time` [s], are reported (again).
   virtual void on_resumed(std::int64_t step, double time) = 0;
-  /// The model is no longer valid: the step reported next and all later ones are marked. Said once,
-  /// and again after a resumption. Who only collects steps has their marks.
+  /// The model is no longer valid: the step reported next and all later ones are marked. Called
+  /// once, and again after a resumption. The marks are in the steps too.
   virtual void on_validity_lost(const results::ValidityLoss&) {}
   /// Something about the casting that an engineer should know: each code once, those of the case
   /// before the first step, those of a step before its report. All again after a resumption.

@@ -44,7 +44,8 @@ private:
   std::size_t carrying_ = 0;
 };
 
-/// Largest violation of gap >= 0, reaction >= 0 and their product, relative to the scales given.
+/// Largest violation of gap >= 0 [m], reaction >= 0 [N/m] and their product, relative to the scales
+/// given [m], [N/m]; a number [1].
 double complementarity_error(std::span<const double> gap, std::span<const double> reaction,
                              double length_scale, double force_scale);
 

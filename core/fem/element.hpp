@@ -5,9 +5,9 @@
 
 namespace dccast::fem {
 
-/// An element family is a struct with its dimension, its numbers of nodes and quadrature points, the
-/// points and weights on the reference cell, and the shape functions there. Everything else (mean
-/// gradients, assembly, material) is written once over these.
+/// An element family is a struct with its dimension, its numbers of nodes and quadrature points,
+/// the points and weights on the reference cell, and the shape functions there. Everything else
+/// (mean gradients, assembly, material) is written once over these.
 
 /// Linear triangle, one point: the paper's element (section 4.1).
 struct P1Triangle {
@@ -38,7 +38,7 @@ struct P1Tetrahedron {
 };
 
 namespace detail {
-inline constexpr double gauss = 0.57735026918962576451;  // 1/sqrt(3)
+inline constexpr double gauss = 0.57735026918962576451;  ///< [1] 1/sqrt(3)
 inline constexpr std::array<std::array<double, 3>, 8> corner{{{-1, -1, -1},
                                                               {1, -1, -1},
                                                               {1, 1, -1},
@@ -104,10 +104,10 @@ using Q1Hexahedron = Q1<3>;
 struct BendingQuadrilateral : Q1Quadrilateral {};
 
 /// The trilinear hexahedron with an assumed strain, the same idea in three dimensions. Beside its
-/// mean the strain has what three plates have, one across each axis of the cell: stretches and shear
-/// in the plane of the other two axes, linear across, with the opposite strain across, and no shear
-/// across. Three stretches that are bilinear complete it, so that no deformation is without energy.
-/// docs/elements.md says why.
+/// mean the strain has what three plates have, one across each axis of the cell: stretches and
+/// shear in the plane of the other two axes, linear across, with the opposite strain across, and no
+/// shear across. Three stretches that are bilinear complete it, so that no deformation is without
+/// energy. docs/elements.md says why.
 struct BendingHexahedron : Q1Hexahedron {};
 
 /// A plane element turned about the axis where coordinate 0, then the radius, is zero. Its

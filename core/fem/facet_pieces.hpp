@@ -23,8 +23,8 @@ struct EdgePiece {
   /// a quantity linear along the edge make together.
   std::array<double, 2> level;
   std::array<std::array<double, 2>, 2>
-      weight;  ///< by node, by Gauss point [m], axisymmetric [m2/rad]
-  double middle_level;
+      weight;           ///< by node, by Gauss point [m], axisymmetric [m2/rad]
+  double middle_level;  ///< in the unit of the levels
 };
 
 /// A piece of a face between two levels.
@@ -33,7 +33,7 @@ struct FacePiece {
   /// Mean level under each shape function: what a law that is linear in the level must be given.
   std::array<double, 4> level;
   double area;          ///< [m2]
-  double middle_level;  ///< mean of the piece
+  double middle_level;  ///< mean of the piece, in the unit of the levels
 };
 
 /// An edge as its two ends; xi runs from 0 at the first to 1 at the second.
@@ -41,6 +41,7 @@ class EdgeCut {
 public:
   /// @param level   of the two nodes, by which the edge is cut
   /// @param radius  of the two nodes [m]; {1, 1} but in an axisymmetric section
+  /// @param length  [m]
   EdgeCut(double length, std::array<double, 2> level, std::array<double, 2> radius)
       : length_(length), level_(level), radius_(radius) {}
 

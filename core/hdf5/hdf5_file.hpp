@@ -53,7 +53,7 @@ public:
 
   void create_group(const std::string& object);
   /// @param shape  rows first; large arrays are chunked, deflated and get a checksum
-  /// @param unit, meaning  become the attributes `unit` and `meaning`
+  /// @param unit, meaning  of the values, become the attributes `unit` and `meaning`
   void write(const std::string& object, const Shape& shape, const double* values, const char* unit,
              const char* meaning);
   void write(const std::string& object, const Shape& shape, const std::int32_t* values,

@@ -15,7 +15,7 @@ struct BandShape {
   std::vector<int> first;          ///< (row of tiles) first column of tiles, never decreasing
   std::vector<int> last;           ///< (column of tiles) last row that reaches it
   std::vector<std::size_t> start;  ///< (row of tiles + 1) place of its first tile
-  double flops = 0.0;              ///< multiplications and additions of a factorisation
+  double flops = 0.0;              ///< [1] multiplications and additions of a factorisation
 
   /// @param place  (unknown) its place in the order of elimination
   BandShape(const SparsityPattern& pattern, std::span<const int> place);
@@ -51,15 +51,15 @@ public:
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
-  /// Share of the rows that a factorisation repeats if only entries of this unknown change.
+  /// Share of the rows that a factorisation repeats if only entries of this unknown change [1].
   double share_to_repeat(int unknown) const;
 
   const BandShape& shape() const { return shape_; }
-  /// Numbers in the factor.
+  /// Numbers in the factor [1].
   double factor_entries() const { return 64.0 * static_cast<double>(tiles()); }
   /// What factor and places take [byte].
   std::size_t memory_bytes() const;
-  /// Share of the rows that the last factorisation had to compute.
+  /// Share of the rows that the last factorisation had to compute [1].
   double share_computed() const { return share_computed_; }
 
 private:

@@ -36,7 +36,7 @@ public:
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
-  /// Numbers in the factor, after analyze().
+  /// Numbers in the factor [1], after analyze().
   double factor_entries() const;
   /// What the factor takes [byte], after analyze().
   std::size_t memory_bytes() const;

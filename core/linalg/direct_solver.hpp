@@ -29,7 +29,7 @@ public:
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
-  /// Share of a factorisation that is repeated if only entries of this unknown change.
+  /// Share of a factorisation that is repeated if only entries of this unknown change [1].
   double share_to_repeat(int unknown) const {
     return uses_band_ ? band_.share_to_repeat(unknown) : 1.0;
   }
@@ -37,7 +37,7 @@ public:
   bool uses_band() const { return uses_band_; }
   long factorizations() const { return factorizations_; }
   long solves() const { return solves_; }
-  /// Numbers in the factor, after analyze().
+  /// Numbers in the factor [1], after analyze().
   double factor_entries() const;
   /// What the factor takes [byte], after analyze().
   std::size_t memory_bytes() const;

@@ -20,7 +20,7 @@ public:
   SparsityPattern(int unknowns, std::span<const int> element_unknown, int per_element);
 
   /// Takes a mesh that has grown: columns from the least unknown of a new element on are found
-  /// anew, those before stay where they are. The same pattern as one built of all elements.
+  /// again, those before stay where they are. The same pattern as one built of all elements.
   /// @param element_unknown  of all elements, those the pattern has first
   void extend(int unknowns, std::span<const int> element_unknown);
 
@@ -59,8 +59,9 @@ private:
   std::vector<int> part_{0, 0};
 };
 
-/// y = A x for a symmetric matrix given by its lower triangle; node by node where each has three
-/// unknowns, and then shared among the team lent to the thread. The bits do not depend on it.
+/// y = A x for a symmetric matrix given by its lower triangle [units are the caller's in all of
+/// this room]; node by node where each has three unknowns, and then shared among the team lent to
+/// the thread. The bits do not depend on it.
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y);
 

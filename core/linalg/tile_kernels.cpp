@@ -1,7 +1,10 @@
 #include "core/linalg/tile_kernels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "core/base/instructions.hpp"
 
 #define DCCAST_INLINE [[gnu::always_inline]] inline
 
@@ -263,14 +266,6 @@ DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x, const BandShar
   solve_band<8>(band, x, share);
 }
 constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, 45e9, factorize_avx512, solve_avx512};
-
-bool runs_avx2() {
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-}
-bool runs_avx512() {
-  return runs_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-         __builtin_cpu_supports("avx512dq");
-}
 #endif
 
 }  // namespace
@@ -278,15 +273,15 @@ bool runs_avx512() {
 TileKernelList runnable_tile_kernels() {
   TileKernelList list{{&plain, nullptr, nullptr}, 1};
 #if defined(__x86_64__) && defined(__GNUC__)
-  if (runs_avx2()) list.kernel[list.count++] = &avx2;
-  if (runs_avx512()) list.kernel[list.count++] = &avx512;
+  if (processor_instructions() >= Instructions::avx2) list.kernel[list.count++] = &avx2;
+  if (processor_instructions() >= Instructions::avx512) list.kernel[list.count++] = &avx512;
 #endif
   return list;
 }
 
 const TileKernels& best_tile_kernels() {
   static const TileKernelList list = runnable_tile_kernels();
-  return *list.kernel[list.count - 1];
+  return *list.kernel[std::min(list.count - 1, static_cast<int>(instructions()))];
 }
 
 }  // namespace dccast::linalg

@@ -55,7 +55,7 @@ struct BandShare {
 struct TileKernels {
   const char* name;
   /// Work per unknown below which a band factorisation beats CHOLMOD's: the mean square of the
-  /// height of its columns. Measured in docs/factorisation.md.
+  /// height of its columns [1]. Measured in docs/factorisation.md.
   double flops_per_unknown;
   /// What a factorisation reaches [1/s]. Measured there too.
   double flops_per_second;
@@ -69,7 +69,7 @@ struct TileKernels {
   void (*solve)(const TileBand& band, TileRow* x, const BandShare& share);
 };
 
-/// The fastest of those that this processor can run.
+/// Those of the instruction set in use, see instructions().
 const TileKernels& best_tile_kernels();
 
 /// All that this processor can run, plain C++ first.

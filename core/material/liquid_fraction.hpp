@@ -28,6 +28,7 @@ inline double temperature_of_fraction(const AlloyCard& card, double fraction) {
   return table.at()[i - 1] + share * (table.at()[i] - table.at()[i - 1]);
 }
 
+/// @param temperature [°C] @return [1]
 inline double solid_fraction_at(const AlloyCard& card, double temperature) {
   return 1.0 - liquid_fraction_at(card, temperature);
 }

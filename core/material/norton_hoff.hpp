@@ -19,19 +19,19 @@ struct NortonHoff {
 /// Constants of a card; @see NortonHoffConstants, ReferenceCreep.
 NortonHoff norton_hoff(const AlloyCard& card);
 
-/// |s|^(q-2), the one power of the law.
+/// |s|^(q-2), the one power of the law [Pa^(q-2)]. @param norm  |s| [Pa] @param exponent  q [1]
 double creep_power(double norm, double exponent);
 
 /// Outcome of the scalar equation of the backward-Euler return map.
 struct ReturnMap {
   double norm;        ///< |s| [Pa]
-  double derivative;  ///< d|s| / d|s_trial|, in (0, 1]
+  double derivative;  ///< d|s| / d|s_trial|, in (0, 1] [1]
 };
 
 /// Solves x + c x^(q-1) = R for x = |s|, the deviator's norm after creep over one step.
 /// @param trial_norm  R = |s_trial| [Pa], not negative
 /// @param creep       c = 2 mu dt kappa [Pa^-(q-2)], not negative
-/// @param exponent    q
+/// @param exponent    q [1]
 /// Newton from min(R, (R/c)^(1/(q-1))), which lies above the root of a convex increasing function:
 /// the iterates fall monotonically to it.
 ReturnMap return_map(double trial_norm, double creep, double exponent);
@@ -40,7 +40,7 @@ ReturnMap return_map(double trial_norm, double creep, double exponent);
 template <int Count>
 struct ReturnMaps {
   Lanes<Count> norm;        ///< |s| [Pa]
-  Lanes<Count> derivative;  ///< d|s| / d|s_trial|, in (0, 1]
+  Lanes<Count> derivative;  ///< d|s| / d|s_trial|, in (0, 1] [1]
 };
 /// @see return_map; where the exponent is the paper's, 6, without a power.
 template <int Count>

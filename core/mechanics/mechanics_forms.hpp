@@ -72,27 +72,31 @@ public:
   virtual std::size_t elements() const = 0;
   virtual std::size_t points() const = 0;  ///< of an element
 
-  /// Deviator of the strain at every point and mean dilatation of every element.
+  /// Deviator of the strain [1] at every point and mean dilatation [1] of every element, of a
+  /// displacement [m].
   virtual void strains(ElementBlock block, std::span<const double> displacement,
                        TensorBlock<Dim> deviator, std::span<double> dilatation) const = 0;
-  /// Adds the nodal forces of the stress deviators and mean normal stresses at the points.
+  /// Adds the nodal forces of the stress deviators and mean normal stresses at the points [Pa] to
+  /// `force` [N/m], axisymmetric [N/rad], of a solid [N].
   /// @param squares  gets the squares of all element forces added
   virtual void add_forces(ElementBlock block, TensorBlock<Dim> stress,
                           std::span<const double> pressure, std::span<double> force,
                           double& squares) const = 0;
-  /// Adds the stiffness of the responses at the points and of the bulk moduli of the elements.
+  /// Adds the stiffness of the responses at the points and of the bulk moduli of the elements
+  /// [Pa] to `values`: force by displacement.
   virtual void add_stiffness(ElementBlock block, ResponseBlock<Dim> response,
                              std::span<const double> bulk, const linalg::SparsityPattern& pattern,
                              std::span<double> values) const = 0;
 
-  /// Strain at a point of an element, its trace the mean dilatation of the element.
+  /// Strain at a point of an element [1], its trace the mean dilatation of the element.
   virtual Tensor strain(std::size_t element, std::size_t point,
                         std::span<const double> displacement) const = 0;
+  /// [1] of a displacement [m]
   virtual double mean_dilatation(std::size_t element,
                                  std::span<const double> displacement) const = 0;
 
   virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], axisymmetric: [m3/rad]
-  /// Sum of the squares of the nodal forces of a mean normal stress in every element.
+  /// Sum of the squares of the nodal forces of a mean normal stress [Pa] in every element.
   virtual double squared_forces(std::span<const double> stress) const = 0;
   /// Subtracts the weight of the elements from the forces, along the last coordinate axis.
   /// @param specific_weight  by element [N/m3]

@@ -9,7 +9,7 @@
 
 namespace dccast::mechanics {
 
-/// The frames of some nodes of a mesh, at hand by element: elements without such a node pay one
+/// The frames of some nodes of a mesh, indexed by element: elements without such a node pay one
 /// comparison.
 template <int Dim>
 class NodeFrames {
@@ -70,7 +70,7 @@ public:
     }
   }
 
-  /// Subtracts a force along the last coordinate axis from those of a node.
+  /// Subtracts a force `by` along the last coordinate axis from those of a node, in their unit.
   void lower(std::span<double> force, int node, double by) const {
     double* f = &force[std::size_t(node) * Dim];
     if (const Frame* frame = frame_of(node)) {

@@ -33,7 +33,7 @@ public:
   /// is kept while the bottom has as many nodes.
   /// @throws std::invalid_argument when there is not one number for each bottom node
   void set_initial_gap(std::vector<double> gap);
-  const std::vector<double>& initial_gap() const { return initial_gap_; }
+  const std::vector<double>& initial_gap() const { return initial_gap_; }  ///< [m]
   /// By bottom node, whether it stands on the block before anything has moved: all over a flat one,
   /// those over its highest part else.
   std::vector<char> initial_contact() const;
@@ -49,10 +49,11 @@ public:
                   std::span<const double> temperature, double solidus, double mould_bottom,
                   std::span<const double> displacement, std::vector<char>& closed) const;
 
-  /// Displacements by unknown, of displacements along the coordinate axes, and back.
+  /// Displacements [m] by unknown, of displacements along the coordinate axes, and back.
   std::vector<double> by_unknown(std::vector<double> displacement) const;
   std::vector<double> by_coordinate(std::vector<double> displacement) const;
   /// Moves side nodes from `first` on back to the mould. @param displacement  by unknown
+  /// [m]
   void stand_at_mould(std::span<double> displacement, int first) const;
 
 private:

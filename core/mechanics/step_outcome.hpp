@@ -26,16 +26,16 @@ struct StepOutcome {
 };
 
 /// What lives longer than a step: the factorisation's analysis and the storage, sized once per
-/// mesh.
+/// mesh. Forces are [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D.
 struct Workspace {
   linalg::DirectSolver solver;
-  std::vector<double> stiffness;
-  std::vector<double> unheld_stiffness;  ///< as it was before unknowns were held
-  std::vector<double> residual;
-  std::vector<double> direction;
-  std::vector<double> lifted;
-  bool is_solid = false;         ///< geometry of the mesh
-  long gradient_iterations = 0;  ///< of conjugate gradients, ever
+  std::vector<double> stiffness;         ///< [force/m]
+  std::vector<double> unheld_stiffness;  ///< [force/m] before unknowns were held
+  std::vector<double> residual;          ///< [force]
+  std::vector<double> direction;         ///< [m]
+  std::vector<double> lifted;            ///< [force] of held unknowns that still move
+  bool is_solid = false;                 ///< geometry of the mesh
+  long gradient_iterations = 0;          ///< of conjugate gradients, ever
   CostSplit cost;
   /// Takes the place of the factor where that is too large.
   std::unique_ptr<linalg::TwoGrid<3>> two_grid;

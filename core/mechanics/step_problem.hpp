@@ -54,21 +54,24 @@ struct StepProblem {
   /// Unknowns whose gap may not become negative, frictionless: of the bottom, over the block
   /// (outward normal -x_last), then of sides along a wall.
   std::vector<int> contact;
-  /// By contact unknown, +1 where it grows as the gap opens, -1 where it falls; empty: all +1.
+  /// By contact unknown, +1 where it grows as the gap opens, -1 where it falls [1]; empty: all +1.
   std::vector<double> contact_sense;
   /// The last so many are of walls. The others carry the weight and are never all open.
   std::size_t walls = 0;
   /// By contact unknown, how far the block lies below it before anything has moved [m]; empty where
   /// the block is flat against the slab.
   std::vector<double> initial_gap;
-  /// Share of the boundary that each stands for [m] in 2D, [m2/rad] if axisymmetric.
+  /// Share of the boundary that each stands for [m] in 2D, [m2/rad] if axisymmetric,
+  /// [m2] in 3D.
   std::vector<double> contact_area;
-  /// Force against which reactions are judged: the weight of the slab, in the unit of the forces.
+  /// Force against which reactions are judged: the weight of the slab, in the unit of
+  /// external_force.
   double weight = 0.0;
 
   std::size_t unknowns() const { return external_force.size(); }
   std::size_t carrying() const { return contact.size() - walls; }
 
+  /// +1 or -1 [1], see contact_sense.
   double sense(std::size_t pair) const { return contact_sense.empty() ? 1.0 : contact_sense[pair]; }
   /// Where a contact unknown stands on the block or at the wall [m].
   double closed_at(std::size_t pair) const {
@@ -79,7 +82,7 @@ struct StepProblem {
     return sense(pair) * (u[std::size_t(contact[pair])] - closed_at(pair));
   }
   /// How fast the gap opens along a vector of the unknowns, or by what force it is held, of a
-  /// vector of forces.
+  /// vector of forces, in the unit of the vector.
   double along_gap(std::size_t pair, std::span<const double> v) const {
     return sense(pair) * v[std::size_t(contact[pair])];
   }

@@ -39,7 +39,7 @@ public:
   ///               row only stretched
   std::vector<double> grow_to(double level);
 
-  /// Restores the state of a checkpoint. @param row_heights as `row_heights()` gave them
+  /// Restores the state of a checkpoint. @param row_heights  [m] as `row_heights()` gave them
   void restore(const std::vector<double>& row_heights);
 
 private:

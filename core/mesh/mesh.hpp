@@ -66,7 +66,7 @@ struct Mesh {
   int elements() const {
     return nodes_per_element == 0 ? 0 : static_cast<int>(element_node.size()) / nodes_per_element;
   }
-  const double* point(int n) const { return node.data() + std::size_t(n) * Dim; }
+  const double* point(int n) const { return node.data() + std::size_t(n) * Dim; }  ///< [m]
   const int* nodes_of(int e) const {
     return element_node.data() + std::size_t(e) * std::size_t(nodes_per_element);
   }

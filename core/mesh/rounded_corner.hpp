@@ -29,8 +29,9 @@ CornerArc corner_arc(const SectionSpec& spec);
 struct PlanGrid {
   int columns = 0;  ///< of points
   int layers = 0;
-  std::vector<double> place;
+  std::vector<double> place;  ///< (column, layer, 2) [m]
 
+  /// The two coordinates of a point [m].
   double* at(int column, int layer) {
     return place.data() + 2 * (std::size_t(column) * std::size_t(layers) + std::size_t(layer));
   }

@@ -11,9 +11,9 @@ struct DerivedField {
   const char* name;  ///< dataset in the frame's group
   const char* unit;
   const char* meaning;
-  bool on_nodes;       ///< else on elements
-  int components = 1;  ///< of a value
-  std::vector<double> values;
+  bool on_nodes;               ///< else on elements
+  int components = 1;          ///< of a value
+  std::vector<double> values;  ///< in `unit`
 };
 
 /// Those that the frame's own fields permit: the displacement with three components where it has

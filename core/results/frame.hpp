@@ -26,11 +26,11 @@ struct Frame {
   std::vector<double> node;                ///< (node, dimension) [m]
   std::vector<std::int32_t> element_node;  ///< (element, nodes_per_element)
   std::vector<double> temperature;         ///< (node) [°C]
-  std::vector<double> liquid_fraction;     ///< (node) 0 to 1
+  std::vector<double> liquid_fraction;     ///< (node) [1] 0 to 1
   std::vector<double> displacement;        ///< (node, dimension) [m]
   /// (element, components) [Pa], tension positive; see tensor_components()
   std::vector<double> stress;
-  std::vector<double> viscoplastic_strain;  ///< (element, components)
+  std::vector<double> viscoplastic_strain;  ///< (element, components) [1]
 
   std::vector<std::int32_t> bottom_node;  ///< in 2D along the bottom, from the symmetry plane
   std::vector<double> bottom_gap;         ///< (bottom node) [m], open positive

@@ -29,7 +29,7 @@ struct HistoryField {
 /// measure the computer: with them no two runs of a case would give the same file.
 std::span<const HistoryField> history_fields();
 
-/// The value of a real field. @pre field.real()
+/// The value of a real field, in its unit. @pre field.real()
 double real_value(const HistoryField& field, const StepReport& report);
 void set_real(const HistoryField& field, StepReport& report, double value);
 /// The value of an integer field, 0 or 1 of a flag. @pre !field.real()

@@ -25,6 +25,7 @@ inline constexpr double start_flow = 1.5e-3;
 ///   film coefficient      ~ (flow / start_flow)^(1/2) s
 /// The first is the form of Monde and Katto for an impinging jet; the other two are assumptions.
 /// @param water_flow  [m2/s], positive
+/// @param time        [s] against which the water's temperature may be given
 Boiling boiling_of(const Water& water, double water_flow, double time);
 
 /// Share of the surface under a vapour film, 0 to 1.
@@ -41,6 +42,7 @@ inline constexpr double film_boiling_blend = 5.0;  ///< [K] width of the blend
 inline constexpr double film_hysteresis = 50.0;    ///< [K] an assumption
 
 /// Whether the valve is open: after the start, and in a pulse, which begins with its open part.
+/// @param time  [s]
 bool is_open(const Water& water, double time);
 /// Times at which the valve opens or closes before `end` [s]; nothing else than the start where
 /// there are more than `most`.

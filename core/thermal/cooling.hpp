@@ -27,6 +27,7 @@ struct SidePlace {
 /// Falling film of water, Weckman and Niessen (1982), their fit for DC casting:
 ///   q = [-1.67e5 + 352 (T + Tw)] Gamma^(1/3) (T - Tw) + 20.8 <T - 373>^3, T and Tw in K,
 /// the second term, nucleate boiling, only above 373 K. No upper bound here.
+/// @param temperature        T of the surface [°C]
 /// @param water_temperature  [°C]
 /// @param water_flow         Gamma [m2/s], per metre of perimeter
 SurfaceFlux weckman_niessen(double temperature, double water_temperature, double water_flow);
@@ -34,10 +35,12 @@ SurfaceFlux weckman_niessen(double temperature, double water_temperature, double
 /// Water on the side: Weckman and Niessen's law, or the case's table in its place, bounded by the
 /// critical heat flux; where a vapour film stands, its coefficient. The bound is a kink, which a
 /// semismooth Newton method takes as it is.
+/// @param water_flow  [m2/s] @param film_share  [1] @see thermal::film_share
 SurfaceFlux water_flux(const Water& water, const Boiling& boiling, const SurfaceState& surface,
                        const SidePlace& place, double water_flow, double film_share);
 
 /// A zone of the side: coefficients of liquid and solid surface mixed by the liquid fraction.
+/// @param ambient_temperature  [°C]
 SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
                       double ambient_temperature);
 

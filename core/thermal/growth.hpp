@@ -15,10 +15,11 @@ struct MetalEntry {
 /// A slab mesh of rows that has grown (mesh::ExtrudedMesh::grow_to), as its nodes see it.
 struct GrownRows {
   std::size_t nodes_per_row;
-  std::span<const double> volume_before;  ///< (old node)
-  /// (old node) with the old top row drawn up to the new level; where no row was put in, as after.
+  std::span<const double> volume_before;  ///< (old node) [m^Dim], axisymmetric: [m3/rad]
+  /// (old node) with the old top row drawn up to the new level; where no row was put in, as after
+  /// [m^Dim], [m3/rad].
   std::span<const double> volume_stretched;
-  std::span<const double> volume_after;  ///< (node)
+  std::span<const double> volume_after;  ///< (node) [m^Dim], [m3/rad]
   std::span<const double> height;  ///< [m] of the rows of nodes, from the one below the old top
 };
 

@@ -36,12 +36,12 @@ public:
   virtual int nodes() const = 0;
 
   const linalg::SparsityPattern& pattern() const { return pattern_; }
-  /// Of unit conductivity, acting on the Kirchhoff function; pattern().entries().
+  /// Of unit conductivity, acting on the Kirchhoff function; pattern().entries() [1], [m] in 3D.
   std::span<const double> stiffness() const { return stiffness_; }
-  /// Integral of the shape function of each node (row sum of the mass matrix).
+  /// Integral of each node's shape function (row sum of the mass matrix) [m^Dim], [m3/rad].
   const std::vector<double>& volume() const { return volume_; }
   const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
-  /// Integral of the shape function over the bottom, by bottom node.
+  /// Integral of the shape function over the bottom, by bottom node [m^(Dim-1)], [m2/rad].
   const std::vector<double>& bottom_weight() const { return bottom_weight_; }
   const std::vector<int>& top_nodes() const { return top_nodes_; }
 

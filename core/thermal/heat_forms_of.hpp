@@ -18,7 +18,7 @@ class HeatFormsOf : public HeatForms {
 public:
   explicit HeatFormsOf(const Mesh& mesh) : mesh_(mesh) {}
 
-  /// Of a mesh that has grown or stretched the part is integrated anew that did; every number is
+  /// Of a mesh that has grown or stretched only that part is integrated again; every number is
   /// the one that an integration of the whole gives.
   bool update() override {
     const bool changed = element_node_ != mesh_.element_node || volume_.empty();

@@ -40,11 +40,6 @@ double sum_of_products(const std::vector<double>& a, const std::vector<double>& 
   return static_cast<double>(sum);
 }
 
-double water_flow_of(Face face, const HeatStepInput& input) {
-  return face == Face::narrow ? input.narrow_water_flow.value_or(input.water_flow)
-                              : input.water_flow;
-}
-
 }  // namespace
 
 HeatSolver::HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
@@ -78,15 +73,15 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
 void HeatSolver::take_elements() {
   choose_solver();
   const std::size_t nodes = std::size_t(forms_->nodes());
-  for (auto* by_node :
-       {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &flux_, &flux_derivative_, &residual_,
-        &capacity_, &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
+  for (auto* by_node : {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &residual_, &capacity_,
+                        &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
     by_node->assign(nodes, 0.0);
   }
+  cooling_.resize(nodes);
   state_.assign(nodes, ThermalState{});
   matrix_.assign(forms_->pattern().entries(), 0.0);
   top_nodes_.clear();
-  if (cooling_.top == Top::pouring) top_nodes_ = forms_->top_nodes();
+  if (cooling_.spec().top == Top::pouring) top_nodes_ = forms_->top_nodes();
   held_.assign(nodes, 0);
   stiff_.assign(nodes, 0);
   for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
@@ -132,89 +127,7 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   const double held = properties_.enthalpy(input.casting_temperature);
   for (const int node : top_nodes_) enthalpy_[std::size_t(node)] = held;
 
-  forms_->divide_side(cooling_,
-                      {input.metal_level,
-                       {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
-                       input.rise},
-                      side_);
-  for (const Face face : {Face::wide, Face::narrow}) {
-    boiling_[std::size_t(face)] =
-        boiling_of(cooling_.water_of(face), water_flow_of(face, input), input.time);
-  }
-  film_share_.clear();
-  for (const SideShare& share : side_)
-    film_share_.push_back(share.law == law_water ? film_share_of(share, field) : 0.0);
-}
-
-double HeatSolver::film_share_of(const SideShare& share, const HeatField& field) const {
-  const std::size_t node = std::size_t(share.node);
-  return film_share(cooling_.water_of(share.face), boiling_[std::size_t(share.face)],
-                    properties_.temperature(enthalpy_n_[node]),
-                    !field.wetted.empty() && field.wetted[node] != 0);
-}
-
-bool HeatSolver::water_runs(Face face, const HeatStepInput& input) const {
-  // By the middle of the step: free of the rounding of a sum of steps that ends at the start.
-  const double middle = input.time - 0.5 * input.time_step;
-  return is_open(cooling_.water_of(face), middle) && water_flow_of(face, input) > 0.0;
-}
-
-void HeatSolver::mark_wetted(HeatField& field) const {
-  if (!cooling_.water.boiling_follows_flow && !cooling_.water_of(Face::narrow).boiling_follows_flow)
-    return;
-  field.wetted.assign(state_.size(), 0);
-  for (std::size_t i = 0; i < side_.size(); ++i) {
-    if (side_[i].law == law_water && film_share_[i] < 0.5)
-      field.wetted[std::size_t(side_[i].node)] = 1;
-  }
-}
-
-SurfaceState HeatSolver::surface_state(int node) const {
-  const ThermalState& state = state_[std::size_t(node)];
-  return {state.temperature, state.liquid_fraction};
-}
-
-SurfaceFlux HeatSolver::side_flux(std::size_t share, const SurfaceState& surface,
-                                  const HeatStepInput& input) const {
-  const SidePlace place{input.time, side_[share].distance};
-  const int law = side_[share].law;
-  if (law == law_dry) return dry_flux(cooling_, surface);
-  if (law == law_water) {
-    const Face face = side_[share].face;
-    return water_flux(cooling_.water_of(face), boiling_[std::size_t(face)], surface, place,
-                      water_flow_of(face, input), film_share_[share]);
-  }
-  return zone_flux(cooling_.zones[std::size_t(law)], surface, place, cooling_.ambient_temperature);
-}
-
-void HeatSolver::add_flux(int node, double weight, const SurfaceFlux& flux) {
-  const ThermalState& state = state_[std::size_t(node)];
-  flux_[std::size_t(node)] += weight * flux.flux;
-  flux_derivative_[std::size_t(node)] +=
-      weight * (flux.d_temperature * state.temperature_derivative +
-                flux.d_liquid_fraction * state.liquid_fraction_derivative);
-}
-
-void HeatSolver::add_side_flux(const HeatStepInput& input) {
-  side_power_ = {};
-  for (std::size_t i = 0; i < side_.size(); ++i) {
-    const SurfaceFlux flux = side_flux(i, surface_state(side_[i].node), input);
-    add_flux(side_[i].node, side_[i].weight, flux);
-    side_power_[std::size_t(side_[i].face)] += side_[i].weight * flux.flux;
-  }
-}
-
-void HeatSolver::add_bottom_flux(const HeatStepInput& input) {
-  bottom_power_ = 0.0;
-  const std::vector<int>& nodes = forms_->bottom_nodes();
-  const std::vector<double>& weight = forms_->bottom_weight();
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
-    const SurfaceFlux flux =
-        bottom_flux(cooling_.bottom_block, surface_state(nodes[i]), input.time, gap);
-    add_flux(nodes[i], weight[i], flux);
-    bottom_power_ += weight[i] * flux.flux;
-  }
+  cooling_.begin_step(*forms_, properties_, field, input);
 }
 
 /// Residual of the step at `enthalpy`, with what the matrix and the convergence test need.
@@ -224,23 +137,21 @@ void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInp
     state_[i] = properties_.state(enthalpy[i]);
     kirchhoff_[i] = state_[i].kirchhoff - reference;
   }
-  std::fill(flux_.begin(), flux_.end(), 0.0);
-  std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
-  add_side_flux(input);
-  add_bottom_flux(input);
+  cooling_.evaluate(*forms_, state_, input);
   linalg::multiply(forms_->pattern(), forms_->stiffness(), kirchhoff_, residual_);
 
-  const std::vector<double>& volume = forms_->volume();
+  const std::vector<double>&volume = forms_->volume(), &flux = cooling_.flux(),
+        &flux_derivative = cooling_.flux_derivative();
   residual_sum_ = moved_ = 0.0;
   double magnitude = 0.0;
   for (std::size_t i = 0; i < enthalpy.size(); ++i) {
     const double stored = volume[i] * (enthalpy[i] - enthalpy_n_[i]);
-    residual_[i] += stored / input.time_step + flux_[i];
-    moved_ += std::abs(stored) + input.time_step * std::abs(flux_[i]);
+    residual_[i] += stored / input.time_step + flux[i];
+    moved_ += std::abs(stored) + input.time_step * std::abs(flux[i]);
     const double conductance =
         forms_->stiffness()[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))];
     magnitude +=
-        (volume[i] + input.time_step * std::abs(flux_derivative_[i])) * std::abs(enthalpy[i]) +
+        (volume[i] + input.time_step * std::abs(flux_derivative[i])) * std::abs(enthalpy[i]) +
         input.time_step * 2.0 * conductance * std::abs(kirchhoff_[i]);
     if (held_[i] == 0) residual_sum_ += std::abs(residual_[i]);
   }
@@ -258,12 +169,13 @@ double HeatSolver::relative_residual(double time_step) const {
 bool HeatSolver::factorize(Slope kind, double time_step) {
   const auto stiffness = forms_->stiffness();
   std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
-  const std::vector<double>& volume = forms_->volume();
+  const std::vector<double>&volume = forms_->volume(),
+        &flux_derivative = cooling_.flux_derivative();
   const double largest = properties_.largest_diffusivity();
   for (std::size_t i = 0; i < capacity_.size(); ++i) {
     const double storage = volume[i] / time_step, smallest = smallest_capacity * storage;
     const double slope = kind == Slope::largest ? largest : state_[i].kirchhoff_derivative;
-    capacity_[i] = storage + flux_derivative_[i];
+    capacity_[i] = storage + flux_derivative[i];
     stiff_[i] = held_[i] != 0 || slope < vanishing_slope_of_stiff * largest ? 1 : 0;
     from_slope_[i] = 0.0;
     if (capacity_[i] < smallest) {
@@ -384,9 +296,9 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.solves = static_cast<int>(solver_.solves() - solves);
   if (!outcome.converged) return outcome;
   outcome.balance = balance(input);
-  outcome.wall_heat_flux = side_power_[0] + side_power_[1];
-  outcome.face_heat_flux = side_power_;
-  outcome.bottom_heat_flux = bottom_power_;
+  outcome.face_heat_flux = cooling_.side_power();
+  outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
+  outcome.bottom_heat_flux = cooling_.bottom_power();
   field.enthalpy = enthalpy_;
   field.temperature.resize(state_.size());
   field.liquid_fraction.resize(state_.size());
@@ -394,7 +306,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
     field.temperature[i] = state_[i].temperature;
     field.liquid_fraction[i] = state_[i].liquid_fraction;
   }
-  mark_wetted(field);
+  cooling_.mark_wetted(field);
   return outcome;
 }
 
@@ -406,8 +318,8 @@ HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   heat.entered = input.entry ? input.entry->entered : 0.0;
   heat.stored = sum_of_products(volume, enthalpy_) - stored_before;
   for (const int node : top_nodes_) heat.top += input.time_step * residual_[std::size_t(node)];
-  heat.side = input.time_step * (side_power_[0] + side_power_[1]);
-  heat.bottom = input.time_step * bottom_power_;
+  heat.side = input.time_step * (cooling_.side_power()[0] + cooling_.side_power()[1]);
+  heat.bottom = input.time_step * cooling_.bottom_power();
   heat.moved = moved_;
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
   // As it is, rounding included: a check that allows for its own error hides others.

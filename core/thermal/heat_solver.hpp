@@ -9,39 +9,10 @@
 #include "core/linalg/direct_solver.hpp"
 #include "core/linalg/two_grid.hpp"
 #include "core/material/thermal_properties.hpp"
-#include "core/thermal/cooling.hpp"
 #include "core/thermal/heat_forms.hpp"
+#include "core/thermal/surface_cooling.hpp"
 
 namespace dccast::thermal {
-
-/// Temperature field of a mesh. The enthalpy alone is its state; the rest follows from it.
-struct HeatField {
-  std::vector<double> enthalpy;         ///< (node) [J/m3]
-  std::vector<double> temperature;      ///< (node) [°C]
-  std::vector<double> liquid_fraction;  ///< (node) [1]
-  /// (node) Water touched the metal in the last step, not a vapour film. State like the enthalpy;
-  /// empty where no water follows its flow.
-  std::vector<char> wetted;
-};
-
-/// What a heat step needs besides field and mesh.
-struct HeatStepInput {
-  double time = 0.0;                 ///< [s] at the end of the step
-  double time_step = 0.0;            ///< [s]
-  double metal_level = 0.0;          ///< [m] at the end of the step
-  double casting_temperature = 0.0;  ///< [°C] held at the metal level when the top is poured
-  /// [m2/s]. Water runs in a step in whose middle the valve is open; else, and without flow, the
-  /// side below the water line is dry.
-  double water_flow = 0.0;
-  /// [m], in the order of HeatForms::bottom_nodes(); empty: contact everywhere.
-  std::span<const double> bottom_gap;
-  /// What follow_growth() gave, so that the balance covers the growth too.
-  std::optional<MetalEntry> entry;
-  /// [m2/s] of the narrow face of a solid; absent: as on the wide one.
-  std::optional<double> narrow_water_flow = {};
-  /// (node) [m] by which the side has risen, for zones and water line; empty: not at all.
-  std::span<const double> rise = {};
-};
 
 /// Heat of one step; per metre of face in plane strain [J/m], per radian in an axisymmetric section
 /// [J/rad], whole of a solid [J].
@@ -65,8 +36,8 @@ struct HeatStepOutcome {
   HeatBalance balance;
   /// [W/m] out through the side at the end of the step, per radian [W/rad], of a solid [W].
   double wall_heat_flux = 0.0;
-  std::array<double, faces> face_heat_flux{};  ///< the same by face
-  double bottom_heat_flux = 0.0;               ///< out through the bottom
+  std::array<double, faces> face_heat_flux{};  ///< the same by face [W/m]
+  double bottom_heat_flux = 0.0;               ///< the same through the bottom
 };
 
 /// One implicit Euler step of the enthalpy equation, paper eq. (2), at a time.
@@ -89,7 +60,7 @@ struct HeatStepOutcome {
 class HeatSolver {
 public:
   /// @param forms      of a mesh, which stays where it is
-  /// @param tolerance  residual relative to the heat that moves in the step
+  /// @param tolerance  residual relative to the heat that moves in the step [1]
   /// @param two_grids_from_nodes  of an extruded solid, from which a step is solved by conjugate
   ///                              gradients with two grids: docs/large-solids.md
   HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
@@ -112,7 +83,7 @@ public:
   HeatStepOutcome step(HeatField& field, const HeatStepInput& input);
 
   const material::ThermalProperties& properties() const { return properties_; }
-  const CoolingSpec& cooling() const { return cooling_; }
+  const CoolingSpec& cooling() const { return cooling_.spec(); }
   const HeatForms& forms() const { return *forms_; }
 
 private:
@@ -120,13 +91,6 @@ private:
   void choose_solver();
   void prepare(const HeatField& field, const HeatStepInput& input);
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
-  bool water_runs(Face face, const HeatStepInput& input) const;
-  void add_side_flux(const HeatStepInput& input);
-  void add_bottom_flux(const HeatStepInput& input);
-  void add_flux(int node, double weight, const SurfaceFlux& flux);
-  SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
-                        const HeatStepInput& input) const;
-  SurfaceState surface_state(int node) const;
   /// What the matrix takes: true derivatives; c bounded from below; D at its upper bound too.
   enum class Slope { newton, newton_bounded, largest };
   bool factorize(Slope kind, double time_step);
@@ -139,11 +103,9 @@ private:
   bool bounded_step(const HeatStepInput& input);
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
   HeatBalance balance(const HeatStepInput& input) const;
-  double film_share_of(const SideShare& share, const HeatField& field) const;
-  void mark_wetted(HeatField& field) const;
 
   material::ThermalProperties properties_;
-  CoolingSpec cooling_;
+  SurfaceCooling cooling_;
   std::unique_ptr<HeatForms> forms_;
   double tolerance_;  ///< [1]
   int maximum_iterations_;
@@ -156,27 +118,20 @@ private:
   std::vector<char> held_;      ///< (node) at the casting temperature
 
   // Of the step under way; storage kept from step to step.
-  std::vector<SideShare> side_;
-  std::array<Boiling, faces> boiling_;
-  std::vector<double> film_share_;  ///< (side share)
   std::vector<double> enthalpy_n_;
   std::vector<double> enthalpy_;
   std::vector<double> trial_;
   std::vector<material::ThermalState> state_;
   std::vector<double> kirchhoff_;  ///< less that of the casting temperature, against round-off
-  std::vector<double> flux_;       ///< (node) [W/m] out
-  std::vector<double> flux_derivative_;  ///< (node) dq/dH
-  std::vector<double> residual_;         ///< (node) [W/m]; at held nodes the heat the top supplies
+  std::vector<double> residual_;   ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;
   std::vector<char> stiff_;         ///< (node) held, or nearly so by its diagonal
   std::vector<double> capacity_;    ///< c in the factor
   std::vector<double> from_slope_;  ///< 1/D where dH = y/D because c is too small, else zero
   std::vector<double> right_, y_, stiffness_y_, direction_;
-  std::array<double, faces> side_power_{};  ///< [W/m] by face
-  double bottom_power_ = 0.0;               ///< [W/m]
-  double residual_sum_ = 0.0;               ///< [W/m] sum of absolute values over free nodes
-  double moved_ = 0.0;                      ///< [J/m]
-  double round_off_ = 0.0;                  ///< [J/m] of residual_sum_ times the step
+  double residual_sum_ = 0.0;  ///< [W/m] sum of absolute values over free nodes
+  double moved_ = 0.0;         ///< [J/m]
+  double round_off_ = 0.0;     ///< [J/m] of residual_sum_ times the step
 };
 
 }  // namespace dccast::thermal

@@ -15,7 +15,7 @@ namespace dccast::jobs {
 struct CheckerLimits {
   std::string option = "--serve-checks";  ///< of the program, or --serve-queries
   int kept = 1;        ///< checkers that stay while nobody asks
-  int answers = 1000;  ///< a checker is replaced after so many: what leaks does not add up
+  int answers = 1000;  ///< after which a checker is replaced, so that leaks do not add up
   std::int64_t idle_bytes = 512'000'000;       ///< one that holds more after an answer is replaced
   std::int64_t largest_bytes = 4'000'000'000;  ///< one that takes more for an answer is killed
 };

@@ -22,7 +22,7 @@ struct JobRecord {
   v1::Job job;
   RequestedAction requested_action = RequestedAction::none;
   std::string request_reason;
-  int losses = 0;               ///< times its worker died by itself
+  int losses = 0;               ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
   std::string worker_handle{};  ///< of the last start, in the words of its executor

@@ -33,7 +33,7 @@ public:
               const std::vector<std::string>& monitors);
   ~CurlSurface();
 
-  /// Runs that a surface over so many inputs needs.
+  /// Runs that a surface over `inputs` inputs needs.
   static std::size_t fewest_runs(std::size_t inputs) {
     return std::max<std::size_t>(5, inputs + 3);
   }

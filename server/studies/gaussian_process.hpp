@@ -25,7 +25,7 @@ public:
   /// @param places  a row each
   Estimate estimate(const Eigen::MatrixXd& places) const;
 
-  /// What each value is off the estimate made without it; no process is built anew (eq. 5.12).
+  /// Error of the estimate of each value made without it, from one factorisation (eq. 5.12).
   const Eigen::VectorXd& left_out_errors() const { return left_out_errors_; }
   const Hyperparameters& hyperparameters() const { return hyperparameters_; }
 

@@ -80,7 +80,7 @@ public:
   void stop();
 
   /// The study of a request whose plan and cases are sound. With a request_id that is known: that
-  /// study. Runs whose job was deleted are queued anew then, and a refinement study grows to more
+  /// study. Runs whose job was deleted are queued again then, and a refinement study grows to more
   /// levels. @throws jobs::RequestIdTaken, jobs::StorageHeld
   v1::Study create(const v1::CreateStudyRequest& request, const std::string& owner);
   std::optional<v1::Study> find(const std::string& id);

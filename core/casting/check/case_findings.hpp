@@ -14,7 +14,7 @@ namespace dccast::casting {
 
 using Keys = std::vector<std::string>;
 
-/// "0.28 m"
+/// "0.28 m". @param value  in that unit
 std::string with_unit(double value, const char* unit);
 
 /// A case while it is checked: what was found so far, and what later checks may reason from. A
@@ -48,16 +48,18 @@ public:
   const Case& casting;
   Faults faults;
   Estimate estimate;
-  std::optional<double> final_level;     ///< [m]; there when the course is sound
-  std::int64_t mechanical_steps = 0;     ///< of the estimate's steps
+  std::optional<double> final_level;  ///< [m]; there when the course is sound
+  std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
   /// There when mesh.file is sound, the one of the section's dimension.
   std::optional<mesh::Mesh2D> imported_plane;
   std::optional<mesh::Mesh3D> imported_solid;
 
   template <int Dim>
   auto& imported() {
-    if constexpr (Dim == 2) return imported_plane;
-    else return imported_solid;
+    if constexpr (Dim == 2)
+      return imported_plane;
+    else
+      return imported_solid;
   }
 
 private:

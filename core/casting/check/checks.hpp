@@ -20,18 +20,17 @@ inline const Keys course_keys = {"time.end",
                                  "mesh.growth",
                                  "limits.maximum_steps"};
 /// What the number of cells of the built-in mesh follows from, besides the course.
-inline const Keys grid_keys = {"section.kind",    "mesh.columns", "mesh.layers",
-                               "mesh.rows",       "mesh.growth_cell", "mesh.refinement",
-                               "mesh.element",    "limits.maximum_nodes"};
+inline const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
+                               "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
+                               "mesh.element", "limits.maximum_nodes"};
 /// What the plan of a quarter slab follows from.
 inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
                                "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
                                "mesh.wide_side_cell", "section.corner_radius"};
 /// What the places of its nodes follow from, besides their number.
-inline const Keys place_keys = {"section.half_width",  "section.half_thickness",
-                                "section.initial_depth", "mesh.side_cell",
-                                "mesh.wide_side_cell", "mesh.bottom_cell",
-                                "section.corner_radius"};
+inline const Keys place_keys = {
+    "section.half_width",  "section.half_thickness", "section.initial_depth", "mesh.side_cell",
+    "mesh.wide_side_cell", "mesh.bottom_cell",       "section.corner_radius"};
 
 // Each adds its faults; a file each. Those further down use what those above have found.
 
@@ -62,7 +61,7 @@ void check_plausibility(CaseFindings& found);
 /// Warns of a case that shows nothing.
 void advise(CaseFindings& found);
 
-/// Adds the fault of a mesh beyond limits.maximum_nodes.
+/// Adds the fault of a mesh beyond limits.maximum_nodes. @param nodes  their number [1]
 void too_many_nodes(CaseFindings& found, double nodes);
 
 /// Seconds and memory, from nodes and steps; estimate_effort.cpp says how well.

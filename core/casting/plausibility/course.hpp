@@ -18,7 +18,8 @@ struct Course {
 Course course_of(const Case& casting_case);
 
 /// The values a table takes in the course: at both ends of its range and at its points between.
-/// @param curve  against time or cast length; of other tables all values
+/// @param curve  against time [s] or cast length [m]; of other tables all values
+/// @return       in the unit of the curve
 std::vector<double> values_in(const Curve& curve, const Course& course);
 
 /// Whether a table is never entered: all of its points lie on one side of what the course comes

@@ -21,7 +21,7 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
                          std::span<const double> temperature, double solidus, int growing,
                          bool hoop);
 
-/// Largest principal value of a symmetric tensor in the plane or in space.
+/// Largest principal value of a symmetric tensor in the plane or in space, in its unit.
 double largest_principal(const SymmetricTensor<2>& in_plane);
 double largest_principal(const SymmetricTensor<3>& tensor);
 

@@ -14,7 +14,10 @@ Sections::Reals as_reals(const std::optional<double>& value) {
   return value ? Sections::Reals{*value} : Sections::Reals{};
 }
 
-std::optional<double> as_optional(const Sections::Reals& values) {
+/// @throws std::out_of_range  more than one value
+std::optional<double> as_optional(const Sections& s, const std::string& name) {
+  const Sections::Reals& values = s.reals(name);
+  if (values.size() > 1) throw std::out_of_range("'" + name + "' is more than one number");
   return values.empty() ? std::nullopt : std::optional(values.front());
 }
 
@@ -39,10 +42,10 @@ Finding read_finding(const Sections& s, const std::string& prefix) {
   return {s.text(prefix + "code"),
           severity_of(s.integer(prefix + "severity")),
           s.text(prefix + "message"),
-          as_optional(s.reals(prefix + "time_s")),
+          as_optional(s, prefix + "time_s"),
           s.reals(prefix + "place_m"),
-          as_optional(s.reals(prefix + "value")),
-          as_optional(s.reals(prefix + "limit")),
+          as_optional(s, prefix + "value"),
+          as_optional(s, prefix + "limit"),
           s.text(prefix + "unit"),
           s.text(prefix + "key")};
 }

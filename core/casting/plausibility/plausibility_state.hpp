@@ -18,7 +18,8 @@ struct PlausibilityState {
 
 /// The state as sections of a checkpoint, and back.
 void write_plausibility(const PlausibilityState& state, restart::Sections& sections);
-/// @throws std::out_of_range  a section is missing or names an unknown severity
+/// @throws std::out_of_range  a section is missing, names an unknown severity or a
+///                            number has several values
 PlausibilityState read_plausibility(const restart::Sections& sections);
 
 }  // namespace dccast::casting

@@ -22,7 +22,7 @@ inline constexpr double in_mm = 1e3;  ///< [mm/m] for texts
 /// What was found, against the limit that a key of the case sets.
 struct Measured {
   PlacedFigure figure;
-  double limit = 0.0;
+  double limit = 0.0;     ///< in `unit`
   const char* unit = "";  ///< of figure and limit
   const char* key = "";
 };

@@ -13,7 +13,7 @@ using results::ValidityLoss;
 /// What judging a step needs to know of the steps before it; a part of RunState.
 struct ValidityState {
   bool shell_stood = false;          ///< there was a shell to melt through
-  std::vector<double> when_liquid;   ///< see largest_rotation()
+  std::vector<double> when_liquid;   ///< [rad] or [1], see largest_rotation()
   std::optional<ValidityLoss> lost;  ///< the first loss is kept
 };
 

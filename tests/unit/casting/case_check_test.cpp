@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <ostream>
 
 #include "tests/unit/casting/small_casting.hpp"
 
@@ -47,6 +48,9 @@ struct Mistake {
   const char* field;
   std::function<void(Case&)> make;
 };
+void PrintTo(const Mistake& m, std::ostream* out) {
+  *out << m.name;
+}
 
 class CaseFault : public ::testing::TestWithParam<Mistake> {};
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <ostream>
 
 #include "core/casting/plausibility/of_step.hpp"
 #include "core/results/result_reader.hpp"
@@ -35,6 +36,9 @@ struct CaseRow {
   std::function<void(Case&)> raises;
   std::function<void(Case&)> does_not;
 };
+void PrintTo(const CaseRow& c, std::ostream* out) {
+  *out << c.name;
+}
 
 class OfCase : public ::testing::TestWithParam<CaseRow> {};
 
@@ -183,6 +187,9 @@ struct StepRow {
   std::function<void(StepFigures&)> raises;
   std::function<void(StepFigures&)> does_not;
 };
+void PrintTo(const StepRow& s, std::ostream* out) {
+  *out << s.name;
+}
 
 Case with_band() {
   Case c = small_casting();

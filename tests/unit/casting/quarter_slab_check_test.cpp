@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <ostream>
 
 #include "tests/unit/casting/small_quarter_slab.hpp"
 
@@ -16,6 +17,9 @@ struct Mistake {
   const char* field;
   std::function<void(Case&)> make;
 };
+void PrintTo(const Mistake& m, std::ostream* out) {
+  *out << m.name;
+}
 
 class QuarterSlabFault : public ::testing::TestWithParam<Mistake> {};
 

@@ -175,12 +175,15 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
   ASSERT_EQ(resume_from(content_), "resumed");
   for (const auto& [name, value] : content_.all()) {
     if (const auto* reals = std::get_if<restart::Sections::Reals>(&value)) {
-      // Of any length, and of no mesh: what was said.
-      if (name.starts_with("failure") || name.starts_with("finding")) continue;
+      if (name.starts_with("failure")) continue;  // of any length, and of no mesh: what was said
+      const bool of_finding = name.starts_with("finding");
       for (const int change : {-3, -1, 1, 4}) {
         auto longer = *reals;
         longer.resize(std::size_t(std::max(0, int(reals->size()) + change)), 1.0);
-        if (reals->size() == 1 && change > 0) continue;  // a number, of which the first is read
+        // A number, of which the first is read.
+        if (reals->size() == 1 && change > 0 && !of_finding) continue;
+        // A finding has each of its numbers once or not at all, and a place or none.
+        if (of_finding && longer.size() <= (name.ends_with("place_m") ? 0 : 1)) continue;
         if (longer == *reals) continue;
         restart::Sections content = content_;
         content.set(name, longer);

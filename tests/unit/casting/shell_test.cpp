@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/print_kinds.hpp"
 
 namespace dccast::casting {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/casting/plausibility/mush_strain.hpp"
 #include "core/casting/plausibility/slice.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/print_kinds.hpp"
 
 namespace dccast::casting {
 namespace {

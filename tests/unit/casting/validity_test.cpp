@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <ostream>
 
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
@@ -98,6 +99,9 @@ struct Limit {
   FailureKind kind;
   const char* key;
 };
+void PrintTo(const Limit& l, std::ostream* out) {
+  *out << l.name;
+}
 
 class LimitOf : public ::testing::TestWithParam<Limit> {};
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "tests/unit/creep/paper_card.hpp"
 
@@ -62,7 +63,8 @@ INSTANTIATE_TEST_SUITE_P(Alloys, Reference,
                          ::testing::Values(ReferenceCreep{5e6, 1e-4, 500.0, 5.0, 156e3},
                                            ReferenceCreep{15e6, 1e-4, 500.0, 5.0, 156e3},
                                            ReferenceCreep{8e6, 3e-5, 450.0, 3.7, 142e3},
-                                           ReferenceCreep{8e6, 3e-5, 450.0, 1.0, 0.0}));
+                                           ReferenceCreep{8e6, 3e-5, 450.0, 1.0, 0.0}),
+                         [](const auto& creep) { return "number_" + std::to_string(creep.index); });
 
 TEST(CreepPower, TheShortWayForTheExponentSixIsThePower) {
   for (double norm : {0.0, 1e-3, 1.0, 3.7, 1e3, 1.234567e7, 9.9e8}) {

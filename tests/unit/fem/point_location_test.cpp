@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/print_kinds.hpp"
+#include "tests/support/quarter_section.hpp"
 
 namespace dccast::fem {
 namespace {
@@ -12,19 +14,11 @@ namespace {
 using mesh::ElementKind;
 
 mesh::SectionSpec section(mesh::SectionKind kind, ElementKind element) {
-  mesh::SectionSpec spec;
-  spec.kind = kind;
-  spec.half_width = 0.28;
   // A convex mould: the cells of its plan are no rectangles.
-  spec.half_thickness = Curve(Abscissa::distance, {0.0, 0.1, 0.28}, {0.15, 0.145, 0.12});
-  spec.initial_depth = 0.10;
-  spec.element = element;
-  spec.columns = 7;
-  spec.layers = 3;
-  spec.rows = 4;
-  spec.side_cell = 0.012;
-  spec.wide_side_cell = 0.02;
-  spec.bottom_cell = 0.010;
+  const Curve opening(Abscissa::distance, {0.0, 0.1, 0.28}, {0.15, 0.145, 0.12});
+  mesh::SectionSpec spec =
+      testing::quarter_section(element, {0.28, opening, 0.10}, {7, 3, 4, 0.012, 0.02, 0.010});
+  spec.kind = kind;
   return spec;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "tests/unit/linalg/grid_matrix.hpp"
 
@@ -75,7 +76,11 @@ TEST_P(Solver, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Solver,
                          ::testing::Values(Kind{30, Geometry::plane}, Kind{30, Geometry::solid},
-                                           Kind{90, Geometry::plane}));
+                                           Kind{90, Geometry::plane}),
+                         [](const auto& kind) {
+                           return std::to_string(kind.param.nodes_a_side) +
+                                  (kind.param.geometry == Geometry::plane ? "_plane" : "_solid");
+                         });
 
 TEST(CholmodSolver, BothFactorisationsGiveOneSolution) {
   constexpr int n = 40;

@@ -8,6 +8,7 @@
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/quarter_section.hpp"
 #include "tests/unit/creep/paper_card.hpp"
 #include "tests/unit/mechanics_solid/box_mesh.hpp"
 
@@ -15,19 +16,10 @@ namespace dccast::mechanics::testing {
 
 /// Half a metre by 0.2 m and 0.12 m deep, its wide face straight or opened in two segments.
 inline mesh::SectionSpec quarter_section(mesh::ElementKind element, bool opened) {
-  mesh::SectionSpec spec;
-  spec.kind = mesh::SectionKind::quarter_slab;
-  spec.half_width = 0.5;
-  spec.half_thickness =
+  const Curve opening =
       opened ? Curve(Abscissa::distance, {0.0, 0.2, 0.5}, {0.22, 0.215, 0.2}) : Curve(0.2);
-  spec.initial_depth = 0.12;
-  spec.element = element;
-  spec.columns = 5;
-  spec.layers = 3;
-  spec.rows = 3;
-  spec.side_cell = 0.08;
-  spec.wide_side_cell = 0.05;
-  spec.bottom_cell = 0.03;
+  mesh::SectionSpec spec =
+      dccast::testing::quarter_section(element, {0.5, opening, 0.12}, {5, 3, 3, 0.08, 0.05, 0.03});
   spec.growth_cell = 0.03;
   return spec;
 }

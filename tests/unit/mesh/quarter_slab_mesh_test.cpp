@@ -8,6 +8,8 @@
 #include "core/mesh/extrusion.hpp"
 #include "core/mesh/rounded_corner.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/print_kinds.hpp"
+#include "tests/support/quarter_section.hpp"
 
 namespace dccast::mesh {
 namespace {
@@ -15,18 +17,8 @@ namespace {
 constexpr double length = 0.66, thickness = 0.285, depth = 0.07;
 
 SectionSpec quarter(ElementKind element) {
-  SectionSpec spec;
-  spec.kind = SectionKind::quarter_slab;
-  spec.half_width = length;
-  spec.half_thickness = Curve(thickness);
-  spec.initial_depth = depth;
-  spec.element = element;
-  spec.columns = 6;
-  spec.layers = 4;
-  spec.rows = 3;
-  spec.side_cell = 0.03;
-  spec.wide_side_cell = 0.02;
-  spec.bottom_cell = 0.01;
+  SectionSpec spec = testing::quarter_section(element, {length, Curve(thickness), depth},
+                                              {6, 4, 3, 0.03, 0.02, 0.01});
   spec.growth_cell = 0.012;
   return spec;
 }

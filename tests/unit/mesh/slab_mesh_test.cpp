@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/mesh/graded_cells.hpp"
+#include "tests/support/print_kinds.hpp"
 
 namespace dccast::mesh {
 namespace {

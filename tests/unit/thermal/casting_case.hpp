@@ -3,6 +3,7 @@
 #include "core/material/alloy_card.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "core/thermal/cooling_spec.hpp"
+#include "tests/support/print_kinds.hpp"
 
 /// The casting the heat tests share: the paper's alloy, mould, air gap, water and block.
 namespace dccast::thermal::testing {

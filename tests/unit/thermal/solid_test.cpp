@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/thermal/heat_solver.hpp"
+#include "tests/support/quarter_section.hpp"
 #include "tests/unit/thermal/casting_case.hpp"
 
 namespace dccast::thermal {
@@ -21,20 +22,11 @@ using testing::casting_cooling;
 constexpr double half_length = 0.66, half_thickness = 0.28, depth = 0.10;
 
 mesh::SectionSpec quarter_slab(ElementKind element, bool convex = false) {
-  mesh::SectionSpec section;
-  section.kind = SectionKind::quarter_slab;
-  section.half_width = half_length;
-  section.half_thickness =
+  const Curve opening =
       convex ? Curve(Abscissa::distance, {0.2, 0.5, half_length}, {0.285, 0.282, 0.275})
              : Curve(half_thickness);
-  section.initial_depth = depth;
-  section.element = element;
-  section.columns = 8;
-  section.layers = 6;
-  section.rows = 10;
-  section.side_cell = 0.006;
-  section.wide_side_cell = 0.005;
-  section.bottom_cell = 0.004;
+  mesh::SectionSpec section = dccast::testing::quarter_section(
+      element, {half_length, opening, depth}, {8, 6, 10, 0.006, 0.005, 0.004});
   section.growth_cell = 0.008;
   return section;
 }
@@ -315,7 +307,10 @@ TEST_P(SlabAsSection, AgreesToRoundOff) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Faces, SlabAsSection, ::testing::Values(Face::wide, Face::narrow));
+INSTANTIATE_TEST_SUITE_P(Faces, SlabAsSection, ::testing::Values(Face::wide, Face::narrow),
+                         [](const auto& face) {
+                           return face.param == Face::wide ? "wide" : "narrow";
+                         });
 
 TEST(SolidWater, FacesHaveTheirOwnFlow) {
   const mesh::SlabMesh3D slab(quarter_slab(ElementKind::q1));

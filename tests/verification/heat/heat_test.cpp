@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tests/support/print_kinds.hpp"
 #include "tests/verification/heat/heat_runs.hpp"
 
 namespace dccast::verification {

@@ -7,6 +7,7 @@
 
 #include "core/mesh/slab_mesh.hpp"
 #include "core/thermal/heat_solver.hpp"
+#include "tests/support/quarter_section.hpp"
 #include "tests/unit/thermal/casting_case.hpp"
 #include "tests/verification/heat/heat_runs.hpp"
 
@@ -23,18 +24,10 @@ using thermal::HeatStepInput;
 /// A box of uniform cells: extent and number along x, y and z.
 mesh::SectionSpec box(const std::array<double, 3>& extent, const std::array<int, 3>& cells,
                       ElementKind element) {
-  mesh::SectionSpec section;
-  section.kind = mesh::SectionKind::quarter_slab;
-  section.element = element;
-  section.half_width = extent[0];
-  section.columns = cells[0];
-  section.side_cell = extent[0] / cells[0];
-  section.half_thickness = Curve(extent[1]);
-  section.layers = cells[1];
-  section.wide_side_cell = extent[1] / cells[1];
-  section.initial_depth = extent[2];
-  section.rows = cells[2];
-  section.bottom_cell = extent[2] / cells[2];
+  mesh::SectionSpec section =
+      testing::quarter_section(element, {extent[0], Curve(extent[1]), extent[2]},
+                               {cells[0], cells[1], cells[2], extent[0] / cells[0],
+                                extent[1] / cells[1], extent[2] / cells[2]});
   section.growth = false;
   return section;
 }

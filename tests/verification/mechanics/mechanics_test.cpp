@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
+#include "tests/support/print_kinds.hpp"
 #include "tests/verification/mechanics/exact_checks.hpp"
 #include "tests/verification/mechanics/t1.hpp"
 
@@ -139,8 +141,14 @@ TEST_P(IncrementTestOf, StopsNearTheSolutionOfTheStep) {
   EXPECT_NEAR(figures.stress_error, 0.14408, 5e-4);
 }
 
+std::string paper_method(const ::testing::TestParamInfo<Algorithm>& method) {
+  constexpr const char* names[] = {"newton", "vnbm", "sbm", "nbm"};
+  return names[static_cast<int>(method.param)];
+}
+
 INSTANTIATE_TEST_SUITE_P(PaperMethods, IncrementTestOf,
-                         ::testing::Values(Algorithm::sbm, Algorithm::nbm, Algorithm::vnbm));
+                         ::testing::Values(Algorithm::sbm, Algorithm::nbm, Algorithm::vnbm),
+                         paper_method);
 
 TEST(TimeLoop, SaysWhenAPlainMethodFailed) {
   TestRun run;

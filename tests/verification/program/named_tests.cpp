@@ -113,7 +113,7 @@ const std::vector<NamedTest>& named_tests() {
        mechanical(run_tube_creep, 2.0)},
       {"hertz", "a block on a rigid cylinder, against Hertz's half width and pressure", "0.5 s",
        mechanical(run_hertz, 1.0)},
-      {"hertz-cycle", "the same pressed and let go: the contact opens as it closed", "1 s",
+      {"hertz-cycle", "the same pressed and released: the contact opens as it closed", "1 s",
        mechanical(run_hertz_cycle, 1.0)},
       {"hertz-orders", "Hertz's contact by cells halved three times", "5 s",
        [](const RunRequest& request) { return run_hertz_orders(request); }},

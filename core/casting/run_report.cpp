@@ -1,0 +1,83 @@
+#include "core/casting/run_report.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/casting/temperature_figures.hpp"
+#include "core/fem/point_location.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+void report_effort(const Attempt& accepted, results::StepReport& r) {
+  r.time_step = accepted.time_step;
+  r.iterations = accepted.mechanics.iterations;
+  r.heat_iterations = accepted.heat.iterations;
+  r.contact_changes = accepted.mechanics.contact_changes;
+  r.factorizations = accepted.mechanics.factorizations + accepted.heat.factorizations;
+  r.solves = accepted.mechanics.solves + accepted.heat.solves;
+  r.conjugate_gradient_iterations = accepted.mechanics.gradient_iterations;
+  r.constitutive_residual = accepted.mechanics.constitutive_residual;
+}
+
+template <int Dim>
+void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
+  const Attempt& accepted = source.accepted;
+  const thermal::HeatBalance& balance = accepted.heat.balance;
+  const double length = source.face_length;
+  r.energy_balance_error = balance.error;
+  r.wall_heat_flux = (balance.side + balance.bottom) / (accepted.time_step * length);
+  r.side_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::wide)] / length;
+  r.narrow_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::narrow)] / length;
+  r.bottom_heat = accepted.heat.bottom_heat_flux / length;
+  const std::vector<double>& temperature = source.state.heat.temperature;
+  const Case& c = source.casting_case;
+  r.sump_depth = sump_depth<Dim>(source.mesh, temperature, source.metal_level, c.alloy.coherency);
+  r.mould_exit_temperature =
+      side_temperature<Dim>(source.mesh, temperature, source.metal_level - c.cooling.water.from);
+}
+
+/// A monitor above the metal level is not poured yet: it has neither displacement nor temperature.
+template <int Dim>
+void report_monitors(const ReportSource<Dim>& source, results::StepReport& r) {
+  const RunState<Dim>& state = source.state;
+  for (const Monitor& monitor : source.casting_case.monitors) {
+    const auto place = fem::locate(source.mesh, point_of<Dim>(monitor));
+    std::vector<double> displacement(Dim, std::nan(""));
+    for (int d = 0; place && d < Dim; ++d)
+      displacement[std::size_t(d)] =
+          fem::interpolate<Dim>(source.mesh, *place, state.slab.displacement, Dim, d);
+    r.monitor_displacement.push_back(std::move(displacement));
+    r.monitor_temperature.push_back(
+        place ? fem::interpolate<Dim>(source.mesh, *place, state.heat.temperature) : std::nan(""));
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+results::StepReport report_of(const ReportSource<Dim>& source, int failed_attempts) {
+  const RunState<Dim>& state = source.state;
+  results::StepReport r;
+  r.step = state.step;
+  r.time = state.time;
+  r.cast_length = state.cast_length;
+  r.failed_attempts = failed_attempts;
+  report_effort(source.accepted, r);
+  report_heat(source, r);
+  report_monitors(source, r);
+  r.nodes = source.mesh.nodes();
+  r.elements = source.mesh.elements();
+  r.solver_seconds = state.solver_seconds;
+  r.process_seconds = state.process_seconds;
+  const double begin = source.schedule.begin();
+  r.progress = (state.time - begin) / (source.schedule.end() - begin);
+  return r;
+}
+
+template results::StepReport report_of(const ReportSource<2>&, int);
+template results::StepReport report_of(const ReportSource<3>&, int);
+
+}  // namespace dccast::casting
