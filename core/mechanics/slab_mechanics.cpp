@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "core/mechanics/constitutive.hpp"
+#include "core/mechanics/element_means.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/front_pressure.hpp"
 #include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/mechanics/viscoplastic_history.hpp"
@@ -167,26 +169,10 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
 }
 
 template <int Dim>
-double SlabMechanics<Dim>::element_temperature(int e, std::span<const double> t) const {
-  const int* node = mesh_->nodes_of(e);
-  double sum = 0.0;
-  for (int i = 0; i < mesh_->nodes_per_element; ++i) sum += t[std::size_t(node[i])];
-  return sum / mesh_->nodes_per_element;
-}
-
-template <int Dim>
-double SlabMechanics<Dim>::centroid_height(int e) const {
-  const int* node = mesh_->nodes_of(e);
-  double sum = 0.0;
-  for (int i = 0; i < mesh_->nodes_per_element; ++i) sum += mesh_->point(node[i])[up<Dim>];
-  return sum / mesh_->nodes_per_element;
-}
-
-template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const double t = element_temperature(e, temperature);
+    const double t = mean_at_nodes(*mesh_, e, temperature);
     const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     if (!solid) continue;
@@ -210,7 +196,7 @@ void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
 template <int Dim>
 void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
-                          std::max(0.0, metal_level - centroid_height(e));
+                          std::max(0.0, metal_level - centroid_height(*mesh_, e));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
   for (std::size_t q = 0; q < points_; ++q) {
     state.inelastic[std::size_t(e) * points_ + q].add_identity(compression -
@@ -235,7 +221,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   std::vector<int> changed;
   for (int e = 0; e < mesh_->elements(); ++e) {
     const bool solid =
-        at_once || element_temperature(e, input.temperature) < properties_.coherency();
+        at_once || mean_at_nodes(*mesh_, e, input.temperature) < properties_.coherency();
     if (solid == (state.solid[std::size_t(e)] != 0)) continue;
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     changed.push_back(e);
@@ -245,7 +231,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
     forget_history(state, std::size_t(e));
     if (state.solid[std::size_t(e)] == 0) continue;
     solidify(state, e, input.metal_level,
-             at_once ? element_temperature(e, input.temperature) : properties_.coherency());
+             at_once ? mean_at_nodes(*mesh_, e, input.temperature) : properties_.coherency());
   }
 }
 
@@ -266,7 +252,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
     const std::size_t i = std::size_t(e);
     problem_.prestress[i] = 0.0;
     if (state.solid[i] != 0) {
-      const double t = element_temperature(e, input.temperature);
+      const double t = mean_at_nodes(*mesh_, e, input.temperature);
       problem_.bulk[i] = properties_.bulk_modulus(t);
       problem_.shear[i] = properties_.shear_modulus(t);
       problem_.kappa[i] = properties_.kappa(t);
@@ -278,7 +264,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
       problem_.thermal[i] = 0.0;
       if (!weak) {
         problem_.prestress[i] = -properties_.liquid_density() * options_.gravity *
-                                (input.metal_level - centroid_height(e));
+                                (input.metal_level - centroid_height(*mesh_, e));
       }
     }
   }
@@ -291,7 +277,7 @@ void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> 
   std::vector<double> specific_weight(std::size_t(mesh_->elements()));  // [N/m3]
   for (int e = 0; e < mesh_->elements(); ++e) {
     const double density = state.solid[std::size_t(e)] != 0
-                               ? properties_.density(element_temperature(e, temperature))
+                               ? properties_.density(mean_at_nodes(*mesh_, e, temperature))
                                : properties_.liquid_density();
     specific_weight[std::size_t(e)] = density * options_.gravity;
   }
@@ -342,7 +328,10 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
   accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic, state.viscoplastic);
   store_supports(state, unknowns);
   state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
-  check_liquid_pressure(state, input.metal_level);
+  const FrontPressure front = front_pressure<Dim>(
+      *forms_, *mesh_, state, {properties_.liquid_density() * options_.gravity, input.metal_level});
+  checks_.liquid_pressure_error = front.error;
+  checks_.worst_liquid = front.worst;
 }
 
 template <int Dim>
@@ -377,37 +366,6 @@ void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknown
   }
   if (options_.contact) state.contact = std::move(unknowns.contact);
   state.contact_multiplier = std::move(unknowns.contact_multiplier);
-}
-
-template <int Dim>
-void SlabMechanics<Dim>::check_liquid_pressure(const State& state, double metal_level) {
-  std::vector<char> of_solid(std::size_t(mesh_->nodes()), 0);
-  for (int e = 0; e < mesh_->elements(); ++e) {
-    if (state.solid[std::size_t(e)] == 0) continue;
-    for (int i = 0; i < mesh_->nodes_per_element; ++i) {
-      of_solid[std::size_t(mesh_->nodes_of(e)[i])] = 1;
-    }
-  }
-  double difference = 0.0, scale = 0.0, worst = 0.0;
-  checks_.worst_liquid = -1;
-  for (int e = 0; e < mesh_->elements(); ++e) {
-    if (state.solid[std::size_t(e)] != 0) continue;
-    const int* node = mesh_->nodes_of(e);
-    const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
-                                      [&](int n) { return of_solid[std::size_t(n)] != 0; });
-    if (!at_front) continue;
-    const double exact =
-        -properties_.liquid_density() * options_.gravity * (metal_level - centroid_height(e));
-    const double error = state.pressure[std::size_t(e) * points_] - exact;
-    const double share = forms_->volume(std::size_t(e)) * error * error;
-    if (share > worst) {
-      worst = share;
-      checks_.worst_liquid = e;
-    }
-    difference += share;
-    scale += forms_->volume(std::size_t(e)) * exact * exact;
-  }
-  checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
 }
 
 template class SlabMechanics<2>;

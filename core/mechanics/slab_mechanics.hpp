@@ -84,8 +84,6 @@ private:
   void new_pattern();
   void choose_solver();
   void find_supports();
-  double element_temperature(int e, std::span<const double> temperature) const;
-  double centroid_height(int e) const;
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
   void solidify(State& state, int e, double metal_level, double at) const;
   void set_phases(State& state, const SlabStepInput& input);
@@ -96,7 +94,6 @@ private:
   void finish(State& state, StepUnknowns<Dim>& unknowns, const SlabStepInput& input);
   void check_balance(const StepUnknowns<Dim>& unknowns, double acting, double round_off);
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
-  void check_liquid_pressure(const State& state, double metal_level);
 
   std::unique_ptr<MechanicsForms<Dim>> forms_;
   std::size_t points_;  ///< of an element

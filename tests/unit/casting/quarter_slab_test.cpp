@@ -151,18 +151,7 @@ TEST_P(QuarterSlab, StoppedAnywhereItGivesTheSameBytes) {
 }
 
 TEST_P(QuarterSlab, AKilledRunGoesOnToTheSameBytes) {
-  const TemporaryFolder whole, killed;
-  Recorder first, second, uninterrupted;
-  Case c = small_quarter_slab(GetParam());
-  c.checkpoint.every_steps = 4;
-  run(c, {whole / "", false}, uninterrupted);
-  first.act_after = 18;
-  first.die = true;
-  EXPECT_THROW(run(c, {killed / "", false}, first), Recorder::Killed);
-  EXPECT_EQ(run(c, {killed / "", true}, second).end, RunEnd::succeeded);
-  EXPECT_EQ(second.resumed_from, 16);
-  EXPECT_TRUE(bytes_of(killed / "results.h5") == bytes_of(whole / "results.h5"));
-  EXPECT_TRUE(equal_except_timing(second.reports.back(), uninterrupted.reports.back()));
+  testing::expect_the_same_bytes_after_a_kill(small_quarter_slab(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, QuarterSlab,

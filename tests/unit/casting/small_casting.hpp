@@ -109,4 +109,19 @@ inline std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Kills a run after its 18th step, which has a checkpoint every four, and lets it go on.
+inline void expect_the_same_bytes_after_a_kill(Case c) {
+  const TemporaryFolder whole, killed;
+  Recorder first, second, uninterrupted;
+  c.checkpoint.every_steps = 4;
+  run(c, {whole / "", false}, uninterrupted);
+  first.act_after = 18;
+  first.die = true;
+  EXPECT_THROW(run(c, {killed / "", false}, first), Recorder::Killed);
+  EXPECT_EQ(run(c, {killed / "", true}, second).end, RunEnd::succeeded);
+  EXPECT_EQ(second.resumed_from, 16);
+  EXPECT_TRUE(bytes_of(killed / "results.h5") == bytes_of(whole / "results.h5"));
+  EXPECT_TRUE(equal_except_timing(second.reports.back(), uninterrupted.reports.back()));
+}
+
 }  // namespace dccast::casting::testing
