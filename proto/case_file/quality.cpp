@@ -85,7 +85,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                           .layer = 57e-3,
                                           .bottom_cell = 3e-3,
                                           .top_cell = 3e-3,
-                                          .growth_cell = 5e-3,
+                                          .growth_cell = 3.5e-3,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = {}};
@@ -95,7 +95,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                    .layer = 32e-3,
                                    .bottom_cell = 2e-3,
                                    .top_cell = 2.5e-3,
-                                   .growth_cell = 5e-3,
+                                   .growth_cell = 3.5e-3,
                                    .begin = {{0, 0.25}, {10, 1}},
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                    .error = {}};
