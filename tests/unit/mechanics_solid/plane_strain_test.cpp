@@ -121,5 +121,98 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
   EXPECT_NE(std::count(solid.unknowns().contact.begin(), solid.unknowns().contact.end(), 0), 0);
 }
 
+/// Tests T3 and T4 of the paper: a block drawn along x and pressed along the height by tractions
+/// that grow evenly, its strain uniform and known; held below in T3, standing on a floor in T4.
+template <class Pair>
+class UniformStressOf : public ExtrusionOf<Pair> {
+protected:
+  static constexpr double young = 1e9, poisson = 0.35, kappa = 1.953125e-39, exponent = 6.0;
+  static constexpr double traction_rate = 1e8;  // [Pa/s]
+  static constexpr double dt = 0.02;            // [s]
+  static constexpr int steps = 25;
+
+  /// The exact stretch at the end of a step, with backward Euler's sum in place of the integral of
+  /// t^5: with it each step has the exact stress.
+  static double stretch(int step) {
+    double sum = 0.0;
+    for (int i = 1; i <= step; ++i) sum += dt * std::pow(i * dt, 5);
+    return traction_rate * (1.0 + poisson) / young * step * dt +
+           2.0 / 3.0 * 1e40 * kappa * 6.0 * sum;
+  }
+
+  void run(bool contact) {
+    this->section.set_material(young, poisson, kappa, exponent);
+    this->solid.set_material(young, poisson, kappa, exponent);
+    if (contact) {
+      this->section.set_contact();
+      this->section.set_closed_contact();
+      this->solid.set_contact();
+    }
+    for (int i = 1; i <= steps; ++i) step(i, contact);
+  }
+
+  void step(int number, bool contact) {
+    const double p = traction_rate * number * dt, h = stretch(number);
+    load(p);
+    for (int n = 0; n < this->section.mesh.nodes(); ++n) {
+      const double* x = this->section.mesh.point(n);
+      if (x[0] == 0.0 || (!contact && x[1] == 0.0)) this->section.fix(n, 0, h * x[0]);
+      if ((x[0] == 0.0 && !(contact && x[1] == 0.0)) || (!contact && x[1] == 0.0))
+        this->section.fix(n, 1, -h * x[1]);
+    }
+    for (int n = 0; n < this->solid.box.mesh.nodes(); ++n) {
+      const Vector3 x = this->solid.place(n);
+      this->solid.fix(n, 1, 0.0);
+      if (x[0] == 0.0 || (!contact && x[2] == 0.0)) this->solid.fix(n, 0, h * x[0]);
+      if ((x[0] == 0.0 && !(contact && x[2] == 0.0)) || (!contact && x[2] == 0.0))
+        this->solid.fix(n, 2, -h * x[2]);
+    }
+    ASSERT_TRUE(this->section.step(testing::in_balance(1e-11), dt).converged) << number;
+    ASSERT_TRUE(this->solid.step(testing::in_balance(1e-11), dt).converged) << number;
+  }
+
+  void load(double p) {
+    this->section.clear_forces();
+    this->section.add_traction(mesh::PatchKind::side, [p](double, double) {
+      return verification::Vector2{p, 0.0};
+    });
+    this->section.add_traction(mesh::PatchKind::top, [p](double, double) {
+      return verification::Vector2{0.0, -p};
+    });
+    this->section.problem.weight = p * this->width;
+    auto& force = this->solid.problem.external_force;
+    std::fill(force.begin(), force.end(), 0.0);
+    this->solid.add_traction(Face::x_high, [p](const Vector3&) { return Vector3{p, 0.0, 0.0}; });
+    this->solid.add_traction(Face::z_high, [p](const Vector3&) { return Vector3{0.0, 0.0, -p}; });
+    this->solid.problem.weight = p * this->width * this->thickness;
+  }
+
+  void expect_the_exact_displacement() const {
+    const double h = stretch(steps);
+    for (int n = 0; n < this->solid.box.mesh.nodes(); ++n) {
+      const Vector3 x = this->solid.place(n);
+      EXPECT_NEAR(this->solid.displacement(n, 0), h * x[0], 1e-8 * h * this->width);
+      EXPECT_NEAR(this->solid.displacement(n, 2), -h * x[2], 1e-8 * h * this->width);
+    }
+  }
+};
+
+using UniformPairs = ::testing::Types<Extrusion<fem::P1Triangle, fem::P1Tetrahedron>,
+                                      Extrusion<fem::Q1Quadrilateral, fem::Q1Hexahedron>,
+                                      Extrusion<fem::BendingQuadrilateral, fem::BendingHexahedron>>;
+TYPED_TEST_SUITE(UniformStressOf, UniformPairs);
+
+TYPED_TEST(UniformStressOf, GivesTheFiguresOfT3) {
+  this->run(false);
+  if (TypeParam::Section::nodes == 4) this->expect_the_same_displacement(1e-8);
+  this->expect_the_exact_displacement();
+}
+
+TYPED_TEST(UniformStressOf, GivesTheFiguresOfT4) {
+  this->run(true);
+  if (TypeParam::Section::nodes == 4) this->expect_the_same_displacement(1e-8);
+  this->expect_the_exact_displacement();
+}
+
 }  // namespace
 }  // namespace dccast::mechanics
