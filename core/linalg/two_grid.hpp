@@ -9,7 +9,7 @@
 namespace dccast::linalg {
 
 /// Preconditioner of a symmetric positive definite matrix on an extruded mesh of flat cells, in two
-/// grids: Gauss-Seidel over upright lines, and a coarse problem of every so manieth row, to which
+/// grids: Gauss-Seidel over upright lines, and a coarse problem of some of the rows, between which
 /// the others are interpolated along the height.
 ///
 /// The cells of the coarse grid are about as high as wide. What varies faster along the height the
