@@ -16,6 +16,9 @@ constexpr double reference_size = 13e3;    // unknowns of the fits below
 constexpr double cholmod_factor_s = 0.13;  // grows with exponent 1.63
 constexpr double cholmod_bytes = 48e6;     // grows with exponent 1.35
 
+/// In the plane: work of the band for each unknown below which it beats a dissection [1].
+constexpr double band_against_dissection = 100.0 * 100.0;
+
 double cholmod_seconds(int unknowns) {
   const double size = unknowns / reference_size;
   const double solve = cholmod_bytes * std::pow(size, 1.35) / solve_bytes_rate;
@@ -35,6 +38,10 @@ bool band_wins(const BandShape& shape, int unknowns, Geometry geometry,
   return shape.flops <= kernels.flops_per_unknown * unknowns;
 }
 
+bool band_beats_dissection(const BandShape& shape, int unknowns) {
+  return shape.flops <= band_against_dissection * unknowns;
+}
+
 void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
                            std::span<const std::vector<int>> fronts) {
   std::vector<int> place = reversed_order(pattern.unknowns());
@@ -46,30 +53,40 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     place = std::move(other);
     shape = std::move(its);
   }
-  uses_band_ = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
-  if (uses_band_) {
-    band_.analyze(pattern, place, std::move(shape));
-  } else {
-    cholmod_.analyze(pattern, geometry);
+  method_ = choose(shape, pattern.unknowns(), geometry, fronts.size() == 2);
+  switch (method_) {
+    case Method::band:
+      return band_.analyze(pattern, place, std::move(shape));
+    case Method::dissection:
+      return dissection_.analyze(pattern, DissectionTree(pattern, fronts));
+    case Method::cholmod:
+      return cholmod_.analyze(pattern, geometry);
   }
+}
+
+DirectSolver::Method DirectSolver::choose(const BandShape& shape, int unknowns, Geometry geometry,
+                                          bool has_edges) {
+  if (geometry == Geometry::plane && has_edges)
+    return band_beats_dissection(shape, unknowns) ? Method::band : Method::dissection;
+  return band_wins(shape, unknowns, geometry, best_tile_kernels()) ? Method::band : Method::cholmod;
 }
 
 bool DirectSolver::factorize(std::span<const double> values) {
   ++factorizations_;
-  return uses_band_ ? band_.factorize(values) : cholmod_.factorize(values);
+  return with_solver([&](auto& solver) { return solver.factorize(values); });
 }
 
 void DirectSolver::solve(std::span<const double> b, std::span<double> x) {
   ++solves_;
-  uses_band_ ? band_.solve(b, x) : cholmod_.solve(b, x);
+  with_solver([&](auto& solver) { solver.solve(b, x); });
 }
 
 double DirectSolver::factor_entries() const {
-  return uses_band_ ? band_.factor_entries() : cholmod_.factor_entries();
+  return with_solver([](const auto& solver) { return solver.factor_entries(); });
 }
 
 std::size_t DirectSolver::memory_bytes() const {
-  return uses_band_ ? band_.memory_bytes() : cholmod_.memory_bytes();
+  return with_solver([](const auto& solver) { return solver.memory_bytes(); });
 }
 
 }  // namespace dccast::linalg

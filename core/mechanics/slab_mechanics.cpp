@@ -253,7 +253,7 @@ template <int Dim>
 StepOutcome SlabMechanics<Dim>::step(State& state, const SlabStepInput& input) {
   StepUnknowns<Dim> unknowns = begin(state, input);
   const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
-  if (outcome.converged) finish(state, unknowns, input);
+  if (outcome.converged) finish(state, unknowns, outcome, input);
   return outcome;
 }
 
@@ -276,16 +276,22 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   return unknowns;
 }
 
+/// What an algorithm with a law of its own has found, under that of the step.
 template <int Dim>
-void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
-                                const SlabStepInput& input) {
+ForceScales SlabMechanics<Dim>::evaluate_end(StepUnknowns<Dim>& unknowns) {
   Equilibrium<Dim> equilibrium(problem_);
   const double round_off = round_off_force(problem_);
-  const double acting = std::max(
-      equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
-      least_acting_force(problem_, round_off, options_.tolerance));
-  check_balance(unknowns, acting, round_off);
-  state.deviator = equilibrium.deviators();
+  const double acting =
+      equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_));
+  unknowns.deviator = equilibrium.deviators();
+  return {std::max(acting, least_acting_force(problem_, round_off, options_.tolerance)), round_off};
+}
+
+template <int Dim>
+void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
+                                const StepOutcome& outcome, const SlabStepInput& input) {
+  check_balance(unknowns, outcome.forces_at_end ? *outcome.forces_at_end : evaluate_end(unknowns));
+  state.deviator = std::move(unknowns.deviator);
   for (int e = 0; e < mesh_->elements(); ++e) {
     std::fill_n(state.pressure.begin() + long(std::size_t(e) * points_), points_,
                 mean_normal_stress(problem_, e, unknowns.displacement));
@@ -300,12 +306,12 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns, double acting,
-                                       double round_off) {
+void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns,
+                                       const ForceScales& forces) {
   std::vector<char> contact = unknowns.contact;
-  StepConstraints<Dim> constraints(problem_, contact, round_off);
+  StepConstraints<Dim> constraints(problem_, contact, forces.round_off);
   checks_.weight = problem_.weight;
-  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
+  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / forces.acting;
   checks_.complementarity_error =
       constraints.complementarity_error(unknowns.displacement, work_.residual);
 }

@@ -19,8 +19,8 @@ struct SlabStepInput {
   double metal_level = 0.0;             ///< h(t) [m]
 };
 
-/// The checks every step is reported with; they are recomputed from displacement and state, not
-/// taken from the algorithm that found them.
+/// The checks every step is reported with; they are of the step problem itself at the displacement
+/// found, whatever law the algorithm that found it solves by.
 struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
   double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
@@ -120,8 +120,10 @@ private:
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
-  void finish(State& state, StepUnknowns<Dim>& unknowns, const SlabStepInput& input);
-  void check_balance(const StepUnknowns<Dim>& unknowns, double acting, double round_off);
+  ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
+  void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome,
+              const SlabStepInput& input);
+  void check_balance(const StepUnknowns<Dim>& unknowns, const ForceScales& forces);
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
 
   std::unique_ptr<MechanicsForms<Dim>> forms_;
