@@ -134,41 +134,6 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
-                                       int first_moved) {
-  const std::size_t first = std::size_t(first_moved) * points_;
-  const int old_nodes = static_cast<int>(state.released.size());
-  std::vector<double> u = supports_.by_unknown(state.displacement);
-  set_rotations(u, state.solid);
-  std::vector<Tensor> elastic;  // of the elements that move
-  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(forms_->strain(i / points_, i % points_, u));
-    elastic.back().add(-1.0, state.inelastic[i]);
-  }
-  const std::size_t stride = std::size_t(nodes_per_row) * Dim;
-  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
-    state.displacement.push_back(state.displacement[i - stride]);
-  }
-  state.released.resize(std::size_t(grown.nodes()), 0);
-  state.solid.resize(std::size_t(grown.elements()), 0);
-  const std::size_t all_points = std::size_t(grown.elements()) * points_;
-  state.inelastic.resize(all_points);
-  state.viscoplastic.resize(all_points);
-  state.deviator.resize(all_points);
-  state.pressure.resize(all_points, 0.0);
-  set_mesh(grown, first_moved);
-  // A node that is new stands at the mould, whatever the one below it did.
-  u = supports_.by_unknown(std::move(state.displacement));
-  supports_.stand_at_mould(u, old_nodes);
-  set_rotations(u, state.solid);
-  for (std::size_t i = first; i < all_points; ++i) {
-    state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
-    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
-  }
-  state.displacement = supports_.by_coordinate(std::move(u));
-}
-
-template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
