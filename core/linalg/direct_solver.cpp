@@ -1,6 +1,7 @@
 #include "core/linalg/direct_solver.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/linalg/sweep_order.hpp"
@@ -30,6 +31,22 @@ double band_seconds(const BandShape& shape, const TileKernels& kernels) {
   return shape.flops / kernels.flops_per_second + solves_a_factor * bytes / solve_bytes_rate;
 }
 
+bool has_two_edges(std::span<const std::vector<int>> fronts) {
+  return fronts.size() == 2 && !fronts[0].empty() && !fronts[1].empty();
+}
+
+/// Nothing where a band does, and where the lines at one distance from the edges do not halve the
+/// mesh well: it is not in one piece, or its edges lie side by side.
+std::optional<DissectionTree> dissection_of(const SparsityPattern& pattern, Geometry geometry,
+                                            std::span<const std::vector<int>> fronts,
+                                            const BandShape& shape) {
+  if (geometry != Geometry::plane || !has_two_edges(fronts)) return std::nullopt;
+  if (band_beats_dissection(shape, pattern.unknowns())) return std::nullopt;
+  DissectionTree tree(pattern, fronts);
+  if (tree.flops() >= shape.flops) return std::nullopt;
+  return tree;
+}
+
 }  // namespace
 
 bool band_wins(const BandShape& shape, int unknowns, Geometry geometry,
@@ -53,22 +70,17 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     place = std::move(other);
     shape = std::move(its);
   }
-  method_ = choose(shape, pattern.unknowns(), geometry, fronts.size() == 2);
-  switch (method_) {
-    case Method::band:
-      return band_.analyze(pattern, place, std::move(shape));
-    case Method::dissection:
-      return dissection_.analyze(pattern, DissectionTree(pattern, fronts));
-    case Method::cholmod:
-      return cholmod_.analyze(pattern, geometry);
+  if (const auto tree = dissection_of(pattern, geometry, fronts, shape)) {
+    method_ = Method::dissection;
+    return dissection_.analyze(pattern, *tree);
   }
-}
-
-DirectSolver::Method DirectSolver::choose(const BandShape& shape, int unknowns, Geometry geometry,
-                                          bool has_edges) {
-  if (geometry == Geometry::plane && has_edges)
-    return band_beats_dissection(shape, unknowns) ? Method::band : Method::dissection;
-  return band_wins(shape, unknowns, geometry, best_tile_kernels()) ? Method::band : Method::cholmod;
+  const bool plane_with_edges = geometry == Geometry::plane && has_two_edges(fronts);
+  const bool by_band = plane_with_edges
+                           ? band_beats_dissection(shape, pattern.unknowns())
+                           : band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
+  method_ = by_band ? Method::band : Method::cholmod;
+  if (by_band) return band_.analyze(pattern, place, std::move(shape));
+  cholmod_.analyze(pattern, geometry);
 }
 
 bool DirectSolver::factorize(std::span<const double> values) {

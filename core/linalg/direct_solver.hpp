@@ -20,7 +20,8 @@ public:
   /// @param pattern  must outlive the solver's use of it
   /// @param fronts   sets of unknowns along an edge of the mesh from which an elimination may
   ///                 start; of these orders and the reversed numbering the one of least work is
-  ///                 taken. From two of them a dissection in the plane counts its distances
+  ///                 taken. From two of them, neither empty, a dissection in the plane counts its
+  ///                 distances
   /// @throws std::bad_alloc when memory is exhausted
   void analyze(const SparsityPattern& pattern, Geometry geometry = Geometry::plane,
                std::span<const std::vector<int>> fronts = {});
@@ -61,8 +62,6 @@ private:
            : method_ == Method::dissection ? use(dissection_)
                                            : use(cholmod_);
   }
-
-  static Method choose(const BandShape& shape, int unknowns, Geometry geometry, bool has_edges);
 
   Method method_ = Method::cholmod;
   BandCholesky band_;

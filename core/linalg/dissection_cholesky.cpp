@@ -58,7 +58,7 @@ void DissectionCholesky::place_fronts(const DissectionTree& tree) {
   panel_.reserve(tiles);
   inverse_.resize(std::size_t(rows));
   right_.assign(std::size_t(rows), TileRow{});
-  rest_.assign(std::size_t(most), TileRow{});
+  rest_.assign(std::size_t(std::max(1, most)), TileRow{});  // of one front alone nothing is left
   sums_.assign(std::size_t(most_pivots), Tile{});
   for (auto* offsets : {&offset_.child, &offset_.panel, &offset_.update})
     offsets->resize(most_boundary);

@@ -66,8 +66,9 @@ private:
 
   /// @return the front that stands for the nodes of a part of the order
   int divide(int first, int end, int depth) {
+    if (end - first <= leaf_) return add({first, end, depth, {}, {}});
     const Line line = middle(first, end);
-    if (end - first <= leaf_ || line.distance < 0) return add({first, end, depth, {}, {}});
+    if (line.distance < 0) return add({first, end, depth, {}, {}});
     const auto from = order_.begin() + first, to = order_.begin() + end;
     const auto before = [&](int n) { return at(line.axis, n) < line.distance; };
     const auto behind = [&](int n) { return at(line.axis, n) > line.distance; };

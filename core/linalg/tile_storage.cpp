@@ -28,10 +28,12 @@ Tile* allocate(std::size_t tiles) {
 
 void TileStorage::reserve(std::size_t tiles) {
   if (tiles <= capacity_) return;
-  capacity_ = capacity_ == 0 ? tiles : tiles + tiles / 4;
+  const std::size_t room = capacity_ == 0 ? tiles : tiles + tiles / 4;
+  capacity_ = 0;
   tile_.reset();
-  tile_.reset(allocate(capacity_));
+  tile_.reset(allocate(room));
   if (tile_ == nullptr) throw std::bad_alloc();
+  capacity_ = room;
 }
 
 void TileStorage::Free::operator()(Tile* tiles) const {

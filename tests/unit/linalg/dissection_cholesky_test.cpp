@@ -164,5 +164,32 @@ TEST(DissectionCholesky, TakesUnknownsThatNothingJoins) {
   for (const double found : x) EXPECT_NEAR(found, 1.0, 1e-14);
 }
 
+/// Two grids that nothing joins: a cut can pass between them without a node on it.
+TEST(DissectionCholesky, TakesAMeshInTwoPieces) {
+  constexpr int columns = 20, rows = 24, nodes = columns * rows;
+  std::vector<int> cells = testing::grid_cells(columns, rows);
+  const std::size_t of_one = cells.size();
+  for (std::size_t i = 0; i < of_one; ++i) cells.push_back(cells[i] + nodes);
+  const SparsityPattern pattern(2 * nodes, cells, 4);
+  std::vector<std::vector<int>> edges(2);
+  for (int row = 0; row < rows; ++row) edges[0].push_back(row * columns);
+  for (int column = 0; column < columns; ++column) edges[1].push_back(nodes + column);
+  std::vector<double> values(pattern.entries(), -1.0), b;
+  for (int u = 0; u < pattern.unknowns(); ++u) {
+    values[std::size_t(pattern.diagonal(u))] = 8.5;
+    b.push_back(std::cos(0.1 * u));
+  }
+  DissectionCholesky solver;
+  solver.analyze(pattern, DissectionTree(pattern, edges));
+  CholmodSolver other;
+  other.analyze(pattern);
+  ASSERT_TRUE(solver.factorize(values));
+  ASSERT_TRUE(other.factorize(values));
+  std::vector<double> x(b.size()), expected(b.size());
+  solver.solve(b, x);
+  other.solve(b, expected);
+  EXPECT_LE(relative_difference(x, expected), 1e-12);
+}
+
 }  // namespace
 }  // namespace dccast::linalg
