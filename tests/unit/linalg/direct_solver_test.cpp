@@ -16,7 +16,7 @@ using testing::grid_cells;
 std::vector<double> values_of(const SparsityPattern& pattern) {
   std::vector<double> values(pattern.entries(), -1.0);
   for (int u = 0; u < pattern.unknowns(); ++u) {
-    values[std::size_t(pattern.diagonal(u))] = 8.1 + std::sin(double(u));
+    values[std::size_t(pattern.diagonal(u))] = 9.1 + std::sin(double(u));
   }
   return values;
 }
