@@ -117,17 +117,7 @@ std::vector<char> RowsOfPoints<Dim>::all_of(std::span<const char> flag) const {
 
 template <int Dim>
 std::vector<double> RowsOfPoints<Dim>::restricted(std::vector<double> force) const {
-  const std::size_t stride = merged_.nodes_per_row * Dim;
-  for (const int out : merged_.taken_out) {
-    const std::size_t row = std::size_t(out);
-    const double below = merged_.height[row] - merged_.height[row - 1];
-    const double above = merged_.height[row + 1] - merged_.height[row];
-    for (std::size_t i = row * stride; i < (row + 1) * stride; ++i) {
-      force[i - stride] += force[i] * above / (below + above);
-      force[i + stride] += force[i] * below / (below + above);
-    }
-  }
-  mesh::take_out_rows(merged_, stride, force);
+  mesh::share_out_rows(merged_, merged_.nodes_per_row * Dim, force);
   return force;
 }
 

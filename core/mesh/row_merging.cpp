@@ -44,4 +44,17 @@ std::vector<std::array<std::size_t, 2>> MergedRows::made_of() const {
   return rows;
 }
 
+void share_out_rows(const MergedRows& merged, std::size_t per_row, std::vector<double>& field) {
+  for (const int out : merged.taken_out) {
+    const std::size_t row = std::size_t(out);
+    const double below = merged.height[row] - merged.height[row - 1];
+    const double above = merged.height[row + 1] - merged.height[row];
+    for (std::size_t i = row * per_row; i < (row + 1) * per_row; ++i) {
+      field[i - per_row] += field[i] * above / (below + above);
+      field[i + per_row] += field[i] * below / (below + above);
+    }
+  }
+  take_out_rows(merged, per_row, field);
+}
+
 }  // namespace dccast::mesh

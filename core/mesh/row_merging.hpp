@@ -35,6 +35,11 @@ struct MergedRows {
   std::vector<std::array<std::size_t, 2>> made_of() const;
 };
 
+/// Takes rows out of a sum over rows, such as heat or force by node: what they hold goes to the
+/// rows below and above, in the shares in which linear interpolation takes from them.
+/// @param per_row  numbers of a row
+void share_out_rows(const MergedRows& merged, std::size_t per_row, std::vector<double>& field);
+
 /// Takes rows out of a field by node or by row of nodes.
 /// @param per_row  numbers of a row
 template <class T>
