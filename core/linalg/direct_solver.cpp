@@ -74,10 +74,7 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     method_ = Method::dissection;
     return dissection_.analyze(pattern, *tree);
   }
-  const bool plane_with_edges = geometry == Geometry::plane && has_two_edges(fronts);
-  const bool by_band = plane_with_edges
-                           ? band_beats_dissection(shape, pattern.unknowns())
-                           : band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
+  const bool by_band = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
   method_ = by_band ? Method::band : Method::cholmod;
   if (by_band) return band_.analyze(pattern, place, std::move(shape));
   cholmod_.analyze(pattern, geometry);

@@ -9,6 +9,37 @@
 
 namespace dccast::mechanics {
 
+namespace {
+
+/// Elastic strains with their thermal part, of the points from `first` on.
+/// @param displacement  by unknown [m], which has set the rotations of the forms
+template <int Dim>
+std::vector<SymmetricTensor<Dim>> elastic_strains(const MechanicsForms<Dim>& forms,
+                                                  const SlabState<Dim>& state,
+                                                  std::span<const double> displacement,
+                                                  std::size_t first = 0) {
+  std::vector<SymmetricTensor<Dim>> elastic;
+  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
+    elastic.push_back(forms.strain(i / forms.points(), i % forms.points(), displacement));
+    elastic.back().add(-1.0, state.inelastic[i]);
+  }
+  return elastic;
+}
+
+/// The inelastic strains, from point `first` on, with which the elastic ones are those given; of
+/// points beyond them, none.
+template <int Dim>
+void set_elastic_strains(const MechanicsForms<Dim>& forms, SlabState<Dim>& state,
+                         std::span<const double> displacement,
+                         const std::vector<SymmetricTensor<Dim>>& elastic, std::size_t first = 0) {
+  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
+    state.inelastic[i] = forms.strain(i / forms.points(), i % forms.points(), displacement);
+    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
+  }
+}
+
+}  // namespace
+
 template <int Dim>
 void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
                                        int first_moved) {
@@ -16,11 +47,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   const int old_nodes = static_cast<int>(state.released.size());
   std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);
-  std::vector<Tensor> elastic;  // of the elements that move
-  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(forms_->strain(i / points_, i % points_, u));
-    elastic.back().add(-1.0, state.inelastic[i]);
-  }
+  const std::vector<Tensor> elastic = elastic_strains(*forms_, state, u, first);
   const std::size_t stride = std::size_t(nodes_per_row) * Dim;
   for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
     state.displacement.push_back(state.displacement[i - stride]);
@@ -37,10 +64,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   u = supports_.by_unknown(std::move(state.displacement));
   supports_.stand_at_mould(u, old_nodes);
   set_rotations(u, state.solid);
-  for (std::size_t i = first; i < all_points; ++i) {
-    state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
-    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
-  }
+  set_elastic_strains(*forms_, state, u, elastic, first);
   state.displacement = supports_.by_coordinate(std::move(u));
 }
 
@@ -76,13 +100,11 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
   const RowsOfPoints<Dim> rows(merged);
   const std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);
-  std::vector<Tensor> elastic;  // with its thermal part, its deviator
-  std::vector<double> dilatation;
-  for (std::size_t i = 0; i < state.inelastic.size(); ++i) {
-    Tensor strain = forms_->strain(i / points_, i % points_, u);
-    strain.add(-1.0, state.inelastic[i]);
+  std::vector<Tensor> elastic = elastic_strains(*forms_, state, u);
+  std::vector<double> dilatation;  // one of an element, as its pressure
+  for (Tensor& strain : elastic) {
     dilatation.push_back(strain.trace());
-    elastic.push_back(strain.deviator());
+    strain = strain.deviator();
   }
   set_weight(state, temperature);
   double acting = 0.0;
@@ -111,10 +133,7 @@ MergeChecks SlabMechanics<Dim>::follow_merging(State& state, ProjectedState<Dim>
   const std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);
   state.inelastic.resize(projected.elastic.size());
-  for (std::size_t i = 0; i < state.inelastic.size(); ++i) {
-    state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
-    state.inelastic[i].add(-1.0, projected.elastic[i]);
-  }
+  set_elastic_strains(*forms_, state, u, projected.elastic);
   set_weight(state, temperature);
   double acting = 0.0, squares = 0.0;
   const std::vector<double> force = forces_of_stress(state, acting);

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "core/linalg/cholmod_solver.hpp"
+#include "tests/unit/linalg/by_cholmod.hpp"
 #include "tests/unit/linalg/grid_matrix.hpp"
 #include "tests/unit/linalg/relative_difference.hpp"
 
 namespace dccast::linalg {
 namespace {
 
+using testing::by_cholmod;
 using testing::relative_difference;
 
 /// The four-node cells of a grid with some unknowns a node, its left and its upper edge, a matrix
@@ -46,15 +48,6 @@ private:
     return unknowns;
   }
 };
-
-std::vector<double> by_cholmod(const Grid& grid) {
-  CholmodSolver solver;
-  solver.analyze(grid.pattern);
-  EXPECT_TRUE(solver.factorize(grid.values));
-  std::vector<double> x(grid.b.size());
-  solver.solve(grid.b, x);
-  return x;
-}
 
 std::vector<double> solution(DissectionCholesky& solver, const Grid& grid) {
   EXPECT_TRUE(solver.factorize(grid.values));
