@@ -11,7 +11,7 @@ namespace {
 
 using restart::Sections;
 
-/// Puts fields into sections, each under its name.
+/// Stores fields in sections, each under its name.
 struct FieldWriter {
   Sections& sections;
 
@@ -33,8 +33,8 @@ struct FieldWriter {
   }
 };
 
-/// Takes them from sections. Throws std::out_of_range for a section that is missing or whose values
-/// are no flags or no whole tensors.
+/// Reads them from sections. Throws std::out_of_range if a section is missing or its values are not
+/// flags or not complete tensors.
 struct FieldReader {
   const Sections& sections;
 
@@ -79,7 +79,7 @@ void for_slab_fields(Slab& slab, const Use& use) {
   use("slab/reaction_n_per_m", slab.reaction);
 }
 
-/// The same for a run, without what judges it and how it failed.
+/// The same for a run, without validity, plausibility and failures.
 template <class State, class Use>
 void for_fields(State& state, const Use& use) {
   use("step", state.step);

@@ -46,7 +46,7 @@ private:
   std::string first_;
 };
 
-/// Sizes that a mesh asks of the arrays of a state.
+/// Sizes of the arrays of a state required by a mesh.
 struct Shape {
   std::size_t nodes, elements, points, bottom_nodes;
 };
@@ -58,7 +58,7 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   // Empty before the first step, and where the temperature is prescribed.
   if (!heat.enthalpy_rate.empty())
     reasons.require_reals(heat.enthalpy_rate, shape.nodes, "enthalpy rate");
-  // Empty before the first step, and where no water follows its flow.
+  // Empty before the first step, and without `boiling_follows_flow`.
   if (!heat.wetted.empty()) reasons.require_size(heat.wetted, shape.nodes, "wetted nodes");
 }
 
@@ -73,7 +73,7 @@ void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons
   reasons.require_reals(slab.pressure, shape.points, "pressure");
   reasons.require_size(slab.contact, shape.bottom_nodes, "contact");
   reasons.require_reals(slab.reaction, shape.bottom_nodes, "reaction");
-  // Empty before the first step, and with every algorithm but sbm.
+  // Empty before the first step, and with any algorithm except sbm.
   if (!slab.contact_multiplier.empty())
     reasons.require_reals(slab.contact_multiplier, shape.bottom_nodes, "contact multiplier");
 }
@@ -107,7 +107,7 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
 }
 
-/// Of the mesh that the rows of a state make.
+/// Checks against the mesh given by the rows of a state.
 template <int Dim>
 Shape shape_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
   const mesh::Mesh<Dim>& mesh = run.mesh.mesh();

@@ -11,8 +11,10 @@
 
 namespace dccast::mechanics {
 
-/// The forms of a mesh of one kind of element: gathers from and scatters to the nodes around
-/// ElementForms, which work on as many elements at once as a register has lanes.
+/// The forms of a mesh with one kind of element: gathers nodal values for ElementForms and scatters
+/// their results. ElementForms work on as many elements at once as a register has lanes.
+///
+/// Units: as in MechanicsForms.
 template <class Element>
 class FormsOf final : public MechanicsForms<Element::dimension> {
   static constexpr int dimension = Element::dimension;
@@ -168,7 +170,7 @@ private:
     if (frames_.touch(e)) frames_.to_coordinates(node, v);
     return v;
   }
-  /// The same as the element sees them.
+  /// The same in the rotated axes of the element.
   Vectors local(std::size_t e, std::span<const double> u) const {
     Vectors v = nodal(e, u);
     if (rotations_.turn(e)) rotations_.into_element(e, *mesh_, v);
@@ -198,7 +200,7 @@ private:
     return share;
   }
 
-  /// Displacements of the elements of a group; lanes behind the last element repeat it.
+  /// Displacements of a group of elements; lanes beyond the last element repeat it.
   template <int Count>
   auto gather(std::size_t first, std::size_t end, std::span<const double> u) const {
     std::array<Vectors, Count> of_one;

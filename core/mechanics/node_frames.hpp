@@ -9,8 +9,10 @@
 
 namespace dccast::mechanics {
 
-/// The frames of some nodes of a mesh, indexed by element: elements without such a node pay one
-/// comparison.
+/// The local frames of some nodes of a mesh, indexed by element: an element without such a node
+/// costs one comparison.
+///
+/// Units: displacements, forces and matrices in any unit.
 template <int Dim>
 class NodeFrames {
 public:
@@ -49,7 +51,7 @@ public:
     }
   }
 
-  /// Of an element matrix given by its lower triangle, row by row.
+  /// The same for an element matrix, given by its lower triangle, row by row.
   template <std::size_t Nodes>
   void to_frames(const int* node, std::array<double, Nodes * Dim * Nodes * Dim>& k) const {
     constexpr std::size_t n = Nodes * Dim;
@@ -70,7 +72,7 @@ public:
     }
   }
 
-  /// Subtracts a force `by` along the last coordinate axis from those of a node, in their unit.
+  /// Subtracts a force `by` along the last coordinate axis from the force at a node.
   void lower(std::span<double> force, int node, double by) const {
     double* f = &force[std::size_t(node) * Dim];
     if (const Frame* frame = frame_of(node)) {
@@ -89,8 +91,8 @@ private:
   }
 
   std::vector<Frame> frame_;
-  std::vector<int> of_node_;   ///< place of its frame; empty without frames
-  std::vector<char> touched_;  ///< (element); empty without frames
+  std::vector<int> of_node_;   ///< (node) index of its frame; empty without frames
+  std::vector<char> touched_;  ///< (element) not zero if a node has a frame; empty without frames
 };
 
 }  // namespace dccast::mechanics

@@ -61,7 +61,8 @@ std::string join_path(const std::string& parent, const std::string& key);
 /// mm/min)". Empty without a range.
 std::string range_text(const FieldDescriptor& field, const std::string& other_unit = {});
 
-/// What is wrong with a number for this field, or nothing.
+/// The fault of a number outside the range of its field; empty if there is none.
+/// @param value  [unit of the field]
 std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
                                      const std::string& path, const std::string& written,
                                      const std::string& unit_written);

@@ -36,9 +36,10 @@ void add_unknown(Walk& walk, const toml::node& node, const Message& message,
 void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
                 const std::string& path);
 
-/// One real number: a string with unit, or a bare number where the unit is "1".
-/// `unit` is that of the schema, `limits` the field whose range it must keep (null for an
-/// abscissa).
+/// Reads one real number: a string with a unit, or a bare number if the unit is "1".
+/// @param unit    unit in the schema
+/// @param limits  field whose range applies; null for an abscissa
+/// @return        [`unit`]
 std::optional<double> read_number(Walk& walk, const toml::node& node, const std::string& unit,
                                   const std::string& example, const FieldDescriptor* limits,
                                   const std::string& path);

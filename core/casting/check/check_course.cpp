@@ -13,8 +13,8 @@ bool is_mechanical(const Case& c, double time) {
   return c.mechanics.enabled && time >= c.mechanics.start - 1e-9;
 }
 
-/// Of speeds against time the integral is exact over any leap; of others it needs steps, if not
-/// all.
+/// Integrates the cast length. For speeds against time any leap is exact; other speeds need
+/// intermediate steps.
 double cast_length(const CastingSchedule& schedule, double length, double time, const Leap& leap) {
   constexpr std::int64_t enough = 1000;
   const std::int64_t pieces = schedule.speed_follows_time() ? 1 : std::min(leap.steps, enough);

@@ -5,7 +5,7 @@
 
 namespace dccast::casting {
 
-/// The chord from the middle to the corner turns as little as any part of the shell may.
+/// The chord from the centre to the corner may rotate as little as any part of the shell.
 std::optional<Finding> lift_too_large(const Case& c, const StepFigures& f) {
   const double limit = std::tan(c.validity.maximum_rotation) * c.section.half_width;
   if (!f.mechanical || f.lift.value <= limit) return std::nullopt;

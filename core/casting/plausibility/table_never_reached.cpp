@@ -10,7 +10,7 @@ struct Table {
   double shift = 0.0;  ///< [s]
 };
 
-/// Every table that may stand against time or cast length, but the time step's.
+/// Every table that may depend on time or cast length, except the time step.
 std::vector<Table> tables_of(const Case& c) {
   const thermal::BottomBlock& block = c.cooling.bottom_block;
   std::vector<Table> tables{

@@ -5,7 +5,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Water runs over the side before anything else does: a zone below its line is never met while it
+/// Running water takes precedence over zones: a zone below the water line has no effect while it
 /// runs.
 bool under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
                  const Course& course) {

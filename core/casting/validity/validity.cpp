@@ -32,7 +32,7 @@ std::string in_words(const std::vector<double>& place) {
   return text + ") m";
 }
 
-/// "0.1 m from the symmetry plane"; of a quarter slab from both.
+/// "0.1 m from the symmetry plane"; for a quarter slab from both.
 std::string along_bottom(const std::vector<double>& place) {
   if (place.size() == 2) return sentence("%.4g m from the symmetry plane", place[0]);
   return sentence("%.4g m and %.4g m from the symmetry planes", place[0], place[1]);
@@ -52,8 +52,8 @@ ValidityJudge<Dim>::ValidityJudge(const Case& c)
       // A billet is held by its hoop stress, whatever happens to the shell below its axis.
       judges_shell_(c.section.kind != mesh::SectionKind::axisymmetric &&
                     c.mechanics.options.liquid != mechanics::Liquid::solid),
-      // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
-      // use it; choosing it is the user's decision.
+      // With the paper's weak liquid the pressure error is up to a factor of a hundred; it is not
+      // the default, and choosing it is the user's decision.
       judges_pressure_(c.mechanics.options.liquid == mechanics::Liquid::prestressed),
       judges_rotation_(c.mechanics.options.kinematics == mechanics::Kinematics::small_strain),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
