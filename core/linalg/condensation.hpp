@@ -24,9 +24,9 @@ namespace dccast::linalg {
 /// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class Condensation {
 public:
-  /// @param most_changes  largest number of changed unknowns that change() accepts: beyond about
-  ///                      ten the solves for their columns cost as much as a factorisation
-  explicit Condensation(std::size_t most_changes = 8) : most_changes_(most_changes) {}
+  /// @param most_changes  largest number of changed unknowns that change() accepts: four solves cost
+  ///                      as much as a factorisation, by dissection or by the band
+  explicit Condensation(std::size_t most_changes = 4) : most_changes_(most_changes) {}
 
   /// Starts from a new factor. All arguments must outlive the use of this object and must not
   /// change.
@@ -37,8 +37,8 @@ public:
              std::span<const char> held);
 
   /// Changes the held unknowns to `held`.
-  /// @return false if a new factorisation is needed: there are too many changes, or the matrix of
-  /// the free unknowns is not positive definite
+  /// @return false if a new factorisation is needed: there are too many changes, which costs no
+  ///         solve, or the matrix of the free unknowns is not positive definite
   bool change(std::span<const char> held);
 
   std::size_t changes() const { return changed_.size(); }
@@ -56,6 +56,7 @@ private:
     std::vector<double> solved;  ///< K_ff^-1 times the column on f, zero elsewhere
   };
 
+  bool few_differ(std::span<const char> held) const;
   Changed condense(int unknown, bool released);
   /// Product of a changed unknown's column with a vector that is zero outside f.
   double along(const Changed& changed, std::span<const double> on_free) const;
