@@ -163,7 +163,7 @@ private:
   }
 
   /// @return empty if resumed; else the reason: the journal ends before the state, or the state
-  /// does not fit the run
+  ///         does not fit the run
   std::string go_on_from(const StoredRun& stored) {
     auto resumed = results::ResultWriter::resume(files_, stored.step, stored.journal_records);
     if (!resumed.writer) return resumed.reason;

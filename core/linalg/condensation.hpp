@@ -24,8 +24,8 @@ namespace dccast::linalg {
 /// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class Condensation {
 public:
-  /// @param most_changes  largest number of changed unknowns that change() accepts: four solves cost
-  ///                      as much as a factorisation, by dissection or by the band
+  /// @param most_changes  largest number of changed unknowns that change() accepts: four solves
+  ///                      cost as much as a factorisation, by dissection or by the band
   explicit Condensation(std::size_t most_changes = 4) : most_changes_(most_changes) {}
 
   /// Starts from a new factor. All arguments must outlive the use of this object and must not

@@ -126,9 +126,9 @@ DCCAST_INLINE void subtract_sums(const Tile& products, TileRow& x) {
   }
 }
 
-/// sums += the products of the transposed consecutive tiles of some rows with x, the last row first;
-/// the columns of the sums still have to be added up. Processing several rows at once reads and
-/// writes the sums only once.
+/// sums += the products of the transposed consecutive tiles of some rows with x, the last row
+/// first; the columns of the sums still have to be added up. Processing several rows at once reads
+/// and writes the sums only once.
 /// @param x  one for each row
 template <int Lanes, int Rows>
 DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int count,

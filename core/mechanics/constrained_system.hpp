@@ -33,7 +33,7 @@ public:
   /// the factor in `work` is unchanged since
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   /// @return false if a new factorisation is needed: this one would not pay, or the matrix is not
-  /// positive definite
+  ///         positive definite
   bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
   /// Accepts a new stiffness in `work.stiffness`, with the factor of an older one as

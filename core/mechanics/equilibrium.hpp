@@ -36,7 +36,7 @@ public:
   /// point for tangent(). A law is called as law(block, trial strain deviators, responses to fill
   /// in), or as law(element, point, trial strain deviator) -> PointResponse.
   /// @return root of the sum of squares of all element forces before they cancel at the nodes: the
-  /// scale against which a residual is judged
+  ///         scale against which a residual is judged
   template <class Law>
   double residual(std::span<const double> u, std::span<double> out, Law&& law) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = -problem_->external_force[i];

@@ -36,7 +36,7 @@ struct RecordFormat {
 
   /// The record at the start of `bytes`; more bytes may follow it.
   /// @return empty if the record is truncated, empty, longer than `largest`, or has a wrong
-  /// checksum
+  ///         checksum
   std::optional<Record> first_of(std::string_view bytes, std::uint64_t largest) const;
 
   /// The record at byte `offset` of a file, valid until the window is used again.
