@@ -130,14 +130,14 @@ void add_contraction(CLI::App& app, Program& program) {
   CLI::App* const command = subcommand(
       app, "contraction",
       "Half-thickness of a quarter slab along its wide face at butt, middle and head in the last "
-      "frame, against the mould: as it is and at 20 degC. The head is the highest row that is "
-      "solid all through",
+      "frame, compared with the mould: hot and at 20 degC. The head is the highest row that is "
+      "completely solid",
       "dccast contraction JOB\n  dccast contraction last --wanted \"285 mm\" --height \"0.3 m\"");
   command->add_option("JOB", options->id, job_help)->required();
   command->add_option("--height", options->heights,
-                      "The row nearest to this height above the block instead; repeatable");
+                      "Show the row nearest to this height above the block instead; repeatable");
   command->add_option("--wanted", options->wanted,
-                      "Half-thickness that is wanted: adds what the cold slab is over it");
+                      "Wanted half-thickness: adds the difference of the cold slab to it");
   command->add_flag("--json", options->json, "As JSON in metres, all rows")
       ->excludes("--height")
       ->excludes("--wanted");

@@ -116,7 +116,7 @@ void add_submit(CLI::App& app, Program& program) {
       subcommand(app, "submit", "Queue cases; prints the id of each job", examples);
   command->add_option("FILE", options->files, "Case files; - for standard input")->required();
   add_set_option(*command, options->set);
-  command->add_option("--label", options->labels, "A word to find the job by; may be given again")
+  command->add_option("--label", options->labels, "Label for finding the job; repeatable")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_flag("-w,--watch", options->watch,

@@ -27,7 +27,7 @@ std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
                                                    : std::string(beyond_validity) + " from " +
                                                          fixed(history.time_s[*first], 2) + " s on";
   return "<p class='invalid'>This run is " + html_escaped(said) +
-         ". Figures after that time are marked; they are not an answer.</p>";
+         ". Figures after that time are marked; they are not valid.</p>";
 }
 
 std::string page_header(const v1::Job& job, const std::string& title) {

@@ -48,7 +48,7 @@ struct FieldReader {
     const Sections::Integers& values = sections.integers(name);
     for (const std::int64_t value : values)
       if (value != 0 && value != 1)
-        throw std::out_of_range("'" + std::string(name) + "' has more than 0 and 1");
+        throw std::out_of_range("'" + std::string(name) + "' has values other than 0 and 1");
     flags.assign(values.begin(), values.end());
   }
   template <int Dim>
@@ -56,7 +56,7 @@ struct FieldReader {
     constexpr std::size_t components = SymmetricTensor<Dim>::components;
     const Sections::Reals& values = sections.reals(name);
     if (values.size() % components != 0)
-      throw std::out_of_range("'" + std::string(name) + "' is no whole tensors");
+      throw std::out_of_range("'" + std::string(name) + "' has incomplete tensors");
     tensors.resize(values.size() / components);
     for (std::size_t i = 0; i < values.size(); ++i)
       tensors[i / components][i % components] = values[i];

@@ -158,7 +158,8 @@ private:
       return refused(stored.reason);
     const std::string reason = stored.content ? go_on_from(stored) : stored.reason;
     if (!reason.empty())
-      observer_.on_message("no checkpoint to go on from (" + reason + "): the run starts over");
+      observer_.on_message("no checkpoint to continue from (" + reason +
+                           "): the run starts from the beginning");
     return std::nullopt;
   }
 
@@ -188,7 +189,7 @@ private:
     if (fails) remove_files();
     RunFailure failure;
     failure.kind = FailureKind::other_version;
-    failure.message = "no checkpoint to go on from (" + reason + ")";
+    failure.message = "no checkpoint to continue from (" + reason + ")";
     return {fails ? RunEnd::failed : RunEnd::other_version, {failure}};
   }
 

@@ -26,7 +26,7 @@ public:
   }
   void require_finite(const std::vector<double>& array, const std::string& name) {
     require(std::ranges::all_of(array, [](double v) { return std::isfinite(v); }),
-            name + " has values that are no numbers");
+            name + " has values that are not finite");
   }
   void require_reals(const std::vector<double>& array, std::size_t size, const std::string& name) {
     require_size(array, size, name);
@@ -38,7 +38,7 @@ public:
     require_size(array, size, name);
     for (const auto& tensor : array)
       require(std::ranges::all_of(tensor.value, [](double v) { return std::isfinite(v); }),
-              name + " has values that are no numbers");
+              name + " has values that are not finite");
   }
   const std::string& first() const { return first_; }
 
@@ -88,7 +88,7 @@ void fit_course(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& r
                   "the time of its next frame is outside the run");
   reasons.require(state.step_limit >= run.casting_case.time.minimum_step,
                   "its time step is too small");
-  reasons.require(std::isfinite(state.cast_length), "its cast length is no number");
+  reasons.require(std::isfinite(state.cast_length), "its cast length is not finite");
 }
 
 template <int Dim>
@@ -96,7 +96,7 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   const auto& heights = state.row_heights;
   const mesh::SlabMesh<Dim>* slab = run.mesh.built_in();
   if (slab == nullptr) {
-    reasons.require(heights.empty(), "it has rows, and the mesh none");
+    reasons.require(heights.empty(), "it has rows, but the mesh has none");
     return;
   }
   reasons.require_finite(heights, "row heights");
@@ -104,7 +104,8 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
   if (!reasons.first().empty()) return;
   const double level = run.initial_level + (run.mesh.grows() ? state.cast_length : 0.0);
-  reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
+  reasons.require(std::abs(heights.back() - level) <= same_height,
+                  "its rows do not end at its metal level");
 }
 
 /// Checks against the mesh given by the rows of a state.

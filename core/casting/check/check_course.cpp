@@ -31,7 +31,7 @@ void check_time(CaseFindings& found) {
   if (found.sound({"time.end", "schedule.hold"}) &&
       found.casting.time.end <= -found.casting.schedule.hold) {
     found.fault(
-        "time.end", with_unit(found.casting.time.end, "s"), "does not lie after the beginning",
+        "time.end", with_unit(found.casting.time.end, "s"), "is not after the beginning",
         "more than " + with_unit(-found.casting.schedule.hold, "s") + ", minus schedule.hold",
         "move the end");
   }

@@ -66,7 +66,7 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
     found.warning(key + ".pulse_end", with_unit(water.pulse_end, "s"),
                   "does not lie after the water's start, so that nothing is pulsed",
                   "more than " + key + ".start = " + with_unit(water.start, "s"),
-                  "say until when the water is pulsed");
+                  "give the time until which the water is pulsed");
   }
 }
 

@@ -75,7 +75,8 @@ void check_opening(CaseFindings& found) {
 
 void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
   if (!given || !found.sound({"section.kind"})) return;
-  found.fault(key, "given", "is of a quarter slab only", "section.kind = \"quarter_slab\" with it",
+  found.fault(key, "given", "applies to a quarter slab only",
+              "section.kind = \"quarter_slab\" with it",
               "leave it out, or write kind = \"quarter_slab\"");
 }
 

@@ -45,7 +45,7 @@ std::optional<Finding> table_never_reached(const Case& c, const Course& course) 
   Finding finding;
   finding.code = "table_never_reached";
   finding.severity = Severity::warning;
-  finding.message = "The casting is over before it comes to any change in " + listed(keys) +
+  finding.message = "The casting ends before any change in " + listed(keys) +
                     ", or begins after the last one: one value holds throughout, as if the table "
                     "were a single number.";
   finding.key = keys.front();

@@ -28,10 +28,10 @@ std::optional<Finding> zone_never_meets(const Case& c, const Course& course) {
   Finding finding;
   finding.code = "zone_never_meets";
   finding.severity = Severity::warning;
-  finding.message = "The slab never comes to the cooling zone " + listed(names) +
+  finding.message = "The slab never reaches the cooling zone " + listed(names) +
                     sentence(
-                        " (metal %.4g mm deep at the end): its figures change nothing, as if that "
-                        "part of the mould were not there.",
+                        " (metal %.4g mm deep at the end): it has no effect, as if that part of "
+                        "the mould did not exist.",
                         in_mm * course.depth);
   finding.key = first;
   return finding;

@@ -15,7 +15,7 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double millimetres = 1e3;
 constexpr double percent = 100.0;
 
-constexpr const char* no_answer = "what follows is not an answer";
+constexpr const char* no_answer = "later results are not valid";
 
 template <class... Values>
 std::string sentence(const char* format, Values... values) {
@@ -40,7 +40,7 @@ std::string along_bottom(const std::vector<double>& place) {
 
 template <int Dim>
 constexpr const char* what_melting_through_means =
-    Dim == 2 ? "no solid path joins the plane and the cooled faces any more"
+    Dim == 2 ? "no solid path connects the symmetry plane to the cooled faces any more"
              : "melt that is connected to the top stands on the block there";
 
 }  // namespace
@@ -108,8 +108,8 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& 
   if (!judges_rotation_ || found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
-      sentence("at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "
-               "hold to validity.maximum_rotation = %.3g degrees; %s",
+      sentence("at t = %.6g s the solid at %s has rotated by %.3g degrees, more than "
+               "validity.maximum_rotation = %.3g degrees, the limit of small strains; %s",
                step.time, in_words(found.place).c_str(), degrees * found.value,
                degrees * limits_.maximum_rotation, no_answer),
       step.time,
