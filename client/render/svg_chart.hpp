@@ -6,8 +6,9 @@
 
 namespace dccast::client::render {
 
-/// A dashed line with a shaded interval around it. Units: x, y, their limits and ticks in the units
-/// named in the axis labels of the chart.
+/// A dashed line with a shaded interval around it.
+///
+/// Units: x, y, their limits and ticks in the units named in the axis labels of the chart.
 struct ChartBand {
   std::vector<double> x;
   std::vector<double> middle;  ///< as long as x, all finite
