@@ -27,7 +27,7 @@ public:
   /// No element has turned. @param elements  of the mesh
   void reset(std::size_t elements) { rotation_.assign(elements, identity()); }
   void set(std::size_t element, const Matrix& rotation) { rotation_[element] = rotation; }
-  bool turn(std::size_t element) const {
+  bool has_rotation(std::size_t element) const {
     return !rotation_.empty() && rotation_[element] != identity();
   }
 

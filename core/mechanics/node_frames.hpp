@@ -22,21 +22,23 @@ public:
   void set(const mesh::Mesh<Dim>& mesh, std::span<const Frame> frames) {
     frame_.assign(frames.begin(), frames.end());
     of_node_.clear();
-    touched_.clear();
+    has_frame_.clear();
     if (frame_.empty()) return;
     of_node_.assign(std::size_t(mesh.nodes()), none);
     for (std::size_t f = 0; f < frame_.size(); ++f) {
       of_node_[std::size_t(frame_[f].node)] = static_cast<int>(f);
     }
-    touched_.assign(std::size_t(mesh.elements()), 0);
+    has_frame_.assign(std::size_t(mesh.elements()), 0);
     for (std::size_t i = 0; i < mesh.element_node.size(); ++i) {
       if (frame_of(mesh.element_node[i]) == nullptr) continue;
-      touched_[i / std::size_t(mesh.nodes_per_element)] = 1;
+      has_frame_[i / std::size_t(mesh.nodes_per_element)] = 1;
     }
   }
 
   /// Whether a node of the element has a frame.
-  bool touch(std::size_t element) const { return !touched_.empty() && touched_[element] != 0; }
+  bool has_frame(std::size_t element) const {
+    return !has_frame_.empty() && has_frame_[element] != 0;
+  }
 
   template <std::size_t Nodes>
   void to_coordinates(const int* node, std::array<Vector, Nodes>& v) const {
@@ -91,8 +93,8 @@ private:
   }
 
   std::vector<Frame> frame_;
-  std::vector<int> of_node_;   ///< (node) index of its frame; empty without frames
-  std::vector<char> touched_;  ///< (element) not zero if a node has a frame; empty without frames
+  std::vector<int> of_node_;     ///< (node) index of its frame; empty without frames
+  std::vector<char> has_frame_;  ///< (element) not zero if a node has a frame; empty without frames
 };
 
 }  // namespace dccast::mechanics
