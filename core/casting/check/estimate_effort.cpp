@@ -17,7 +17,7 @@ constexpr double heat_by_node = 0.5e-6;       // [s]
 constexpr double heat_by_band = 26e-9;        // [s]
 constexpr double mechanics_by_band = 142e-9;  // [s] newton, at steps of `usual_step`
 constexpr double usual_step = 0.7;            // [s]
-constexpr double ring_factor = 4.0;           // a billet's steps need more iterations
+constexpr double billet_factor = 4.0;         // a billet's steps need more iterations
 constexpr double memory_base = 3e7;           // [bytes]
 constexpr double memory_by_node = 1.2e4;      // [bytes]
 
@@ -94,7 +94,7 @@ StepSeconds in_a_section(const CaseFindings& found) {
   StepSeconds seconds{heat_by_node * size.nodes + heat_by_band * size.band, 0.0};
   if (found.mechanical_steps == 0) return seconds;
   seconds.mechanics = mechanics_by_band * size.band * step_factor(found);
-  if (found.axisymmetric()) seconds.mechanics *= ring_factor;
+  if (found.axisymmetric()) seconds.mechanics *= billet_factor;
   return seconds;
 }
 

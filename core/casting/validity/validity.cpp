@@ -15,7 +15,7 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double millimetres = 1e3;
 constexpr double percent = 100.0;
 
-constexpr const char* no_answer = "later results are not valid";
+constexpr const char* not_valid = "later results are not valid";
 
 template <class... Values>
 std::string sentence(const char* format, Values... values) {
@@ -94,7 +94,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& ste
           : sentence("is %.3g mm thick ", millimetres * shell->value) + where +
                 sentence(", less than validity.minimum_shell = %.3g mm", millimetres * limit);
   return ValidityLoss{name_of(FailureKind::shell_melted_through),
-                      message + "; " + no_answer,
+                      message + "; " + not_valid,
                       step.time,
                       shell->place,
                       shell->value,
@@ -111,7 +111,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& 
       sentence("at t = %.6g s the solid at %s has rotated by %.3g degrees, more than "
                "validity.maximum_rotation = %.3g degrees, the limit of small strains; %s",
                step.time, in_words(found.place).c_str(), degrees * found.value,
-               degrees * limits_.maximum_rotation, no_answer),
+               degrees * limits_.maximum_rotation, not_valid),
       step.time,
       found.place,
       found.value,
@@ -129,7 +129,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::slip(const JudgedStep<Dim>& step
           "at t = %.6g s the butt %s has slid %.3g mm over the bottom "
           "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
           step.time, along_bottom(found.place).c_str(), millimetres * found.value,
-          millimetres * limits_.maximum_slip, no_answer),
+          millimetres * limits_.maximum_slip, not_valid),
       step.time,
       found.place,
       found.value,
@@ -149,7 +149,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::liquid_pressure(const JudgedStep
                "hydrostatic one, most at %s, more than "
                "validity.maximum_liquid_pressure_error = %.3g %%; %s",
                step.time, percent * found.value, in_words(found.place).c_str(),
-               percent * limits_.maximum_liquid_pressure_error, no_answer),
+               percent * limits_.maximum_liquid_pressure_error, not_valid),
       step.time,
       found.place,
       found.value,
