@@ -25,7 +25,7 @@ std::vector<v1::Alloy> shipped_alloys() {
 std::vector<v1::Alloy> alloys_of(const Options& options, Program& program) {
   if (options.local) return shipped_alloys();
   Connection connection = program.connect();
-  connection.set_policy({.attempts = 1});  // there is an answer without the server
+  connection.set_policy({.attempts = 1});  // the shipped cards are available without the server
   v1::ListAlloysResponse response;
   const grpc::Status status =
       connection.try_call(&Stub::ListAlloys, v1::ListAlloysRequest(), response);

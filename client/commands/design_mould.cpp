@@ -55,7 +55,7 @@ void print_json(const MouldDesign& design) {
   std::cout << json.dump() << '\n';
 }
 
-/// A search that has not ended is none that failed.
+/// A search that has not ended has not failed.
 ExitCode exit_code_of(const MouldDesign& design) {
   if (design.result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return design.found().within_tolerance() ? ExitCode::done : ExitCode::solve_failed;

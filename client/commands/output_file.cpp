@@ -13,7 +13,7 @@ void add_force_flag(CLI::App& command, bool& force) {
 
 void require_free(const std::filesystem::path& file, bool force) {
   std::error_code error;
-  // A device or a pipe is there to be written to.
+  // Devices and pipes may always be written to.
   if (force || !std::filesystem::is_regular_file(file, error)) return;
   throw CommandFailed(
       ExitCode::invalid,

@@ -37,8 +37,8 @@ void require_one_file(const Options& options) {
                                              std::to_string(options.files.size()) + " are given");
 }
 
-/// All cases, examined: one at fault keeps the others from being submitted, too.
-/// @return  nothing when one has faults, which have been said
+/// Checks all cases: if one has faults, none is submitted.
+/// @return  empty if one has faults, which have then been printed
 std::optional<std::vector<CaseUnderCheck>> examined_cases(const Options& options,
                                                           Connection& connection) {
   std::vector<CaseUnderCheck> cases;
@@ -68,7 +68,7 @@ v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const Options& options)
   return request;
 }
 
-/// @return  nothing when the server has found faults after all, which have been said
+/// @return  empty if the server has found further faults, which have then been printed
 std::optional<v1::Job> submit(CaseUnderCheck& checked, const Options& options,
                               Connection& connection) {
   const v1::SubmitJobRequest request = request_of(checked, options);

@@ -51,21 +51,21 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
   return end;
 }
 
-/// Says why a job waits, if it is held; a job that cannot be asked for is left to the watch.
+/// Reports why a job waits, if it is held; errors are left to the watch.
 void say_if_held(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
-  connection.set_policy({.attempts = 1});  // the watch itself is patient
+  connection.set_policy({.attempts = 1});  // the watch itself retries
   try {
     connection.try_call(&Stub::GetJob, request, job);
   } catch (const Interrupted&) {
-    return;  // the watch itself says how to come back
+    return;  // the watch itself reports how to continue
   }
   if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
 }
 
-/// Of the job as a whole: a watch may begin after some of its findings.
+/// Findings of the whole job: a watch may start after some of them.
 bool is_implausible(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);

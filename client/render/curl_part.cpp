@@ -44,7 +44,7 @@ std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
   return Chart::Wanted{low, high, name + " mm"};
 }
 
-/// "inside the plant's band, 35 to 45 mm", and whether the error leaves it open.
+/// "inside the plant's band, 35 to 45 mm", and whether the error permits this conclusion.
 std::string against_band(const Chart::Wanted& band, double curl_mm, double error_mm) {
   const auto where = [&](double value) {
     return value < band.low ? "below " : value > band.high ? "above " : "inside ";

@@ -26,7 +26,7 @@ ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name
   return line;
 }
 
-/// Of a chart that has no zero to show: as far as there is anything to see.
+/// Axis range of a chart without zero: only the range of the data.
 bool drawable(const ChartLine& line) {
   return std::ranges::any_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
 }
