@@ -38,7 +38,7 @@ v1::QueryResultResponse query(Connection& connection, const std::string& id) {
   return query_result(connection, id);
 }
 
-/// Number of frames that keep the page small enough to be sent by mail: half a megabyte.
+/// Number of frames that keep the page small enough to be passed on: half a megabyte.
 FrameSeries frames_for_slider(Connection& connection, const std::string& id,
                               const v1::QueryResultResponse& result) {
   constexpr int most_frames = 25;

@@ -27,7 +27,7 @@ void print_curl(const render::CurlHistory& history) {
                render::fixed(1e3 * series.horizontal_m.back(), 3)});
   std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
             << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
-            << (history.beyond.back() ? ", beyond validity: not valid" : "") << '\n'
+            << (history.beyond.back() ? ", beyond validity" : "") << '\n'
             << table.text() << std::flush;
 }
 
