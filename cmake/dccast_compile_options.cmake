@@ -21,7 +21,8 @@ add_library(dccast_options INTERFACE)
 target_compile_options(dccast_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -Wno-sign-conversion)
 if(DCCAST_SANITIZE)
+  string(REPLACE "address" "address,undefined" kinds ${DCCAST_SANITIZE})
   # Undefined behaviour ends the program: a line on stderr fails no test.
-  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  add_link_options(-fsanitize=address,undefined)
+  add_compile_options(-fsanitize=${kinds} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${kinds})
 endif()

@@ -93,8 +93,10 @@ void print_json(const JobCurl& curl) {
   if (study.valid_until_s) json["limit_valid_until_s"] = *study.valid_until_s;
   json["monitors"] = Json::array();
   for (const auto& series : history.monitors) {
-    Json& monitor = json["monitors"].emplace_back(Json{
-        {"name", series.name}, {"curl_m", series.curl_m}, {"horizontal_m", series.horizontal_m}});
+    Json& monitor = json["monitors"].emplace_back(Json{{"name", series.name},
+                                                       {"curl_m", series.curl_m},
+                                                       {"horizontal_m", series.horizontal_m},
+                                                       {"temperature_c", series.temperature_c}});
     const Error error = error_of(history, series.name, study);
     if (error.limit_m.empty()) continue;
     monitor["limit_m"] = error.limit_m;

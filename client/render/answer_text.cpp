@@ -28,6 +28,7 @@ Json monitor_json(const Answer& answer, const CurlHistory::Series& series) {
   const auto uncertainty_m = discretisation_error(answer.description, curl_m);
   return {{"name", series.name},
           {"curl_m", series.curl_m},
+          {"temperature_c", series.temperature_c},
           {"end_curl_m", curl_m},
           {"uncertainty_m", uncertainty_m ? Json(*uncertainty_m) : Json()}};
 }

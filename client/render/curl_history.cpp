@@ -23,6 +23,12 @@ double horizontal_of(const v1::MonitorValue& monitor) {
   return u.size() == 3 ? std::hypot(u[0], u[1]) : u[0];
 }
 
+/// To as many instants, those not reported unknown.
+void resize(CurlHistory::Series& series, std::size_t instants) {
+  for (auto* values : {&series.curl_m, &series.horizontal_m, &series.temperature_c})
+    values->resize(instants, unknown);
+}
+
 }  // namespace
 
 void CurlHistory::add(const v1::StepReport& report) {
@@ -34,16 +40,13 @@ void CurlHistory::add(const v1::StepReport& report) {
   for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::find_if(monitors.begin(), monitors.end(),
                               [&](const Series& s) { return s.name == value.name(); });
-    if (found == monitors.end()) found = monitors.insert(monitors.end(), {value.name(), {}, {}});
-    found->curl_m.resize(time_s.size() - 1, unknown);
-    found->horizontal_m.resize(time_s.size() - 1, unknown);
+    if (found == monitors.end()) found = monitors.insert(monitors.end(), {value.name(), {}, {}, {}});
+    resize(*found, time_s.size() - 1);
     found->curl_m.push_back(curl_of(value));
     found->horizontal_m.push_back(horizontal_of(value));
+    found->temperature_c.push_back(value.has_temperature_c() ? value.temperature_c() : unknown);
   }
-  for (Series& series : monitors) {
-    series.curl_m.resize(time_s.size(), unknown);
-    series.horizontal_m.resize(time_s.size(), unknown);
-  }
+  for (Series& series : monitors) resize(series, time_s.size());
 }
 
 void CurlHistory::rewind(std::int64_t last_step) {
@@ -52,10 +55,7 @@ void CurlHistory::rewind(std::int64_t last_step) {
     time_s.pop_back();
     cast_length_m.pop_back();
     beyond.pop_back();
-    for (Series& series : monitors) {
-      series.curl_m.pop_back();
-      series.horizontal_m.pop_back();
-    }
+    for (Series& series : monitors) resize(series, time_s.size());
   }
 }
 

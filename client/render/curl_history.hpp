@@ -17,6 +17,7 @@ struct CurlHistory {
     std::vector<double> curl_m;        ///< one per instant; NaN where the monitor is not reported
     /// Displacement away from the symmetry plane; of a quarter slab its length in plan.
     std::vector<double> horizontal_m;
+    std::vector<double> temperature_c;  ///< NaN where the monitor is not poured yet
   };
   std::vector<std::int64_t> step;  ///< number of the accepted step, rising; 0 where it is not said
   std::vector<double> time_s;

@@ -45,6 +45,10 @@ std::optional<thermal::MetalEntry> HeatSource::follow_growth(thermal::HeatField&
   return solver_->follow_growth(field, nodes_per_row, casting_temperature);
 }
 
+double HeatSource::follow_merging(thermal::HeatField& field, const mesh::MergedRows& merged) {
+  return solver_ ? solver_->follow_merging(field, merged) : 0.0;
+}
+
 thermal::HeatStepOutcome HeatSource::step(thermal::HeatField& field,
                                           const thermal::HeatStepInput& input) {
   if (solver_) return solver_->step(field, input);

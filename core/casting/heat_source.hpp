@@ -29,6 +29,10 @@ public:
   std::optional<thermal::MetalEntry> follow_growth(thermal::HeatField& field, int nodes_per_row,
                                                    double casting_temperature);
 
+  /// Takes the mesh after rows were merged and carries the field over.
+  /// @return  relative change of the heat content [1]
+  double follow_merging(thermal::HeatField& field, const mesh::MergedRows& merged);
+
   thermal::HeatStepOutcome step(thermal::HeatField& field, const thermal::HeatStepInput& input);
 
 private:

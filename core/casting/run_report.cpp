@@ -22,6 +22,13 @@ void report_effort(const Attempt& accepted, results::StepReport& r) {
   r.constitutive_residual = accepted.mechanics.constitutive_residual;
 }
 
+void report_merging(const MergeOutcome& merge, results::StepReport& r) {
+  r.merged_rows = merge.rows;
+  r.merge_energy_error = merge.energy_error;
+  r.merge_mass_error = merge.mechanics.mass_error;
+  r.merge_equilibrium_error = merge.mechanics.equilibrium_error;
+}
+
 template <int Dim>
 void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
   const Attempt& accepted = source.accepted;
@@ -66,6 +73,7 @@ results::StepReport report_of(const ReportSource<Dim>& source, int failed_attemp
   r.cast_length = state.cast_length;
   r.failed_attempts = failed_attempts;
   report_effort(source.accepted, r);
+  report_merging(source.accepted.merge, r);
   report_heat(source, r);
   report_monitors(source, r);
   r.nodes = source.mesh.nodes();

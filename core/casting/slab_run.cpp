@@ -195,6 +195,7 @@ Attempt SlabRun<Dim>::attempt(double dt) {
 
   const double length = schedule_.cast_length(state_.cast_length, state_.time, dt);
   std::optional<thermal::MetalEntry> entry;
+  tried.merge = merge_rows();
   grow(length, schedule_.casting_temperature(end, length), entry);
   state_.cast_length = length;
   state_.time = std::abs(end) < same_time ? 0.0 : end;
@@ -210,23 +211,6 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   }
   tried.converged = true;
   return tried;
-}
-
-template <int Dim>
-bool SlabRun<Dim>::grow(double length, double temperature,
-                        std::optional<thermal::MetalEntry>& entry) {
-  const double level = initial_level_ + length;
-  if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
-  mesh::SlabMesh<Dim>& slab = mesh_.slab();
-  const int first_moved = slab.elements_per_row() * (slab.rows() - 1);
-  slab.grow_to(level);
-  {
-    const Stopwatch watch(heat_seconds_);
-    entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
-  }
-  mechanics_.follow_growth(state_.slab, slab.mesh(), slab.nodes_per_row(), first_moved);
-  state_.row_heights = slab.row_heights();
-  return true;
 }
 
 template <int Dim>

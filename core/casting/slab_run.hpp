@@ -65,6 +65,7 @@ private:
   void go_back_to(const RunState<Dim>& state);
   Attempt attempt(double dt);
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
+  MergeOutcome merge_rows();
   bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
   bool step_mechanics(Attempt& tried);
   std::vector<double> bottom_gap() const;

@@ -1,39 +1,17 @@
 #include "core/linalg/band_cholesky.hpp"
 
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <cstdlib>
-#include <new>
 #include <utility>
 
 namespace dccast::linalg {
 
 namespace {
 
-/// A factor larger than this is not in the cache when a solve comes to it [byte]: measured in
-/// docs/factorisation.md.
-constexpr std::size_t cache_bytes = std::size_t(8) << 20;
 /// Work of a row of tiles from which members of a team wait for each other less than they gain
 /// [multiplications and additions]: docs/threads.md.
 constexpr double shared_row_flops = 2e5;
-constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]
-
-/// Storage for tiles, in huge pages where it is large: a solve goes through all of it.
-Tile* allocate(std::size_t tiles) {
-  const std::size_t bytes = tiles * sizeof(Tile);
-  if (bytes < cache_bytes) return static_cast<Tile*>(std::aligned_alloc(alignof(Tile), bytes));
-  const std::size_t whole = (bytes + huge_page - 1) / huge_page * huge_page;
-  void* storage = std::aligned_alloc(huge_page, whole);
-#ifdef MADV_HUGEPAGE
-  if (storage != nullptr) madvise(storage, whole, MADV_HUGEPAGE);
-#endif
-  return static_cast<Tile*>(storage);
-}
 
 /// Of passes through a matrix or a factor that several threads share: some 20 us of one.
 constexpr std::size_t entries_worth_a_call = 20'000;
@@ -93,7 +71,7 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
   });
   values_.assign(pattern.entries(), 0.0);
   whole_ = false;
-  reserve_tiles();
+  tile_.reserve(tiles());
   inverse_.resize(shape_.first.size());
   right_.assign(shape_.first.size(), TileRow{});
   int reach = 0;
@@ -105,21 +83,8 @@ bool BandCholesky::streams() const {
   return tiles() * sizeof(Tile) > cache_bytes;
 }
 
-/// With room to grow by a few rows of cells: touching new memory costs more than a factorisation.
-void BandCholesky::reserve_tiles() {
-  if (tiles() <= tile_capacity_) return;
-  tile_capacity_ = tile_capacity_ == 0 ? tiles() : tiles() + tiles() / 4;
-  tile_.reset();
-  tile_.reset(allocate(tile_capacity_));
-  if (tile_ == nullptr) throw std::bad_alloc();
-}
-
-void BandCholesky::Free::operator()(Tile* tiles) const {
-  std::free(tiles);
-}
-
 std::size_t BandCholesky::memory_bytes() const {
-  return tile_capacity_ * sizeof(Tile) + (inverse_.size() + right_.size()) * sizeof(TileRow) +
+  return tile_.bytes() + (inverse_.size() + right_.size()) * sizeof(TileRow) +
          entry_.size() * (sizeof(std::size_t) + sizeof(int) + sizeof(double));
 }
 

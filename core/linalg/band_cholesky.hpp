@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/linalg/sparsity_pattern.hpp"
-#include "core/linalg/tile_kernels.hpp"
+#include "core/linalg/tile_storage.hpp"
 
 namespace dccast::linalg {
 
@@ -64,7 +63,6 @@ public:
 
 private:
   std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
-  void reserve_tiles();
   int first_changed_row(std::span<const double> values) const;
   void take_matrix(std::span<const double> values, int from);
   bool streams() const;
@@ -79,11 +77,7 @@ private:
   std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
   std::vector<double> values_;      ///< (entry of the pattern) of the present factor
   bool whole_ = false;              ///< the factor is that of `values_`
-  struct Free {
-    void operator()(Tile* tiles) const;
-  };
-  std::unique_ptr<Tile[], Free> tile_;  ///< not initialised before a factorisation
-  std::size_t tile_capacity_ = 0;
+  TileStorage tile_;
   std::vector<TileRow> inverse_;
   std::vector<TileRow> right_;
   std::vector<Tile> sums_;  ///< @see TileBand

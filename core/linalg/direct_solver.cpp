@@ -1,6 +1,7 @@
 #include "core/linalg/direct_solver.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/linalg/sweep_order.hpp"
@@ -16,6 +17,9 @@ constexpr double reference_size = 13e3;    // unknowns of the fits below
 constexpr double cholmod_factor_s = 0.13;  // grows with exponent 1.63
 constexpr double cholmod_bytes = 48e6;     // grows with exponent 1.35
 
+/// In the plane: work of the band for each unknown below which it beats a dissection [1].
+constexpr double band_against_dissection = 100.0 * 100.0;
+
 double cholmod_seconds(int unknowns) {
   const double size = unknowns / reference_size;
   const double solve = cholmod_bytes * std::pow(size, 1.35) / solve_bytes_rate;
@@ -27,12 +31,32 @@ double band_seconds(const BandShape& shape, const TileKernels& kernels) {
   return shape.flops / kernels.flops_per_second + solves_a_factor * bytes / solve_bytes_rate;
 }
 
+bool has_two_edges(std::span<const std::vector<int>> fronts) {
+  return fronts.size() == 2 && !fronts[0].empty() && !fronts[1].empty();
+}
+
+/// Nothing where a band does, and where the lines at one distance from the edges do not halve the
+/// mesh well: it is not in one piece, or its edges lie side by side.
+std::optional<DissectionTree> dissection_of(const SparsityPattern& pattern, Geometry geometry,
+                                            std::span<const std::vector<int>> fronts,
+                                            const BandShape& shape) {
+  if (geometry != Geometry::plane || !has_two_edges(fronts)) return std::nullopt;
+  if (band_beats_dissection(shape, pattern.unknowns())) return std::nullopt;
+  DissectionTree tree(pattern, fronts);
+  if (tree.flops() >= shape.flops) return std::nullopt;
+  return tree;
+}
+
 }  // namespace
 
 bool band_wins(const BandShape& shape, int unknowns, Geometry geometry,
                const TileKernels& kernels) {
   if (geometry == Geometry::solid) return band_seconds(shape, kernels) < cholmod_seconds(unknowns);
   return shape.flops <= kernels.flops_per_unknown * unknowns;
+}
+
+bool band_beats_dissection(const BandShape& shape, int unknowns) {
+  return shape.flops <= band_against_dissection * unknowns;
 }
 
 void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
@@ -46,30 +70,32 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     place = std::move(other);
     shape = std::move(its);
   }
-  uses_band_ = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
-  if (uses_band_) {
-    band_.analyze(pattern, place, std::move(shape));
-  } else {
-    cholmod_.analyze(pattern, geometry);
+  if (const auto tree = dissection_of(pattern, geometry, fronts, shape)) {
+    method_ = Method::dissection;
+    return dissection_.analyze(pattern, *tree);
   }
+  const bool by_band = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
+  method_ = by_band ? Method::band : Method::cholmod;
+  if (by_band) return band_.analyze(pattern, place, std::move(shape));
+  cholmod_.analyze(pattern, geometry);
 }
 
 bool DirectSolver::factorize(std::span<const double> values) {
   ++factorizations_;
-  return uses_band_ ? band_.factorize(values) : cholmod_.factorize(values);
+  return with_solver([&](auto& solver) { return solver.factorize(values); });
 }
 
 void DirectSolver::solve(std::span<const double> b, std::span<double> x) {
   ++solves_;
-  uses_band_ ? band_.solve(b, x) : cholmod_.solve(b, x);
+  with_solver([&](auto& solver) { solver.solve(b, x); });
 }
 
 double DirectSolver::factor_entries() const {
-  return uses_band_ ? band_.factor_entries() : cholmod_.factor_entries();
+  return with_solver([](const auto& solver) { return solver.factor_entries(); });
 }
 
 std::size_t DirectSolver::memory_bytes() const {
-  return uses_band_ ? band_.memory_bytes() : cholmod_.memory_bytes();
+  return with_solver([](const auto& solver) { return solver.memory_bytes(); });
 }
 
 }  // namespace dccast::linalg

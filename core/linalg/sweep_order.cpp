@@ -2,67 +2,35 @@
 
 #include <cstddef>
 
+#include "core/linalg/node_graph.hpp"
+
 namespace dccast::linalg {
 
-namespace {
-
-/// Neighbours of every unknown, in the order of their numbers.
-struct Graph {
-  std::vector<int> start, neighbour;
-
-  explicit Graph(const SparsityPattern& pattern) {
-    const std::size_t size = std::size_t(pattern.unknowns());
-    start.assign(size + 1, 0);
-    for_each_pair(pattern, [&](int c, int r) {
-      ++start[std::size_t(c) + 1];
-      ++start[std::size_t(r) + 1];
-    });
-    for (std::size_t u = 0; u < size; ++u) start[u + 1] += start[u];
-    neighbour.resize(2 * (pattern.entries() - size));
-    std::vector<int> next(start.begin(), start.end() - 1);
-    // Lower numbers first: the columns come in rising order, each names itself to its rows.
-    for_each_pair(pattern,
-                  [&](int c, int r) { neighbour[std::size_t(next[std::size_t(r)]++)] = c; });
-    for_each_pair(pattern,
-                  [&](int c, int r) { neighbour[std::size_t(next[std::size_t(c)]++)] = r; });
-  }
-
-  template <class Use>
-  static void for_each_pair(const SparsityPattern& pattern, const Use& use) {
-    for (int c = 0; c < pattern.unknowns(); ++c) {
-      const int end = pattern.column_start()[std::size_t(c) + 1];
-      for (int k = pattern.diagonal(c) + 1; k < end; ++k) use(c, pattern.row()[std::size_t(k)]);
-    }
-  }
-};
-
-}  // namespace
-
 std::vector<int> sweep_order(const SparsityPattern& pattern, std::span<const int> front) {
-  const Graph graph(pattern);
-  const std::size_t size = std::size_t(pattern.unknowns());
-  std::vector<int> order, place(size, -1);
-  order.reserve(size);
-  const auto take = [&](int unknown) {
-    if (place[std::size_t(unknown)] >= 0) return;
-    place[std::size_t(unknown)] = static_cast<int>(order.size());
-    order.push_back(unknown);
+  const NodeGraph graph(pattern, pattern.unknowns_per_node());
+  std::vector<int> order, place_of_node(std::size_t(graph.nodes()), -1);
+  order.reserve(place_of_node.size());
+  const auto take = [&](int node) {
+    if (place_of_node[std::size_t(node)] >= 0) return;
+    place_of_node[std::size_t(node)] = static_cast<int>(order.size());
+    order.push_back(node);
   };
-  for (const int unknown : front) take(unknown);
+  const int per_node = graph.unknowns_per_node();
+  for (const int unknown : front) take(unknown / per_node);
   std::size_t next = 0;
   const auto sweep = [&] {
     for (; next < order.size(); ++next) {
-      const std::size_t u = std::size_t(order[next]);
-      for (int k = graph.start[u]; k < graph.start[u + 1]; ++k) {
-        take(graph.neighbour[std::size_t(k)]);
-      }
+      for (const int neighbour : graph.neighbours(order[next])) take(neighbour);
     }
   };
   sweep();
-  for (int unknown = 0; unknown < pattern.unknowns(); ++unknown) {  // what is joined to nothing yet
-    take(unknown);
+  for (int node = 0; node < graph.nodes(); ++node) {  // what is joined to nothing yet
+    take(node);
     sweep();
   }
+  std::vector<int> place(std::size_t(pattern.unknowns()));
+  for (int u = 0; u < pattern.unknowns(); ++u)
+    place[std::size_t(u)] = place_of_node[std::size_t(u / per_node)] * per_node + u % per_node;
   return place;
 }
 

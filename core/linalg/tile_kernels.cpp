@@ -1,90 +1,17 @@
 #include "core/linalg/tile_kernels.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "core/base/instructions.hpp"
-
-#define DCCAST_INLINE [[gnu::always_inline]] inline
+#include "core/linalg/front_operations.hpp"
+#include "core/linalg/tile_operations.hpp"
 
 namespace dccast::linalg {
 
 namespace {
 
-/// As many rows of a column as a register of the instruction set holds.
-template <int Lanes>
-struct Register {
-  typedef double type __attribute__((vector_size(8 * Lanes), may_alias));
-};
-
-template <int Lanes>
-DCCAST_INLINE auto& rows_at(double* column) {
-  return *reinterpret_cast<typename Register<Lanes>::type*>(column);
-}
-template <int Lanes>
-DCCAST_INLINE const auto& rows_at(const double* column) {
-  return *reinterpret_cast<const typename Register<Lanes>::type*>(column);
-}
-
-/// result -= sum over `count` tiles of left right'.
-template <int Lanes>
-DCCAST_INLINE void subtract_products(const Tile* left, const Tile* right, int count, Tile& result) {
-  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;  // so that eight sums are held
-  for (int j0 = 0; j0 < tile_size; j0 += pass) {
-    typename Register<Lanes>::type sum[pass][parts];
-    double* to = result.entry + tile_size * j0;
-    for (int j = 0; j < pass; ++j) {
-      for (int p = 0; p < parts; ++p) sum[j][p] = rows_at<Lanes>(to + tile_size * j + Lanes * p);
-    }
-    const double* a = left->entry;
-    const double* b = right->entry + j0;
-    for (int k = 0; k < tile_size * count; ++k, a += tile_size, b += tile_size) {
-      for (int j = 0; j < pass; ++j) {
-        for (int p = 0; p < parts; ++p) sum[j][p] -= rows_at<Lanes>(a + Lanes * p) * b[j];
-      }
-    }
-    for (int j = 0; j < pass; ++j) {
-      for (int p = 0; p < parts; ++p) rows_at<Lanes>(to + tile_size * j + Lanes * p) = sum[j][p];
-    }
-  }
-}
-
-/// tile <- tile (factor')^-1, columns from the left.
-template <int Lanes>
-DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& tile) {
-  for (int p = 0; p < tile_size; p += Lanes) {
-    typename Register<Lanes>::type column[tile_size];
-    for (int k = 0; k < tile_size; ++k) column[k] = rows_at<Lanes>(tile.entry + tile_size * k + p);
-    for (int k = 0; k < tile_size; ++k) {
-      column[k] *= inverse.entry[k];
-      for (int j = k + 1; j < tile_size; ++j) {
-        column[j] -= column[k] * factor.entry[tile_size * k + j];
-      }
-    }
-    for (int k = 0; k < tile_size; ++k) rows_at<Lanes>(tile.entry + tile_size * k + p) = column[k];
-  }
-}
-
-/// Cholesky factor of a tile of the diagonal, zero above it. false: a pivot is not positive.
-template <int Lanes>
-DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
-  for (int k = 0; k < tile_size; ++k) {
-    double* column = tile.entry + tile_size * k;
-    const double pivot = column[k];
-    if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
-    const double root = __builtin_sqrt(pivot);
-    inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal do not wait for each other
-    for (int i = 0; i < k; ++i) column[i] = 0.0;
-    for (int p = 0; p < tile_size; p += Lanes) rows_at<Lanes>(column + p) *= inverse.entry[k];
-    for (int j = k + 1; j < tile_size; ++j) {
-      for (int p = 0; p < tile_size; p += Lanes) {
-        rows_at<Lanes>(tile.entry + tile_size * j + p) -= rows_at<Lanes>(column + p) * column[j];
-      }
-    }
-  }
-  return true;
-}
+using namespace tiles;
 
 /// What a factorisation of several members has reached when a pivot was no positive number.
 constexpr int no_factor = std::numeric_limits<int>::max();
@@ -122,20 +49,6 @@ DCCAST_INLINE bool factorize_band(const TileBand& band, int from, const BandShar
   return true;
 }
 
-/// Adds the products of consecutive tiles of a row with x to sums that do not wait for each other.
-template <int Lanes, int Chains>
-DCCAST_INLINE void add_products(const Tile* tile, const TileRow* x, int count,
-                                typename Register<Lanes>::type (&sum)[Chains][tile_size / Lanes]) {
-  for (int c = 0; c < count; ++c) {
-    for (int k = 0; k < tile_size; ++k) {
-      for (int p = 0; p < tile_size / Lanes; ++p) {
-        sum[k % Chains][p] +=
-            rows_at<Lanes>(tile[c].entry + tile_size * k + Lanes * p) * x[c].entry[k];
-      }
-    }
-  }
-}
-
 /// x <- L^-1 x in a row of tiles, given the rows before.
 template <int Lanes>
 DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x, const BandShare& share) {
@@ -150,22 +63,8 @@ DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x, const BandSh
   for (int c = 0; c < chains; ++c) {
     for (int p = 0; p < parts; ++p) rows_at<Lanes>(x[i].entry + Lanes * p) -= sum[c][p];
   }
-  const Tile& own = *band.at(i, i);
-  for (int k = 0; k < tile_size; ++k) {
-    const double found = x[i].entry[k] * band.inverse[i].entry[k];
-    for (int r = k; r < tile_size; ++r) x[i].entry[r] -= own.entry[tile_size * k + r] * found;
-    x[i].entry[k] = found;
-  }
+  substitute_forward(*band.at(i, i), band.inverse[i], x[i]);
   if (share.forward != nullptr) share.forward->reach(i);
-}
-
-/// x <- (L')^-1 x with the tile of the diagonal.
-DCCAST_INLINE void substitute_back(const TileBand& band, int j, TileRow* x) {
-  const Tile& tile = *band.at(j, j);
-  for (int k = tile_size - 1; k >= 0; --k) {
-    x[j].entry[k] *= band.inverse[j].entry[k];
-    for (int i = 0; i < k; ++i) x[j].entry[i] -= tile.entry[tile_size * i + k] * x[j].entry[k];
-  }
 }
 
 /// x <- (L')^-1 x in a row of tiles, given the rows after.
@@ -187,17 +86,15 @@ DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
       for (int p = 0; p < tile_size; ++p) x[j].entry[k0 + k] -= sum[k][p / Lanes][p % Lanes];
     }
   }
-  substitute_back(band, j, x);
+  substitute_back(*band.at(j, j), band.inverse[j], x[j]);
 }
 
 /// x <- (L')^-1 x in a row of tiles, given the sum of what the rows after give to its column.
 DCCAST_INLINE void finish_column(const TileBand& band, int j, TileRow* x, const BandShare& share) {
   Tile& own = band.sums[j % band.sum_columns];
-  for (int k = 0; k < tile_size; ++k) {
-    for (int p = 0; p < tile_size; ++p) x[j].entry[k] -= own.entry[tile_size * k + p];
-  }
+  subtract_sums(own, x[j]);
   own = Tile{};
-  substitute_back(band, j, x);
+  substitute_back(*band.at(j, j), band.inverse[j], x[j]);
   if (share.backward != nullptr) share.backward->reach(band.rows - j);
 }
 
@@ -245,7 +142,23 @@ bool factorize_plain(const TileBand& band, int from, const BandShare& share) {
 void solve_plain(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<2>(band, x, share);
 }
-constexpr TileKernels plain{"plain", 120.0 * 120.0, 16e9, factorize_plain, solve_plain};
+bool factorize_front_plain(const Front& front) {
+  return factorize_front<2>(front);
+}
+void forward_front_plain(const Front& front, TileRow* x, TileRow* rest) {
+  forward_front<2>(front, x, rest);
+}
+void backward_front_plain(const Front& front, TileRow* x, const TileRow* rest, Tile* sums) {
+  backward_front<2>(front, x, rest, sums);
+}
+constexpr TileKernels plain{"plain",
+                            120.0 * 120.0,
+                            16e9,
+                            factorize_plain,
+                            solve_plain,
+                            factorize_front_plain,
+                            forward_front_plain,
+                            backward_front_plain};
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define DCCAST_AVX2 [[gnu::target("avx2,fma")]]
@@ -257,7 +170,24 @@ DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from, const BandShare&
 DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<4>(band, x, share);
 }
-constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, 38e9, factorize_avx2, solve_avx2};
+DCCAST_AVX2 bool factorize_front_avx2(const Front& front) {
+  return factorize_front<4>(front);
+}
+DCCAST_AVX2 void forward_front_avx2(const Front& front, TileRow* x, TileRow* rest) {
+  forward_front<4>(front, x, rest);
+}
+DCCAST_AVX2 void backward_front_avx2(const Front& front, TileRow* x, const TileRow* rest,
+                                     Tile* sums) {
+  backward_front<4>(front, x, rest, sums);
+}
+constexpr TileKernels avx2{"AVX2",
+                           200.0 * 200.0,
+                           38e9,
+                           factorize_avx2,
+                           solve_avx2,
+                           factorize_front_avx2,
+                           forward_front_avx2,
+                           backward_front_avx2};
 
 DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from, const BandShare& share) {
   return factorize_band<8>(band, from, share);
@@ -265,7 +195,24 @@ DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from, const BandSh
 DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<8>(band, x, share);
 }
-constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, 45e9, factorize_avx512, solve_avx512};
+DCCAST_AVX512 bool factorize_front_avx512(const Front& front) {
+  return factorize_front<8>(front);
+}
+DCCAST_AVX512 void forward_front_avx512(const Front& front, TileRow* x, TileRow* rest) {
+  forward_front<8>(front, x, rest);
+}
+DCCAST_AVX512 void backward_front_avx512(const Front& front, TileRow* x, const TileRow* rest,
+                                         Tile* sums) {
+  backward_front<8>(front, x, rest, sums);
+}
+constexpr TileKernels avx512{"AVX-512",
+                             200.0 * 200.0,
+                             45e9,
+                             factorize_avx512,
+                             solve_avx512,
+                             factorize_front_avx512,
+                             forward_front_avx512,
+                             backward_front_avx512};
 #endif
 
 }  // namespace

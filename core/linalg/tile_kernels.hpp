@@ -50,8 +50,27 @@ struct BandShare {
   bool owns(int row) const { return row % members == member; }
 };
 
-/// The numerical work of BandCholesky, compiled for several instruction sets. For the sources of
-/// this room only.
+/// A front of a dissection: the columns of its pivots in the factor, and what their elimination
+/// leaves of its boundary. Row I of tiles of the panel holds columns 0 to min(I, pivots - 1), one
+/// row after another.
+struct Front {
+  Tile* panel = nullptr;
+  Tile* update = nullptr;      ///< lower triangle of the boundary, row by row of tiles
+  TileRow* inverse = nullptr;  ///< (row of pivots) reciprocals of the diagonal of the factor
+  int pivots = 0;              ///< rows of tiles
+  int boundary = 0;            ///< rows of tiles below them
+
+  /// First tile of a row of the panel.
+  static std::size_t row_start(int row, int pivots) {
+    const std::size_t i = std::size_t(row), k = std::size_t(pivots);
+    return i < k ? i * (i + 1) / 2 : k * (k + 1) / 2 + (i - k) * k;
+  }
+  Tile* row(int i) const { return panel + row_start(i, pivots); }
+  Tile* update_row(int i) const { return update + std::size_t(i) * std::size_t(i + 1) / 2; }
+};
+
+/// The numerical work of BandCholesky and DissectionCholesky, compiled for several instruction
+/// sets. For the sources of this room only.
 struct TileKernels {
   const char* name;
   /// Work per unknown below which a band factorisation beats CHOLMOD's: the mean square of the
@@ -67,6 +86,14 @@ struct TileKernels {
   /// x <- (L L')^-1 x. Several members only where the band has room for sums.
   /// @param share  its rows on the way forward, its columns on the way back
   void (*solve)(const TileBand& band, TileRow* x, const BandShare& share);
+  /// Replaces the panel of a front by its columns of the factor and subtracts from the update what
+  /// they give to it. @return false when a pivot is not a positive number
+  bool (*factorize_front)(const Front& front);
+  /// x <- L^-1 x of the pivots. @param rest  gets what they give to the boundary
+  void (*forward_front)(const Front& front, TileRow* x, TileRow* rest);
+  /// x <- (L')^-1 x of the pivots. @param rest  the solution on the boundary
+  /// @param sums  room for as many tiles as there are rows of pivots, zero before and after
+  void (*backward_front)(const Front& front, TileRow* x, const TileRow* rest, Tile* sums);
 };
 
 /// Those of the instruction set in use, see instructions().

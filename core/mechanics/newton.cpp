@@ -231,6 +231,7 @@ private:
   void store() {
     constraints_.store();
     unknowns_.deviator = equilibrium_.deviators();
+    outcome_.forces_at_end = {acting_, round_off_};
   }
 
   const StepProblem<Dim>& problem_;

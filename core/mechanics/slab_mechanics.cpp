@@ -134,41 +134,6 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
-                                       int first_moved) {
-  const std::size_t first = std::size_t(first_moved) * points_;
-  const int old_nodes = static_cast<int>(state.released.size());
-  std::vector<double> u = supports_.by_unknown(state.displacement);
-  set_rotations(u, state.solid);
-  std::vector<Tensor> elastic;  // of the elements that move
-  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(forms_->strain(i / points_, i % points_, u));
-    elastic.back().add(-1.0, state.inelastic[i]);
-  }
-  const std::size_t stride = std::size_t(nodes_per_row) * Dim;
-  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
-    state.displacement.push_back(state.displacement[i - stride]);
-  }
-  state.released.resize(std::size_t(grown.nodes()), 0);
-  state.solid.resize(std::size_t(grown.elements()), 0);
-  const std::size_t all_points = std::size_t(grown.elements()) * points_;
-  state.inelastic.resize(all_points);
-  state.viscoplastic.resize(all_points);
-  state.deviator.resize(all_points);
-  state.pressure.resize(all_points, 0.0);
-  set_mesh(grown, first_moved);
-  // A node that is new stands at the mould, whatever the one below it did.
-  u = supports_.by_unknown(std::move(state.displacement));
-  supports_.stand_at_mould(u, old_nodes);
-  set_rotations(u, state.solid);
-  for (std::size_t i = first; i < all_points; ++i) {
-    state.inelastic[i] = forms_->strain(i / points_, i % points_, u);
-    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
-  }
-  state.displacement = supports_.by_coordinate(std::move(u));
-}
-
-template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
@@ -288,7 +253,7 @@ template <int Dim>
 StepOutcome SlabMechanics<Dim>::step(State& state, const SlabStepInput& input) {
   StepUnknowns<Dim> unknowns = begin(state, input);
   const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
-  if (outcome.converged) finish(state, unknowns, input);
+  if (outcome.converged) finish(state, unknowns, outcome, input);
   return outcome;
 }
 
@@ -311,16 +276,22 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   return unknowns;
 }
 
+/// What an algorithm with a law of its own has found, under that of the step.
 template <int Dim>
-void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
-                                const SlabStepInput& input) {
+ForceScales SlabMechanics<Dim>::evaluate_end(StepUnknowns<Dim>& unknowns) {
   Equilibrium<Dim> equilibrium(problem_);
   const double round_off = round_off_force(problem_);
-  const double acting = std::max(
-      equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_)),
-      least_acting_force(problem_, round_off, options_.tolerance));
-  check_balance(unknowns, acting, round_off);
-  state.deviator = equilibrium.deviators();
+  const double acting =
+      equilibrium.residual(unknowns.displacement, work_.residual, return_map_law(problem_));
+  unknowns.deviator = equilibrium.deviators();
+  return {std::max(acting, least_acting_force(problem_, round_off, options_.tolerance)), round_off};
+}
+
+template <int Dim>
+void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
+                                const StepOutcome& outcome, const SlabStepInput& input) {
+  check_balance(unknowns, outcome.forces_at_end ? *outcome.forces_at_end : evaluate_end(unknowns));
+  state.deviator = std::move(unknowns.deviator);
   for (int e = 0; e < mesh_->elements(); ++e) {
     std::fill_n(state.pressure.begin() + long(std::size_t(e) * points_), points_,
                 mean_normal_stress(problem_, e, unknowns.displacement));
@@ -335,12 +306,12 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns, double acting,
-                                       double round_off) {
+void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns,
+                                       const ForceScales& forces) {
   std::vector<char> contact = unknowns.contact;
-  StepConstraints<Dim> constraints(problem_, contact, round_off);
+  StepConstraints<Dim> constraints(problem_, contact, forces.round_off);
   checks_.weight = problem_.weight;
-  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / acting;
+  checks_.equilibrium_residual = constraints.norm_of_free(work_.residual) / forces.acting;
   checks_.complementarity_error =
       constraints.complementarity_error(unknowns.displacement, work_.residual);
 }

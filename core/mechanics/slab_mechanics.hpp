@@ -8,6 +8,7 @@
 #include "core/mechanics/slab_state.hpp"
 #include "core/mechanics/slab_supports.hpp"
 #include "core/mechanics/solve_step.hpp"
+#include "core/mesh/row_merging.hpp"
 
 namespace dccast::mechanics {
 
@@ -18,8 +19,8 @@ struct SlabStepInput {
   double metal_level = 0.0;             ///< h(t) [m]
 };
 
-/// The checks every step is reported with; they are recomputed from displacement and state, not
-/// taken from the algorithm that found them.
+/// The checks every step is reported with; they are of the step problem itself at the displacement
+/// found, whatever law the algorithm that found it solves by.
 struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
   double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
@@ -31,6 +32,21 @@ struct SlabChecks {
   /// relative; zero without liquid.
   double liquid_pressure_error = 0.0;
   int worst_liquid = -1;  ///< element with the largest share in that error; -1 without one
+};
+
+/// A state on its way to a mesh of which rows of cells are merged.
+template <int Dim>
+struct ProjectedState {
+  SlabState<Dim> state;                       ///< of the merged mesh but for its inelastic strain
+  std::vector<SymmetricTensor<Dim>> elastic;  ///< (element, point) [1], with its thermal part
+  std::vector<double> force;  ///< (node, Dim) [N] of the stress before, on the merged mesh
+  double weight = 0.0;        ///< [N] before
+};
+
+/// What a merging of rows has changed that it should not.
+struct MergeChecks {
+  double mass_error = 0.0;         ///< [1] relative change of the weight
+  double equilibrium_error = 0.0;  ///< [1] nodal forces it put out of balance, by those that act
 };
 
 /// The slab as a mechanical body (paper sections 2.2 and 3.4): which elements carry stress, what
@@ -62,6 +78,18 @@ public:
   /// the state must be the present one; `set_mesh` is called for the new one.
   void follow_growth(State& state, const Mesh& grown, int nodes_per_row, int first_moved);
 
+  /// Projects a state of the present mesh on the rows of cells that are about to be made of it:
+  /// nodes keep their displacement, cells their mean elastic and viscoplastic strain and its first
+  /// moment. A cell made of a solid and a liquid one counts as liquid, and solidifies anew;
+  /// liquid that is merged is at rest.
+  /// @param temperature  (node) [°C] @throws std::logic_error of triangles and tetrahedra
+  ProjectedState<Dim> projected(const State& state, const mesh::MergedRows& merged,
+                                std::span<const double> temperature);
+  /// Takes the mesh after rows were merged, and the state projected on it.
+  /// @param temperature  (node of the merged mesh) [°C]
+  MergeChecks follow_merging(State& state, ProjectedState<Dim> projected, const Mesh& merged_mesh,
+                             std::span<const double> temperature);
+
   /// Begins the mechanics: what is below the coherency temperature is a shell without stress.
   void start(State& state, std::span<const double> temperature) const;
 
@@ -85,14 +113,17 @@ private:
   void choose_solver();
   void find_supports();
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
+  std::vector<double> forces_of_stress(const State& state, double& acting) const;
   void solidify(State& state, int e, double metal_level, double at) const;
   void set_phases(State& state, const SlabStepInput& input);
   void forget_history(State& state, std::size_t e) const;
   void set_materials(const State& state, const SlabStepInput& input);
   void set_weight(const State& state, std::span<const double> temperature);
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
-  void finish(State& state, StepUnknowns<Dim>& unknowns, const SlabStepInput& input);
-  void check_balance(const StepUnknowns<Dim>& unknowns, double acting, double round_off);
+  ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
+  void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome,
+              const SlabStepInput& input);
+  void check_balance(const StepUnknowns<Dim>& unknowns, const ForceScales& forces);
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
 
   std::unique_ptr<MechanicsForms<Dim>> forms_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,12 @@
 #include "core/mechanics/cost_split.hpp"
 
 namespace dccast::mechanics {
+
+/// What a residual is judged against [force].
+struct ForceScales {
+  double acting = 0.0;     ///< forces that act, before they cancel
+  double round_off = 0.0;  ///< what rounding alone may leave
+};
 
 /// How one step went. Non-convergence is an outcome that drives the step control, not an exception.
 struct StepOutcome {
@@ -23,6 +30,9 @@ struct StepOutcome {
   double equilibrium_residual = 0.0;     ///< [1] relative to the forces that act
   double constitutive_residual = 0.0;    ///< [1] relative; round-off where a return map is used
   std::vector<double> residual_history;  ///< [1] relative, by iteration
+  /// Of a converged step whose algorithm ends with an evaluation of the step problem itself: the
+  /// residual in the workspace and the deviators are then those of its end.
+  std::optional<ForceScales> forces_at_end;
 };
 
 /// What lives longer than a step: the factorisation's analysis and the storage, sized once per

@@ -37,14 +37,21 @@ Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
   return facet;
 }
 
+/// The topmost initial row of cells becomes a growth cell when the first row is put in.
+int first_grown(const std::vector<double>& row_heights) {
+  return static_cast<int>(row_heights.size()) - 2;
+}
+
 }  // namespace
 
 template <int Dim>
 ExtrudedMesh<Dim>::ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
-                                double growth_cell)
+                                double growth_cell, RowMerging merging)
     : base_(std::move(base)),
       kind_(kind),
       growth_cell_(growth_cell),
+      merging_(merging),
+      first_grown_(first_grown(row_heights)),
       heights_(std::move(row_heights)) {
   build();
 }
@@ -143,18 +150,33 @@ std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
 }
 
 template <int Dim>
+MergedRows ExtrudedMesh<Dim>::rows_to_merge() const {
+  return {heights_, mesh::rows_to_merge(heights_, first_grown_, merging_),
+          std::size_t(nodes_per_row()), std::size_t(elements_per_row())};
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::merge(const MergedRows& rows) {
+  take_out_rows(rows, 1, heights_);
+  build();
+}
+
+template <int Dim>
 void ExtrudedMesh<Dim>::restore(const std::vector<double>& row_heights) {
   heights_ = row_heights;
   build();
 }
 
-int rows_at_level(const std::vector<double>& row_heights, double growth_cell, double level) {
-  const double over = level - row_heights[row_heights.size() - 2];
-  const int added =
-      over > divide_above * growth_cell
-          ? static_cast<int>(std::ceil((over - divide_above * growth_cell) / growth_cell - 1e-9))
-          : 0;
-  return static_cast<int>(row_heights.size()) - 1 + added;
+int rows_at_level(std::vector<double> heights, double growth_cell, const RowMerging& merging,
+                  double level) {
+  const int first = first_grown(heights);
+  while (level - heights[heights.size() - 2] > divide_above * growth_cell * (1.0 + 1e-9)) {
+    heights.back() = heights[heights.size() - 2] + growth_cell;
+    heights.push_back(heights.back() + growth_cell);
+    const MergedRows merged{heights, rows_to_merge(heights, first, merging), 1, 1};
+    if (!merged.empty()) take_out_rows(merged, 1, heights);
+  }
+  return static_cast<int>(heights.size()) - 1;
 }
 
 template class ExtrudedMesh<2>;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/curve.hpp"
+#include "core/mesh/row_merging.hpp"
 
 namespace dccast::mesh {
 
@@ -40,6 +41,7 @@ struct SectionSpec {
   double wide_side_cell = 3e-3;       ///< [m] layer at the wide face, where x = 0
   double bottom_cell = 3e-3;          ///< [m]
   std::optional<double> growth_cell;  ///< [m]; absent: height of the topmost initial row
+  RowMerging merging;  ///< of a quarter slab of hexahedra; its largest cell before refinement
   int refinement = 1;
   std::filesystem::path file;  ///< Gmsh mesh; empty: the built-in one
   bool growth = true;

@@ -16,6 +16,9 @@ public:
 using SlabMesh2D = SlabMesh<2>;
 using SlabMesh3D = SlabMesh<3>;
 
+/// Height of the rows that growth adds to the built-in mesh [m].
+double growth_cell(const SectionSpec& spec);
+
 /// Number of rows the built-in mesh has when the metal level stands at `level` [m].
 int rows_at(const SectionSpec& spec, double level);
 

@@ -30,7 +30,7 @@ struct StepReport {
   double weight = 0.0;                      ///< [N/m]
   double sump_depth = 0.0;                  ///< [m] below the metal level, on the symmetry plane
   double contact_length = 0.0;              ///< [m] of the bottom that stands on the block
-  double solver_seconds = 0.0;   ///< [s] of processors so far, of the threads of the run
+  double solver_seconds = 0.0;              ///< [s] of processors so far, of the threads of the run
   double process_seconds = 0.0;  ///< [s] of the processor so far, of all threads of the process
   double progress = 0.0;         ///< [1] 0 to 1, of the simulated time
   std::int64_t nodes = 0;
@@ -50,6 +50,10 @@ struct StepReport {
   double shell_at_exit = 0.0;     ///< [m] least solid of the side at the mould exit, or at the foot
   double bottom_shell = 0.0;      ///< [m] least solid over the bottom
   double mush_strain = 0.0;       ///< [1] largest tensile between coherency and solidus
+  int merged_rows = 0;            ///< rows of cells that merging took out in this step
+  double merge_mass_error = 0.0;  ///< [1] relative change of the mass by it
+  double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by it
+  double merge_equilibrium_error = 0.0;  ///< [1] forces it put out of balance, by those that act
   bool operator==(const StepReport&) const = default;
 };
 

@@ -2,13 +2,10 @@
 
 #include <numeric>
 
+#include "core/thermal/row_merging.hpp"
+
 namespace dccast::thermal {
 namespace {
-
-double lumped_sum(std::span<const double> volume, const std::vector<double>& enthalpy) {
-  return static_cast<double>(
-      std::inner_product(volume.begin(), volume.end(), enthalpy.begin(), 0.0L));
-}
 
 /// Puts new rows into the stretched top row, from below, each between the last one and the top.
 ///
@@ -47,7 +44,7 @@ MetalEntry carry_enthalpy(const GrownRows& rows, double entering_enthalpy,
   const auto &before = rows.volume_before, &after = rows.volume_after;
   const double total_gain = std::accumulate(after.begin(), after.end(), 0.0) -
                             std::accumulate(before.begin(), before.end(), 0.0);
-  const MetalEntry entry{lumped_sum(before, enthalpy), total_gain * entering_enthalpy};
+  const MetalEntry entry{heat_content(before, enthalpy), total_gain * entering_enthalpy};
   for (std::size_t node = before.size() - 2 * rows.nodes_per_row; node < before.size(); ++node) {
     const double stretched = rows.volume_stretched[node], gained = stretched - before[node];
     enthalpy[node] += gained / stretched * (entering_enthalpy - enthalpy[node]);

@@ -2,6 +2,7 @@
 
 #include "core/fem/with_element.hpp"
 #include "core/thermal/heat_forms_of.hpp"
+#include "core/thermal/row_merging.hpp"
 
 namespace dccast::thermal {
 namespace {
@@ -25,6 +26,12 @@ struct Conducting<fem::BendingHexahedron> {
 };
 
 }  // namespace
+
+void HeatForms::follow_merging(const mesh::MergedRows& merged, std::vector<double>& enthalpy) {
+  const std::vector<double> before = volume_;
+  update();
+  merge_enthalpy(merged, before, volume_, enthalpy);
+}
 
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::SectionKind kind) {
   const auto element = mesh.nodes_per_element == 3 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;

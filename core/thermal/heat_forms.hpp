@@ -64,6 +64,10 @@ public:
   virtual MetalEntry follow_growth(int nodes_per_row, double entering_enthalpy,
                                    std::vector<double>& enthalpy, bool& new_pattern) = 0;
 
+  /// Takes the mesh after rows were merged and carries nodal enthalpies over to it: see
+  /// row_merging.hpp. @param enthalpy  (node) [J/m3], of the mesh before on entry, after on return
+  void follow_merging(const mesh::MergedRows& merged, std::vector<double>& enthalpy);
+
 protected:
   linalg::SparsityPattern pattern_;
   std::vector<double> stiffness_;

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/thermal/row_merging.hpp"
+
 namespace dccast::thermal {
 namespace {
 
@@ -68,6 +70,15 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
   refresh(field, first);
   if (!field.wetted.empty()) field.wetted.resize(field.enthalpy.size(), 0);
   return entry;
+}
+
+double HeatSolver::follow_merging(HeatField& field, const mesh::MergedRows& merged) {
+  const double before = heat_content(forms_->volume(), field.enthalpy);
+  forms_->follow_merging(merged, field.enthalpy);
+  take_elements();
+  refresh(field);
+  if (!field.wetted.empty()) mesh::take_out_rows(merged, merged.nodes_per_row, field.wetted);
+  return std::abs(heat_content(forms_->volume(), field.enthalpy) - before) / std::abs(before);
 }
 
 void HeatSolver::take_elements() {

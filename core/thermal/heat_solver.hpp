@@ -73,6 +73,10 @@ public:
   /// metal that entered
   MetalEntry follow_growth(HeatField& field, int nodes_per_row, double temperature);
 
+  /// Takes the mesh after rows were merged and carries the field over.
+  /// @return  relative change of the heat content: rounding [1]
+  double follow_merging(HeatField& field, const mesh::MergedRows& merged);
+
   /// A field of one temperature [°C] on the mesh.
   HeatField uniform_field(double temperature) const;
   /// Temperature and liquid fraction from the enthalpy. @param first  node whose enthalpy changed

@@ -25,6 +25,7 @@ struct Discretisation {
   double layer;                     ///< of a quarter slab
   double bottom_cell, top_cell;     ///< heights of the lowest and the topmost initial row
   double growth_cell;               ///< height of the rows that growth adds
+  double merge_below;               ///< depth at which they are merged; 0: never
   Ladder begin;                     ///< steps from the start of the simulation
   Ladder event;                     ///< from the start of casting, of the mechanics, of the water
   std::optional<double> error;      ///< half the band of the curl at the end [1]
@@ -38,6 +39,7 @@ const Discretisation& of_section(v1::Quality quality) {
                                     .bottom_cell = 3.5e-3,
                                     .top_cell = 7e-3,
                                     .growth_cell = 7e-3,
+                                    .merge_below = 0.0,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = 0.05};
@@ -48,6 +50,7 @@ const Discretisation& of_section(v1::Quality quality) {
                                           .bottom_cell = 2.25e-3,
                                           .top_cell = 2.25e-3,
                                           .growth_cell = 5e-3,
+                                          .merge_below = 0.0,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                           .error = 0.04};
@@ -59,43 +62,48 @@ const Discretisation& of_section(v1::Quality quality) {
       .bottom_cell = 1.5e-3,
       .top_cell = 1.5e-3,
       .growth_cell = 3.5e-3,
+      .merge_below = 0.0,
       .begin = {{0, 0.25}, {10, 1}},
       .event = {{0, 0.025}, {1, 0.05}, {3, 0.125}, {10, 0.25}, {30, 0.5}, {60, 1}},
       .error = 0.04};
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
 
-// Columns are cheap and rows are dear: a cell is solid or liquid as a whole, and the shell over the
-// block is 4 to 15 mm thick in the first minute. Cells of engineering are those measured for
-// `start-3d`; docs/quarter-slab.md has the runs.
+// Six or seven columns do; layers through the thickness decide how high the corner lifts, and so
+// does the height of the rows at the bottom and where they are cast: a cell is solid or liquid as a
+// whole, the shell over the block is 4 to 15 mm thick in the first minute, and the water quenches a
+// band of one to two centimetres. Below, rows are merged. Runs: docs/quarter-slab.md.
 const Discretisation& of_quarter_slab(v1::Quality quality) {
-  static const Discretisation draft{.column = 94e-3,
+  static const Discretisation draft{.column = 110e-3,
                                     .fewest_columns = 5,
                                     .side_cell = 15e-3,
-                                    .layer = 57e-3,
+                                    .layer = 48e-3,
                                     .bottom_cell = 4e-3,
-                                    .top_cell = 5.5e-3,
-                                    .growth_cell = 5e-3,
+                                    .top_cell = 7e-3,
+                                    .growth_cell = 4e-3,
+                                    .merge_below = 0.1,
                                     .begin = {{0, 1}, {10, 4}},
-                                    .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
+                                    .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
                                     .error = {}};
-  static const Discretisation engineering{.column = 60e-3,
+  static const Discretisation engineering{.column = 94e-3,
                                           .fewest_columns = 7,
                                           .side_cell = 12e-3,
-                                          .layer = 57e-3,
+                                          .layer = 41e-3,
                                           .bottom_cell = 3e-3,
-                                          .top_cell = 3e-3,
-                                          .growth_cell = 3.5e-3,
+                                          .top_cell = 4.4e-3,
+                                          .growth_cell = 3e-3,
+                                          .merge_below = 0.1,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = {}};
-  static const Discretisation fine{.column = 41e-3,
+  static const Discretisation fine{.column = 66e-3,
                                    .fewest_columns = 10,
                                    .side_cell = 8e-3,
                                    .layer = 32e-3,
                                    .bottom_cell = 2e-3,
                                    .top_cell = 2.5e-3,
-                                   .growth_cell = 3.5e-3,
+                                   .growth_cell = 2.5e-3,
+                                   .merge_below = 0.1,
                                    .begin = {{0, 0.25}, {10, 1}},
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                    .error = {}};
@@ -145,6 +153,17 @@ void fill_rows(const Discretisation& d, double depth, v1::Mesh& mesh) {
   if (!mesh.has_rows()) mesh.set_rows(graded_rows(depth, lowest, std::max(lowest, d.top_cell)));
   if (!mesh.has_bottom_cell_m())
     mesh.set_bottom_cell_m(std::min(d.bottom_cell, depth / mesh.rows()));
+}
+
+/// Rows whose height the case gives are merged only if it says so. Rows are merged to four growth
+/// cells, but to no more than 20 mm unless the growth cells are higher than half of that.
+void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
+  constexpr double highest = 20e-3;  // [m]
+  if (!mesh.has_merge_below_m())
+    mesh.set_merge_below_m(own_rows || mesh.element() == v1::P1 ? 0.0 : d.merge_below);
+  if (!mesh.has_merged_cell_m() && mesh.has_growth_cell_m())
+    mesh.set_merged_cell_m(
+        std::max(2.0 * mesh.growth_cell_m(), std::min(highest, 4.0 * mesh.growth_cell_m())));
 }
 
 /// A table of steps: `begin` from `start`, `event` from each of the events, sorted.
@@ -215,11 +234,14 @@ v1::Curve steps(const Discretisation& d, const v1::Case& c) {
 void apply_quality(v1::Case& c) {
   const Discretisation& d = discretisation_of(c);
   v1::Mesh& mesh = *c.mutable_mesh();
+  const bool own_rows = mesh.has_growth_cell_m() || mesh.has_rows();
   if (c.section().half_width_m() > 0.0) fill_columns(d, c.section().half_width_m(), mesh);
   if (c.section().initial_depth_m() > 0.0) fill_rows(d, c.section().initial_depth_m(), mesh);
-  if (c.section().kind() == v1::Section::QUARTER_SLAB &&
-      c.section().half_thickness_m().value_size() > 0)
-    fill_layers(d, c.section().half_thickness_m(), mesh);
+  if (c.section().kind() == v1::Section::QUARTER_SLAB) {
+    if (c.section().half_thickness_m().value_size() > 0)
+      fill_layers(d, c.section().half_thickness_m(), mesh);
+    if (mesh.file().empty()) fill_merging(d, own_rows, mesh);
+  }
   if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = steps(d, c);
 }
 

@@ -72,6 +72,7 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   if (mesh.has_wide_side_cell_m()) to.wide_side_cell = mesh.wide_side_cell_m();
   if (mesh.has_bottom_cell_m()) to.bottom_cell = mesh.bottom_cell_m();
   if (mesh.has_growth_cell_m()) to.growth_cell = mesh.growth_cell_m();
+  to.merging = {mesh.merge_below_m(), mesh.merged_cell_m()};
   if (mesh.has_refinement()) to.refinement = mesh.refinement();
   to.file = attached(mesh.file(), attachments);
   if (mesh.has_growth()) to.growth = mesh.growth();

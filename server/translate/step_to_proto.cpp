@@ -105,6 +105,10 @@ v1::StepReport to_proto(const results::StepReport& report,
   to.set_bottom_heat_w_per_m(report.bottom_heat);
   to.set_conjugate_gradient_iterations(report.conjugate_gradient_iterations);
   to.set_contact_area_m2(report.contact_area);
+  to.set_merged_rows(report.merged_rows);
+  to.set_merge_mass_error(report.merge_mass_error);
+  to.set_merge_energy_error(report.merge_energy_error);
+  to.set_merge_equilibrium_error(report.merge_equilibrium_error);
   return to;
 }
 

@@ -17,12 +17,17 @@ struct Silent : casting::StepObserver {
   casting::Order on_step(const results::StepReport& report) override {
     last = report;
     iterations += report.iterations;
+    heat_iterations += report.heat_iterations;
+    factorizations += report.factorizations;
+    solves += report.solves;
+    ++steps;
     mechanical_steps += report.iterations > 0 ? 1 : 0;
     return casting::Order::go_on;
   }
   void on_resumed(std::int64_t, double) override {}
   void on_message(std::string_view) override {}
   results::StepReport last;
+  double heat_iterations = 0.0, factorizations = 0.0, solves = 0.0, steps = 0.0;
   double iterations = 0.0, mechanical_steps = 0.0;
 };
 
@@ -34,6 +39,10 @@ void run_case(benchmark::State& state, const casting::Case& c, int threads = 1) 
     casting::run(c, {folder, false}, observer, threads);
     state.counters["solver_s"] = observer.last.solver_seconds;
     state.counters["iterations_per_step"] = observer.iterations / observer.mechanical_steps;
+    state.counters["heat_its"] = observer.heat_iterations / observer.steps;
+    state.counters["factors"] = observer.factorizations;
+    state.counters["solves"] = observer.solves;
+    state.counters["steps"] = observer.steps;
     state.counters["curl_corner_mm"] = 1e3 * observer.last.monitor_displacement.at(0).back();
     state.counters["elements_at_end"] = static_cast<double>(observer.last.elements);
     std::filesystem::remove_all(folder);
@@ -56,6 +65,7 @@ BENCHMARK(start_2d_thickness)
     ->Args({0, 1, 1})
     ->Args({0, 2, 0})
     ->Args({1, 2, 0})
+    ->Args({1, 4, 0})
     ->Unit(benchmark::kSecond)
     ->Iterations(1);
 

@@ -4,6 +4,7 @@
 
 #include "core/casting/check/checks.hpp"
 #include "core/mesh/base.hpp"
+#include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
 
@@ -104,15 +105,36 @@ bool break_points_have_nodes(const mesh::SectionSpec& s) {
   return fits;
 }
 
+/// Rows can be merged where cells stay whole and two growth cells fit into a merged one.
+void check_merging(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (s.merging.below <= 0.0 || !s.file.empty() || !found.sound({"mesh.merge_below", "mesh.element"})) return;
+  if (s.element == mesh::ElementKind::p1) {
+    found.fault("mesh.merge_below", with_unit(s.merging.below, "m"),
+                "is given, but tetrahedra cannot be merged", "q1_bending or q1 with it",
+                "leave it out, or choose mesh.element = \"q1_bending\"");
+    return;
+  }
+  if (!found.sound({"mesh.growth_cell", "mesh.merged_cell", "mesh.rows", "mesh.bottom_cell"}))
+    return;
+  const double pair = 2.0 * mesh::growth_cell(s) * s.refinement;
+  if (s.merging.largest_cell >= pair * (1.0 - 1e-9)) return;
+  found.fault("mesh.merged_cell", with_unit(s.merging.largest_cell, "m"),
+              "is less than two growth cells, so that nothing would be merged",
+              "at least " + with_unit(pair, "m"), "raise it, or write merge_below = \"0 m\"");
+}
+
 void check_quarter_slab(CaseFindings& found) {
   const Case& c = found.casting;
   if (found.solid()) {
     if (found.sound({"section.half_thickness"})) check_opening(found);
     check_corner(found);
+    check_merging(found);
     return;
   }
   only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
   only_of_a_quarter_slab(found, "section.corner_radius", c.section.corner_radius > 0.0);
+  only_of_a_quarter_slab(found, "mesh.merge_below", c.section.merging.below > 0.0);
   only_of_a_quarter_slab(found, "cooling.bottom_block.profile_y",
                          !c.cooling.bottom_block.profile_y.empty());
 }

@@ -127,6 +127,18 @@ Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
   return {largest, where < 0 ? std::vector<double>(Dim, 0.0) : centroid(mesh, where)};
 }
 
+template <int Dim>
+void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liquid) {
+  if (when_liquid.empty()) return;
+  const std::size_t stride = merged.elements_per_row * std::tuple_size_v<Turn<Dim>>;
+  std::vector<double> after;
+  for (const auto& row : merged.made_of()) {
+    const auto from = when_liquid.begin() + static_cast<std::ptrdiff_t>(row[0] * stride);
+    after.insert(after.end(), from, from + static_cast<std::ptrdiff_t>(stride));
+  }
+  when_liquid = std::move(after);
+}
+
 namespace {
 
 /// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least
@@ -189,6 +201,8 @@ Extreme largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> solid,
 
 template std::vector<double> centroid(const mesh::Mesh<2>&, int);
 template std::vector<double> centroid(const mesh::Mesh<3>&, int);
+template void merge_turns<2>(const mesh::MergedRows&, std::vector<double>&);
+template void merge_turns<3>(const mesh::MergedRows&, std::vector<double>&);
 template Extreme largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
                                   std::span<const double>, int, std::vector<double>&);
 template Extreme largest_rotation(const mesh::Mesh<3>&, std::span<const char>,

@@ -8,6 +8,7 @@
 #include "core/casting/validity/extreme.hpp"
 #include "core/material/mechanical_properties.hpp"
 #include "core/mesh/mesh.hpp"
+#include "core/mesh/row_merging.hpp"
 
 namespace dccast::casting {
 
@@ -59,6 +60,11 @@ template <int Dim>
 Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
                          std::span<const double> displacement, int growing,
                          std::vector<double>& when_liquid);
+
+/// Carries the turns of elements over a merging of rows: that of a pair is that of its lower cell.
+/// @param when_liquid  (element, numbers of a turn) as largest_rotation() keeps it, or empty
+template <int Dim>
+void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liquid);
 
 /// How far the butt has slid over the bottom block [m]: of the bottom nodes of solid elements, the
 /// largest distance of the sideways displacement from what thermal contraction alone permits, from

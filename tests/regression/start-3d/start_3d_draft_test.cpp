@@ -11,10 +11,24 @@ using regression::end_lift_mm;
 TEST(Start3dDraft, StaysInBalanceAndLiftsItsCorner) {
   const auto reports = regression::run(support::load_case("start-3d", v1::DRAFT));
   regression::expect_sound_casting(reports);
-  EXPECT_NEAR(end_lift_mm(reports, 0), 61.02, 1.0) << "corner";
-  EXPECT_NEAR(end_lift_mm(reports, 1), 54.04, 1.0) << "middle of the narrow face";
-  EXPECT_NEAR(end_lift_mm(reports, 2), 10.64, 0.5) << "middle of the wide face";
+  EXPECT_NEAR(end_lift_mm(reports, 0), 64.81, 1.0) << "corner";
+  EXPECT_NEAR(end_lift_mm(reports, 1), 57.75, 1.0) << "middle of the narrow face";
+  EXPECT_NEAR(end_lift_mm(reports, 2), 11.34, 0.5) << "middle of the wide face";
   EXPECT_NEAR(end_lift_mm(reports, 3), 0.0, 1e-3) << "the centre stands on the block";
+}
+
+/// Rows below the quench hold little that changes: merged or not, the slab curls alike.
+TEST(Start3dDraft, CurlsAlikeWithRowsMergedOrNot) {
+  casting::Case c = support::load_case("start-3d", v1::DRAFT);
+  c.section.merging.below = 0.08;
+  c.time.end = 150.0;
+  const auto merged = regression::run(c);
+  c.section.merging = {};
+  const auto whole = regression::run(c);
+  EXPECT_LT(merged.back().nodes, whole.back().nodes);
+  for (std::size_t monitor = 0; monitor < 3; ++monitor)
+    EXPECT_NEAR(end_lift_mm(merged, monitor), end_lift_mm(whole, monitor),
+                2e-3 * end_lift_mm(whole, monitor));
 }
 
 double corner_after_five_seconds(mechanics::Algorithm algorithm) {
@@ -28,7 +42,7 @@ double corner_after_five_seconds(mechanics::Algorithm algorithm) {
 /// While the slab rocks from one support to another what a tolerance leaves is seen in the lift.
 TEST(Start3dDraft, LiftsItsCornerByEveryAlgorithm) {
   const double newton = corner_after_five_seconds(mechanics::Algorithm::newton);
-  EXPECT_NEAR(newton, 3.97, 0.1);
+  EXPECT_NEAR(newton, 10.10, 0.1);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::vnbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::nbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::sbm), newton, 0.05);

@@ -61,9 +61,12 @@ TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
   const auto draft = complete(quarter_slab(v1::DRAFT)).mesh(),
              engineering = complete(quarter_slab(v1::ENGINEERING)).mesh(),
              fine = complete(quarter_slab(v1::FINE)).mesh();
-  EXPECT_EQ(engineering.columns(), 11);
-  EXPECT_EQ(engineering.layers(), 5);
-  EXPECT_EQ(engineering.rows(), 22);
+  EXPECT_EQ(engineering.columns(), 7);
+  EXPECT_EQ(engineering.layers(), 7);
+  EXPECT_EQ(engineering.rows(), 18);
+  EXPECT_EQ(draft.columns(), 6);
+  EXPECT_EQ(draft.layers(), 6);
+  EXPECT_EQ(draft.rows(), 12);
   for (const auto& [better, worse] :
        {std::pair(engineering, draft), std::pair(fine, engineering)}) {
     EXPECT_GT(better.columns(), worse.columns());
@@ -73,6 +76,26 @@ TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
     EXPECT_LT(better.wide_side_cell_m(), worse.wide_side_cell_m());
     EXPECT_LE(better.growth_cell_m(), worse.growth_cell_m());
   }
+}
+
+TEST(Quality, MergesTheRowsOfAQuarterSlabThatItHasChosen) {
+  const auto mesh_of = [](auto&& change) {
+    v1::Case c = quarter_slab(v1::DRAFT);
+    change(*c.mutable_mesh());
+    return complete(c).mesh();
+  };
+  const auto draft = mesh_of([](v1::Mesh&) {});
+  EXPECT_DOUBLE_EQ(draft.merge_below_m(), 0.1);
+  EXPECT_DOUBLE_EQ(draft.merged_cell_m(), 0.016);
+  EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_growth_cell_m(5e-3); }).merge_below_m(), 0.0);
+  EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_element(v1::P1); }).merge_below_m(), 0.0);
+  EXPECT_EQ(complete(casting(v1::DRAFT)).mesh().merge_below_m(), 0.0) << "of a section";
+  const auto own = mesh_of([](v1::Mesh& m) {
+    m.set_growth_cell_m(12e-3);
+    m.set_merge_below_m(0.3);
+  });
+  EXPECT_DOUBLE_EQ(own.merge_below_m(), 0.3);
+  EXPECT_DOUBLE_EQ(own.merged_cell_m(), 0.024) << "two growth cells at least";
 }
 
 TEST(Quality, LeavesTheLayersOfAQuarterSlabToTheCase) {

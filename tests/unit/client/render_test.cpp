@@ -202,5 +202,23 @@ TEST(CurlHistory, HorizontalOfAQuarterSlabIsItsLengthInPlan) {
   EXPECT_DOUBLE_EQ(history.monitors[0].horizontal_m[0], 5e-3);
 }
 
+TEST(CurlHistory, TemperaturesAreThoseOfTheirStepsAndUnknownBeforeAPointIsPoured) {
+  render::CurlHistory history;
+  for (int step = 1; step <= 3; ++step) {
+    v1::StepReport report;
+    report.set_step(step);
+    v1::MonitorValue& monitor = *report.add_monitors();
+    monitor.set_name("head");
+    if (step > 1) monitor.set_temperature_c(600.0 + step);
+    history.add(report);
+  }
+  ASSERT_EQ(history.monitors[0].temperature_c.size(), 3u);
+  EXPECT_TRUE(std::isnan(history.monitors[0].temperature_c[0]));
+  EXPECT_EQ(history.monitors[0].temperature_c[2], 603.0);
+  history.rewind(2);
+  EXPECT_EQ(history.monitors[0].temperature_c.size(), 2u);
+  EXPECT_EQ(history.monitors[0].curl_m.size(), 2u);
+}
+
 }  // namespace
 }  // namespace dccast::client::render

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "core/linalg/cholmod_solver.hpp"
 #include "core/linalg/sweep_order.hpp"
+#include "tests/unit/linalg/by_cholmod.hpp"
 #include "tests/unit/linalg/grid_matrix.hpp"
 #include "tests/unit/linalg/relative_difference.hpp"
 
@@ -43,6 +43,7 @@ long allocations = 0;
 namespace dccast::linalg {
 namespace {
 
+using testing::by_cholmod;
 using testing::relative_difference;
 
 /// A grid of n x n nodes, its matrix and a right-hand side.
@@ -57,15 +58,6 @@ struct Grid {
   const std::vector<int> backwards = reversed_order(n * n);
   std::vector<double> values, b;
 };
-
-std::vector<double> by_cholmod(const Grid& grid) {
-  CholmodSolver solver;
-  solver.analyze(grid.pattern);
-  EXPECT_TRUE(solver.factorize(grid.values));
-  std::vector<double> x(grid.b.size());
-  solver.solve(grid.b, x);
-  return x;
-}
 
 class BandCholeskyWith : public ::testing::TestWithParam<int> {
 protected:

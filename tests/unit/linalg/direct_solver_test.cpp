@@ -16,12 +16,13 @@ using testing::grid_cells;
 std::vector<double> values_of(const SparsityPattern& pattern) {
   std::vector<double> values(pattern.entries(), -1.0);
   for (int u = 0; u < pattern.unknowns(); ++u) {
-    values[std::size_t(pattern.diagonal(u))] = 8.1 + std::sin(double(u));
+    values[std::size_t(pattern.diagonal(u))] = 9.1 + std::sin(double(u));
   }
   return values;
 }
 
 struct Outcome {
+  DirectSolver::Method method;
   bool by_band;
   double error;  ///< of the solution, relative to its largest number
 };
@@ -40,7 +41,7 @@ Outcome solve(const SparsityPattern& pattern, std::span<const std::vector<int>> 
   EXPECT_GE(solver.factor_entries(), static_cast<double>(pattern.entries()));
   double error = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) error = std::max(error, std::abs(b[i] - x[i]));
-  return {solver.uses_band(), error};
+  return {solver.method(), solver.uses_band(), error};
 }
 
 TEST(DirectSolver, TakesTheBandOfANarrowMeshAndCholmodOfAWideOne) {
@@ -63,6 +64,57 @@ TEST(DirectSolver, SweepsFromTheFrontThatMakesTheBandNarrow) {
   const Outcome swept = solve(pattern, fronts);
   EXPECT_TRUE(swept.by_band);
   EXPECT_LE(swept.error, 1e-12);
+}
+
+/// Unknowns of the left and of the upper edge of a grid.
+std::vector<std::vector<int>> edges_of(int columns, int rows) {
+  std::vector<std::vector<int>> edges(2);
+  for (int row = 0; row < rows; ++row) edges[0].push_back(columns * row);
+  for (int column = 0; column < columns; ++column)
+    edges[1].push_back(columns * (rows - 1) + column);
+  return edges;
+}
+
+TEST(DirectSolver, DissectsAWideMeshInThePlaneWhoseEdgesItKnows) {
+  const auto wide = grid_cells(150, 170);
+  const SparsityPattern pattern(150 * 170, wide, 4);
+  const Outcome dissected = solve(pattern, edges_of(150, 170));
+  EXPECT_EQ(dissected.method, DirectSolver::Method::dissection);
+  EXPECT_LE(dissected.error, 1e-12);
+}
+
+/// A mesh from a file may lack a symmetry plane or a top: distances from one edge alone cut it into
+/// strips.
+TEST(DirectSolver, DoesNotDissectByOneEdge) {
+  const auto wide = grid_cells(150, 170);
+  const SparsityPattern pattern(150 * 170, wide, 4);
+  for (const std::size_t lacking : {0u, 1u}) {
+    auto edges = edges_of(150, 170);
+    edges[lacking].clear();
+    const Outcome outcome = solve(pattern, edges);
+    EXPECT_NE(outcome.method, DirectSolver::Method::dissection);
+    EXPECT_LE(outcome.error, 1e-12);
+  }
+  const std::vector<std::vector<int>> same(2, edges_of(150, 170)[0]);
+  EXPECT_NE(solve(pattern, same).method, DirectSolver::Method::dissection)
+      << "two edges in one place";
+}
+
+/// As a slab grows out of the band and a checkpoint goes back into it.
+TEST(DirectSolver, ChangesBetweenBandAndDissection) {
+  DirectSolver solver;
+  for (const auto& [columns, rows] : {std::pair(12, 10), std::pair(150, 170), std::pair(12, 10)}) {
+    const auto cells = grid_cells(columns, rows);
+    const SparsityPattern pattern(columns * rows, cells, 4);
+    solver.analyze(pattern, Geometry::plane, edges_of(columns, rows));
+    EXPECT_EQ(solver.uses_band(), columns == 12);
+    const auto values = values_of(pattern);
+    ASSERT_TRUE(solver.factorize(values));
+    std::vector<double> x(std::size_t(pattern.unknowns()), 1.0), b(x.size());
+    multiply(pattern, values, x, b);
+    solver.solve(b, b);
+    for (const double found : b) ASSERT_NEAR(found, 1.0, 1e-12);
+  }
 }
 
 TEST(DirectSolver, ChangesTheMethodWithThePattern) {

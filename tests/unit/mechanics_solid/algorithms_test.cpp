@@ -27,22 +27,29 @@ Options options_of(Algorithm algorithm) {
 template <class Element>
 class SolidAlgorithmsOn : public ::testing::Test {
 protected:
-  /// Two steps of a quarter of a block that creeps under its weight while its top shrinks, so that
-  /// its corner lifts.
-  void run(Algorithm algorithm) {
-    SolidBody<Element> body(box_mesh({5, 3, 2}, of_tetrahedra<Element>, [](const Vector3& s) {
-      return Vector3{s[0], 0.6 * s[1], 0.25 * s[2]};
-    }));
-    body.set_material(1e9, 0.35, 3e-36);
-    body.set_contact();
-    const std::vector<double> heaviness(body.forms.elements(), 2.5e6);
-    body.problem.weight = body.forms.subtract_weight(heaviness, body.problem.external_force);
-    for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
-    for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
-    for (int e = 0; e < body.box.mesh.elements(); ++e) {
-      const int layer = e * 2 / body.box.mesh.elements();
-      body.problem.thermal[std::size_t(e)] = -2e-2 * (0.25 + 0.5 * layer);
+  /// A quarter of a block that creeps under its weight while its top shrinks, so that its corner
+  /// lifts.
+  struct Block : SolidBody<Element> {
+    Block()
+        : SolidBody<Element>(box_mesh({5, 3, 2}, of_tetrahedra<Element>, [](const Vector3& s) {
+            return Vector3{s[0], 0.6 * s[1], 0.25 * s[2]};
+          })) {
+      this->set_material(1e9, 0.35, 3e-36);
+      this->set_contact();
+      auto& problem = this->problem;
+      const std::vector<double> heaviness(this->forms.elements(), 2.5e6);
+      problem.weight = this->forms.subtract_weight(heaviness, problem.external_force);
+      for (int n : this->box.nodes_on(Face::x_low)) this->fix(n, 0, 0.0);
+      for (int n : this->box.nodes_on(Face::y_low)) this->fix(n, 1, 0.0);
+      for (int e = 0; e < this->box.mesh.elements(); ++e) {
+        const int layer = e * 2 / this->box.mesh.elements();
+        problem.thermal[std::size_t(e)] = -2e-2 * (0.25 + 0.5 * layer);
+      }
     }
+  };
+
+  void run(Algorithm algorithm) {
+    Block body;
     for (int step = 0; step < 2; ++step) {
       const auto outcome = body.step(options_of(algorithm), 0.05);
       EXPECT_TRUE(outcome.converged) << name_of(algorithm) << ", step " << step << ", residual "
@@ -61,6 +68,25 @@ protected:
 
 using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
 TYPED_TEST_SUITE(SolidAlgorithmsOn, Families);
+
+/// What a converged step leaves behind for its checks is what evaluating its end afresh gives.
+TYPED_TEST(SolidAlgorithmsOn, NewtonLeavesTheEvaluationOfItsEnd) {
+  typename TestFixture::Block body;
+  body.problem.dt = 0.05;
+  StepUnknowns<3> unknowns = body.unknowns();
+  const Options options = options_of(Algorithm::newton);
+  const auto outcome = solve_step(body.problem, options, body.work, unknowns);
+  ASSERT_TRUE(outcome.converged);
+  Equilibrium<3> afresh(body.problem);
+  std::vector<double> residual(unknowns.displacement.size());
+  const double acting =
+      afresh.residual(unknowns.displacement, residual, return_map_law(body.problem));
+  EXPECT_EQ(body.work.residual, residual);
+  ASSERT_TRUE(outcome.forces_at_end.has_value());
+  EXPECT_EQ(outcome.forces_at_end->acting, acting);
+  for (std::size_t i = 0; i < unknowns.deviator.size(); ++i)
+    EXPECT_EQ(unknowns.deviator[i].value, afresh.deviator(i).value) << i;
+}
 
 TYPED_TEST(SolidAlgorithmsOn, AgreeOnACreepingPartialContact) {
   this->run(Algorithm::newton);

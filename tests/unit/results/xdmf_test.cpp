@@ -36,6 +36,9 @@ TEST(Xdmf, ShowsSolidElements) {
   frame.temperature.clear();
   frame.liquid_fraction.clear();
   frame.dimension = 3;  // its 12 numbers are four points now
+  frame.bottom_node = {0, 2};  // the third would lie beyond them
+  frame.bottom_gap.resize(2);
+  frame.bottom_pressure.resize(2);
   frame.element_node = {0, 1, 2, 3};
   EXPECT_THAT(sidecar_of(frame), HasSubstr(R"(TopologyType="Tetrahedron")"));
   EXPECT_THAT(sidecar_of(frame),

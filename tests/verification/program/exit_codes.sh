@@ -31,6 +31,15 @@ expect 2 run no-such-test
 expect 2 run T4 --dt -1
 expect 2 table 9
 
+# A build of the core alone has no castings.
+if "$verify" history --help | grep -q divide-steps; then
+  expect 0 history --quality draft -o curl.csv
+  head -n 1 curl.csv | grep -qx 'time_s,curl_mm'
+  tail -n 1 curl.csv | grep -q '^145,5\.'
+  expect 3 history --quality draft --limit 0.001
+  expect 2 history --quality coarse
+fi
+
 cat >strand.json <<'JSON'
 {"conductivity_w_per_m_k": 180, "speed_m_per_s": 0.001, "length_m": 0.15,
  "top_temperature_c": 680, "bottom_temperature_c": 100,

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "tests/verification/program/casting_history.hpp"
 #include "tests/verification/program/claims.hpp"
 #include "tests/verification/program/named_tests.hpp"
 #include "tests/verification/program/paper_tables.hpp"
@@ -143,9 +144,9 @@ int report(const std::string& file, const ReportOptions& options) {
   return success;
 }
 
-int shear(const RunRequest& request, const std::string& file) {
+int shear(const FictitiousLiquid& liquid, const std::string& file) {
   std::ofstream out(file);
-  out << shear_picture(request.liquid.value_or(FictitiousLiquid{}));
+  out << shear_picture(liquid);
   out.close();
   return out ? success : usage;
 }
@@ -200,6 +201,33 @@ struct RunCommand {
   }
 };
 
+struct HistoryCommand {
+  HistoryRequest request;
+  CLI::App* app = nullptr;
+
+  void add_to(CLI::App& program) {
+    app = program.add_subcommand("history",
+                                 "the start of a casting on any mesh and steps: curl and seconds");
+    app->add_option("--element", request.element, "p1, q1 or q1_bending")
+        ->transform(CLI::CheckedTransformer(elements));
+    request.add_to(*app);
+  }
+};
+
+struct ShearCommand {
+  FictitiousLiquid liquid;
+  std::string picture = "shear.svg";
+  CLI::App* app = nullptr;
+
+  void add_to(CLI::App& program) {
+    app = program.add_subcommand("shear", "shear stresses of T1 as SVG");
+    app->add_option("--epsilon", liquid.epsilon)->check(CLI::PositiveNumber);
+    app->add_option("--delta", liquid.delta);
+    app->add_option("--beta", liquid.beta);
+    app->add_option("-o,--output", picture, "file to write");
+  }
+};
+
 int main_of(int argc, char** argv) {
   CLI::App program{"dccast-verify: the paper's tests and tables, and exact checks"};
   program.require_subcommand(1);
@@ -221,6 +249,8 @@ int main_of(int argc, char** argv) {
       "elements", "error of the curl by element, and what it costs (minutes)");
   elements_command->add_option("--limit", table_options.limit,
                                "give a run up after so many seconds");
+  HistoryCommand history_command;
+  history_command.add_to(program);
   for (auto* command :
        {list_command, run_command.app, all_command, table_command, elements_command}) {
     command->add_flag("--json", as_json, "as JSON");
@@ -232,27 +262,21 @@ int main_of(int argc, char** argv) {
   report_command->add_flag("--nightly", report_options.nightly, "also what takes minutes");
   report_command->add_flag("--no-casting", report_options.no_casting, "leave table 11 out");
   report_command->add_option("--limit", report_options.limit, "as for table 11");
-  auto* shear_command = program.add_subcommand("shear", "shear stresses of T1 as SVG");
-  RunRequest liquid_request;
-  FictitiousLiquid liquid;
-  std::string picture = "shear.svg";
-  shear_command->add_option("--epsilon", liquid.epsilon)->check(CLI::PositiveNumber);
-  shear_command->add_option("--delta", liquid.delta);
-  shear_command->add_option("--beta", liquid.beta);
-  shear_command->add_option("-o,--output", picture, "file to write");
+  ShearCommand shear_command;
+  shear_command.add_to(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return program.exit(e) == 0 ? success : usage;
   }
   run_command.finish();
-  liquid_request.liquid = liquid;
   if (*list_command) return list(as_json);
   if (*run_command.app) return run(completed(run_command.request), as_json);
   if (*all_command) return all(nightly, as_json);
   if (*table_command) return table(number, table_options, as_json);
   if (*elements_command) return elements_under_refinement(table_options, as_json);
-  if (*shear_command) return shear(liquid_request, picture);
+  if (*history_command.app) return write_history(history_command.request) ? success : missed;
+  if (*shear_command.app) return shear(shear_command.liquid, shear_command.picture);
   return report(file, report_options);
 }
 

@@ -1,5 +1,6 @@
 #include <stdexcept>
 
+#include "tests/verification/program/casting_history.hpp"
 #include "tests/verification/program/paper_tables.hpp"
 
 // Castings in a build of the core alone.
@@ -15,6 +16,12 @@ Table casting_table(const TableOptions&) {
 
 ElementComparison compare_elements(const TableOptions&) {
   throw std::logic_error("`elements` needs case files, which this build is without");
+}
+
+void HistoryRequest::add_to(CLI::App&) {}
+
+bool write_history(const HistoryRequest&) {
+  throw std::logic_error("`history` needs case files, which this build is without");
 }
 
 }  // namespace dccast::verification

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/linalg/dissection_tree.hpp"
+#include "core/linalg/tile_storage.hpp"
+
+namespace dccast::linalg {
+
+/// Multifrontal Cholesky factorisation (Duff and Reid 1983) of a symmetric positive definite matrix
+/// in the order of a nested dissection: each front is dense, and all work is products of 8 x 8
+/// numbers.
+///
+/// Made for meshes in the plane that are too large for a band: the work of a factorisation grows
+/// with the power 3/2 of the unknowns, not with their square. The kernels are chosen at run time
+/// for the processor; on one processor the last bits are always the same.
+///
+/// factorize() and solve() allocate nothing.
+class DissectionCholesky {
+public:
+  explicit DissectionCholesky(const TileKernels& kernels = best_tile_kernels())
+      : kernels_(&kernels) {}
+
+  /// Places for the factor.
+  void analyze(const SparsityPattern& pattern, const DissectionTree& tree);
+
+  /// @param values  `pattern.entries()` numbers
+  /// @return false when the matrix is not positive definite; the factor is then unusable
+  bool factorize(std::span<const double> values);
+  /// Solves with the last factor. @param x  may be the same storage as `b`
+  void solve(std::span<const double> b, std::span<double> x);
+
+  /// Numbers in the factor [1].
+  double factor_entries() const;
+  /// What factor and places take [byte].
+  std::size_t memory_bytes() const;
+
+private:
+  /// A front of the tree as the numerical work sees it.
+  struct Part {
+    int pivots = 0, boundary = 0;       ///< rows of tiles
+    int unknowns = 0;                   ///< of its own
+    int first_row = 0;                  ///< of its pivots among all rows of tiles
+    std::size_t panel = 0, update = 0;  ///< first tiles
+    std::size_t stack = 0;              ///< that its update lies on
+    std::size_t first_entry = 0;        ///< of the matrix, in `source_` and `target_`
+    std::size_t first_node = 0;         ///< of its boundary, in `at_` and `in_parent_`
+    std::vector<int> children;
+  };
+
+  void place_fronts(const DissectionTree& tree);
+  void place_updates(const DissectionTree& tree);
+  void place_boundaries(const DissectionTree& tree);
+  void place_in_parent(const DissectionTree& tree, std::size_t child, std::size_t parent);
+  void place_entries(const SparsityPattern& pattern, const DissectionTree& tree);
+  Front front_of(const Part& part);
+  void take_matrix(std::span<const double> values, std::size_t number, const Front& front);
+  void add_child(const Part& child, const Front& parent);
+  template <int PerNode>
+  void add_columns(const Part& child, const Front& parent);
+  std::size_t boundary_nodes(std::size_t part) const {
+    return part_[part + 1].first_node - part_[part].first_node;
+  }
+  void gather(std::size_t part);
+  void scatter(std::size_t part);
+
+  const TileKernels* kernels_;
+  int per_node_ = 1;
+  std::vector<Part> part_;      ///< in the order of elimination, and one behind the last
+  std::vector<int> position_;   ///< (unknown) its place among the rows of all pivots
+  std::vector<int> at_;         ///< (node of a boundary) the same of its first unknown
+  std::vector<int> in_parent_;  ///< (node of a boundary) row of its first unknown in the parent
+  std::vector<int> source_;     ///< entries of the pattern, by front
+  std::vector<int> target_;     ///< where in the panel of the front each of them stands
+  TileStorage panel_;
+  std::array<TileStorage, 2> update_;  ///< of the fronts of even and of odd depth: two stacks
+  std::vector<TileRow> inverse_, right_, rest_;
+  std::vector<Tile> sums_;
+  struct RowOffsets {
+    std::vector<int> child, panel, update;
+  } offset_;  ///< (node of a boundary) of the rows of a child in its own update and in its parent
+};
+
+}  // namespace dccast::linalg

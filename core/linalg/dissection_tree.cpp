@@ -1,0 +1,161 @@
+#include "core/linalg/dissection_tree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "core/linalg/node_graph.hpp"
+
+namespace dccast::linalg {
+
+namespace {
+
+/// A part with fewer unknowns is one front: its columns fill the tiles.
+constexpr int unknowns_of_leaf = 48;
+
+/// (node) Steps to an edge, from neighbour to neighbour.
+std::vector<int> distances(const NodeGraph& graph, std::span<const int> edge) {
+  std::vector<int> distance(std::size_t(graph.nodes()), -1), order;
+  order.reserve(distance.size());
+  const auto reach = [&](int node, int steps) {
+    if (distance[std::size_t(node)] >= 0) return;
+    distance[std::size_t(node)] = steps;
+    order.push_back(node);
+  };
+  std::size_t next = 0;
+  const auto sweep = [&] {
+    for (; next < order.size(); ++next) {
+      const int node = order[next];
+      for (const int other : graph.neighbours(node)) reach(other, distance[std::size_t(node)] + 1);
+    }
+  };
+  for (const int unknown : edge) reach(unknown / graph.unknowns_per_node(), 0);
+  sweep();
+  for (int node = 0; node < graph.nodes(); ++node) {  // what is joined to nothing yet
+    reach(node, 0);
+    sweep();
+  }
+  return distance;
+}
+
+/// Halves the nodes until they are leaves.
+class Dissection {
+public:
+  Dissection(const NodeGraph& graph, std::span<const std::vector<int>> edges, DissectionTree& tree)
+      : tree_(tree), leaf_(std::max(1, unknowns_of_leaf / graph.unknowns_per_node())) {
+    for (std::size_t a = 0; a < axes; ++a) distance_[a] = distances(graph, edges[a]);
+    order_.resize(std::size_t(graph.nodes()));
+    for (std::size_t n = 0; n < order_.size(); ++n) order_[n] = static_cast<int>(n);
+    divide(0, graph.nodes(), 0);
+    tree_.place.resize(order_.size());
+    for (std::size_t p = 0; p < order_.size(); ++p)
+      tree_.place[std::size_t(order_[p])] = static_cast<int>(p);
+  }
+
+private:
+  static constexpr std::size_t axes = 2;
+  using Iterator = std::vector<int>::iterator;
+
+  /// A line of nodes: those at this distance along an axis.
+  struct Line {
+    std::size_t axis;
+    int distance;
+  };
+
+  int at(std::size_t axis, int node) const { return distance_[axis][std::size_t(node)]; }
+
+  /// @return the front that stands for the nodes of a part of the order
+  int divide(int first, int end, int depth) {
+    if (end - first <= leaf_) return add({first, end, depth, {}, {}});
+    const Line line = middle(first, end);
+    if (line.distance < 0) return add({first, end, depth, {}, {}});
+    const auto from = order_.begin() + first, to = order_.begin() + end;
+    const auto before = [&](int n) { return at(line.axis, n) < line.distance; };
+    const auto behind = [&](int n) { return at(line.axis, n) > line.distance; };
+    const auto second = std::stable_partition(from, to, before);
+    const auto on_line = std::stable_partition(second, to, behind);
+    const int half = static_cast<int>(second - order_.begin());
+    const int own = static_cast<int>(on_line - order_.begin());
+    const int left = divide(first, half, depth + 1);
+    const int right = divide(half, own, depth + 1);
+    return add({own, end, depth, {left, right}, {}});
+  }
+
+  int add(DissectionTree::Front front) {
+    tree_.fronts.push_back(std::move(front));
+    return static_cast<int>(tree_.fronts.size()) - 1;
+  }
+
+  /// The line across the longer way that leaves halves of one size; no distance where none has two
+  /// sides.
+  Line middle(int first, int end) {
+    std::size_t axis = 0;
+    std::array<int, axes> low, high;
+    for (std::size_t a = 0; a < axes; ++a) {
+      const auto [least, most] =
+          std::minmax_element(order_.begin() + first, order_.begin() + end,
+                              [&](int m, int n) { return at(a, m) < at(a, n); });
+      low[a] = at(a, *least), high[a] = at(a, *most);
+      if (high[a] - low[a] > high[axis] - low[axis]) axis = a;
+    }
+    if (high[axis] - low[axis] < 2) return {axis, -1};
+    count_.assign(std::size_t(high[axis] - low[axis]) + 1, 0);
+    for (int p = first; p < end; ++p)
+      ++count_[std::size_t(at(axis, order_[std::size_t(p)]) - low[axis])];
+    int below = 0, distance = low[axis];
+    while (2 * (below + count_[std::size_t(distance - low[axis])]) < end - first)
+      below += count_[std::size_t(distance++ - low[axis])];
+    return {axis, std::clamp(distance, low[axis] + 1, high[axis] - 1)};
+  }
+
+  DissectionTree& tree_;
+  int leaf_;
+  std::array<std::vector<int>, axes> distance_;
+  std::vector<int> order_;  ///< (place) node
+  std::vector<int> count_;
+};
+
+/// What the elimination of a front couples: later neighbours, and what its children left.
+void find_boundaries(const NodeGraph& graph, DissectionTree& tree) {
+  std::vector<int> node_at(tree.place.size()), seen(tree.place.size(), -1);
+  for (std::size_t n = 0; n < tree.place.size(); ++n)
+    node_at[std::size_t(tree.place[n])] = static_cast<int>(n);
+  for (std::size_t f = 0; f < tree.fronts.size(); ++f) {
+    auto& front = tree.fronts[f];
+    const auto add = [&](int place) {
+      int& by = seen[std::size_t(place)];
+      if (place < front.end || by == static_cast<int>(f)) return;
+      by = static_cast<int>(f);
+      front.boundary.push_back(place);
+    };
+    for (int p = front.first; p < front.end; ++p) {
+      for (const int n : graph.neighbours(node_at[std::size_t(p)])) add(tree.place[std::size_t(n)]);
+    }
+    for (const int child : front.children) {
+      for (const int p : tree.fronts[std::size_t(child)].boundary) add(p);
+    }
+    std::sort(front.boundary.begin(), front.boundary.end());
+  }
+}
+
+}  // namespace
+
+DissectionTree::DissectionTree(const SparsityPattern& pattern,
+                               std::span<const std::vector<int>> edges)
+    : unknowns_per_node(pattern.unknowns_per_node() == 2 ? 2 : 1) {
+  const NodeGraph graph(pattern, unknowns_per_node);
+  Dissection(graph, edges, *this);
+  find_boundaries(graph, *this);
+}
+
+double DissectionTree::flops() const {
+  double sum = 0.0;
+  for (const Front& front : fronts) {
+    const double own = double(front.end - front.first) * unknowns_per_node;
+    const double rest = double(front.boundary.size()) * unknowns_per_node;
+    sum += own * (own * own / 3.0 + rest * (own + rest));
+  }
+  return sum;
+}
+
+}  // namespace dccast::linalg

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <limits>
+
+#include "core/linalg/tile_kernels.hpp"
+
+/// Compiled into the kernel that calls it, for its instruction set.
+#define DCCAST_INLINE [[gnu::always_inline]] inline
+
+/// What the kernels on tiles are made of. For the sources of this room only.
+/// @tparam Lanes  numbers in a register of the instruction set
+namespace dccast::linalg::tiles {
+
+/// As many rows of a column as a register of the instruction set holds.
+template <int Lanes>
+struct Register {
+  typedef double type __attribute__((vector_size(8 * Lanes), may_alias));
+};
+
+template <int Lanes>
+DCCAST_INLINE auto& rows_at(double* column) {
+  return *reinterpret_cast<typename Register<Lanes>::type*>(column);
+}
+template <int Lanes>
+DCCAST_INLINE const auto& rows_at(const double* column) {
+  return *reinterpret_cast<const typename Register<Lanes>::type*>(column);
+}
+
+/// result -= sum over `count` tiles of left right'.
+template <int Lanes>
+DCCAST_INLINE void subtract_products(const Tile* left, const Tile* right, int count, Tile& result) {
+  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;  // so that eight sums are held
+  for (int j0 = 0; j0 < tile_size; j0 += pass) {
+    typename Register<Lanes>::type sum[pass][parts];
+    double* to = result.entry + tile_size * j0;
+    for (int j = 0; j < pass; ++j) {
+      for (int p = 0; p < parts; ++p) sum[j][p] = rows_at<Lanes>(to + tile_size * j + Lanes * p);
+    }
+    const double* a = left->entry;
+    const double* b = right->entry + j0;
+    for (int k = 0; k < tile_size * count; ++k, a += tile_size, b += tile_size) {
+      for (int j = 0; j < pass; ++j) {
+        for (int p = 0; p < parts; ++p) sum[j][p] -= rows_at<Lanes>(a + Lanes * p) * b[j];
+      }
+    }
+    for (int j = 0; j < pass; ++j) {
+      for (int p = 0; p < parts; ++p) rows_at<Lanes>(to + tile_size * j + Lanes * p) = sum[j][p];
+    }
+  }
+}
+
+/// tile <- tile (factor')^-1, columns from the left.
+template <int Lanes>
+DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& tile) {
+  for (int p = 0; p < tile_size; p += Lanes) {
+    typename Register<Lanes>::type column[tile_size];
+    for (int k = 0; k < tile_size; ++k) column[k] = rows_at<Lanes>(tile.entry + tile_size * k + p);
+    for (int k = 0; k < tile_size; ++k) {
+      column[k] *= inverse.entry[k];
+      for (int j = k + 1; j < tile_size; ++j) {
+        column[j] -= column[k] * factor.entry[tile_size * k + j];
+      }
+    }
+    for (int k = 0; k < tile_size; ++k) rows_at<Lanes>(tile.entry + tile_size * k + p) = column[k];
+  }
+}
+
+/// Cholesky factor of a tile of the diagonal, zero above it. false: a pivot is not positive.
+template <int Lanes>
+DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
+  for (int k = 0; k < tile_size; ++k) {
+    double* column = tile.entry + tile_size * k;
+    const double pivot = column[k];
+    if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
+    const double root = __builtin_sqrt(pivot);
+    inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal do not wait for each other
+    for (int i = 0; i < k; ++i) column[i] = 0.0;
+    for (int p = 0; p < tile_size; p += Lanes) rows_at<Lanes>(column + p) *= inverse.entry[k];
+    for (int j = k + 1; j < tile_size; ++j) {
+      for (int p = 0; p < tile_size; p += Lanes) {
+        rows_at<Lanes>(tile.entry + tile_size * j + p) -= rows_at<Lanes>(column + p) * column[j];
+      }
+    }
+  }
+  return true;
+}
+
+/// Adds the products of consecutive tiles of a row with x to sums that do not wait for each other.
+template <int Lanes, int Chains>
+DCCAST_INLINE void add_products(const Tile* tile, const TileRow* x, int count,
+                                typename Register<Lanes>::type (&sum)[Chains][tile_size / Lanes]) {
+  for (int c = 0; c < count; ++c) {
+    for (int k = 0; k < tile_size; ++k) {
+      for (int p = 0; p < tile_size / Lanes; ++p) {
+        sum[k % Chains][p] +=
+            rows_at<Lanes>(tile[c].entry + tile_size * k + Lanes * p) * x[c].entry[k];
+      }
+    }
+  }
+}
+
+/// x <- x factor^-1 from the left: the forward half of a solution in a tile of the diagonal.
+DCCAST_INLINE void substitute_forward(const Tile& factor, const TileRow& inverse, TileRow& x) {
+  for (int k = 0; k < tile_size; ++k) {
+    const double found = x.entry[k] * inverse.entry[k];
+    for (int r = k; r < tile_size; ++r) x.entry[r] -= factor.entry[tile_size * k + r] * found;
+    x.entry[k] = found;
+  }
+}
+
+/// The backward half.
+DCCAST_INLINE void substitute_back(const Tile& factor, const TileRow& inverse, TileRow& x) {
+  for (int k = tile_size - 1; k >= 0; --k) {
+    x.entry[k] *= inverse.entry[k];
+    for (int i = 0; i < k; ++i) x.entry[i] -= factor.entry[tile_size * i + k] * x.entry[k];
+  }
+}
+
+/// x <- x - sum of the columns of a tile of products.
+DCCAST_INLINE void subtract_sums(const Tile& products, TileRow& x) {
+  for (int k = 0; k < tile_size; ++k) {
+    for (int p = 0; p < tile_size; ++p) x.entry[k] -= products.entry[tile_size * k + p];
+  }
+}
+
+/// sums += the products of consecutive tiles of a row with x, transposed; their columns remain to
+/// be added up.
+template <int Lanes>
+DCCAST_INLINE void add_transposed_products(const Tile* tile, int count, const TileRow& x,
+                                           Tile* sums) {
+  constexpr int parts = tile_size / Lanes;
+  typename Register<Lanes>::type found[parts];
+  for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x.entry + Lanes * p);
+  for (int c = 0; c < count; ++c) {
+    for (int k = 0; k < tile_size; ++k) {
+      for (int p = 0; p < parts; ++p) {
+        const int at = tile_size * k + Lanes * p;
+        rows_at<Lanes>(sums[c].entry + at) += rows_at<Lanes>(tile[c].entry + at) * found[p];
+      }
+    }
+  }
+}
+
+}  // namespace dccast::linalg::tiles

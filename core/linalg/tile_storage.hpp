@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "core/linalg/tile_kernels.hpp"
+
+namespace dccast::linalg {
+
+/// A factor larger than this is not in the cache when a solve comes to it [byte]: measured in
+/// docs/factorisation.md.
+inline constexpr std::size_t cache_bytes = std::size_t(8) << 20;
+
+/// Storage for the tiles of a factor, in huge pages where it is large: a solve goes through all of
+/// it. Not initialised.
+class TileStorage {
+public:
+  /// Room for so many tiles; what was in it is lost if that is more than before. It grows with room
+  /// to spare for a few rows of cells: touching new memory costs more than a factorisation.
+  /// @throws std::bad_alloc
+  void reserve(std::size_t tiles);
+
+  Tile* get() const { return tile_.get(); }
+  Tile& operator[](std::size_t i) const { return tile_[i]; }
+  std::size_t bytes() const { return capacity_ * sizeof(Tile); }
+
+private:
+  struct Free {
+    void operator()(Tile* tiles) const;
+  };
+  std::unique_ptr<Tile[], Free> tile_;
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace dccast::linalg

@@ -1,0 +1,157 @@
+// How the state of a slab follows its mesh: growth, and rows that are merged.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "core/mechanics/row_merging.hpp"
+#include "core/mechanics/slab_mechanics.hpp"
+
+namespace dccast::mechanics {
+
+namespace {
+
+/// Elastic strains with their thermal part, of the points from `first` on.
+/// @param displacement  by unknown [m], which has set the rotations of the forms
+template <int Dim>
+std::vector<SymmetricTensor<Dim>> elastic_strains(const MechanicsForms<Dim>& forms,
+                                                  const SlabState<Dim>& state,
+                                                  std::span<const double> displacement,
+                                                  std::size_t first = 0) {
+  std::vector<SymmetricTensor<Dim>> elastic;
+  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
+    elastic.push_back(forms.strain(i / forms.points(), i % forms.points(), displacement));
+    elastic.back().add(-1.0, state.inelastic[i]);
+  }
+  return elastic;
+}
+
+/// The inelastic strains, from point `first` on, with which the elastic ones are those given; of
+/// points beyond them, none.
+template <int Dim>
+void set_elastic_strains(const MechanicsForms<Dim>& forms, SlabState<Dim>& state,
+                         std::span<const double> displacement,
+                         const std::vector<SymmetricTensor<Dim>>& elastic, std::size_t first = 0) {
+  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
+    state.inelastic[i] = forms.strain(i / forms.points(), i % forms.points(), displacement);
+    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
+                                       int first_moved) {
+  const std::size_t first = std::size_t(first_moved) * points_;
+  const int old_nodes = static_cast<int>(state.released.size());
+  std::vector<double> u = supports_.by_unknown(state.displacement);
+  set_rotations(u, state.solid);
+  const std::vector<Tensor> elastic = elastic_strains(*forms_, state, u, first);
+  const std::size_t stride = std::size_t(nodes_per_row) * Dim;
+  for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
+    state.displacement.push_back(state.displacement[i - stride]);
+  }
+  state.released.resize(std::size_t(grown.nodes()), 0);
+  state.solid.resize(std::size_t(grown.elements()), 0);
+  const std::size_t all_points = std::size_t(grown.elements()) * points_;
+  state.inelastic.resize(all_points);
+  state.viscoplastic.resize(all_points);
+  state.deviator.resize(all_points);
+  state.pressure.resize(all_points, 0.0);
+  set_mesh(grown, first_moved);
+  // A node that is new stands at the mould, whatever the one below it did.
+  u = supports_.by_unknown(std::move(state.displacement));
+  supports_.stand_at_mould(u, old_nodes);
+  set_rotations(u, state.solid);
+  set_elastic_strains(*forms_, state, u, elastic, first);
+  state.displacement = supports_.by_coordinate(std::move(u));
+}
+
+/// Forces of the stress of a state on the nodes of the present mesh, along the coordinate axes.
+/// @param acting  gets the root of the sum of squares of all element forces [N]
+template <int Dim>
+std::vector<double> SlabMechanics<Dim>::forces_of_stress(const State& state, double& acting) const {
+  const std::size_t places = elements_in_block * points_;
+  std::vector<double> force(problem_.unknowns(), 0.0), numbers(places * Tensor::components),
+      pressure(places);
+  const TensorBlock<Dim> deviator(numbers.data(), places);
+  double squares = 0.0;
+  for (std::size_t first = 0; first < forms_->elements(); first += elements_in_block) {
+    const ElementBlock block{first, std::min(first + elements_in_block, forms_->elements())};
+    for (std::size_t e = block.first; e < block.end; ++e) {
+      for (std::size_t q = 0; q < points_; ++q) {
+        deviator.set(place_in_block(e - first, q), state.deviator[e * points_ + q]);
+        pressure[place_in_block(e - first, q)] = state.pressure[e * points_ + q];
+      }
+    }
+    forms_->add_forces(block, deviator, pressure, force, squares);
+  }
+  acting = std::sqrt(squares);
+  return supports_.by_coordinate(std::move(force));
+}
+
+template <int Dim>
+ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
+                                                  const mesh::MergedRows& merged,
+                                                  std::span<const double> temperature) {
+  if (points_ != RowsOfPoints<Dim>::points)
+    throw std::logic_error("SlabMechanics: only rows of whole cells can be merged");
+  const RowsOfPoints<Dim> rows(merged);
+  const std::vector<double> u = supports_.by_unknown(state.displacement);
+  set_rotations(u, state.solid);
+  std::vector<Tensor> elastic = elastic_strains(*forms_, state, u);
+  std::vector<double> dilatation;  // one of an element, as its pressure
+  for (Tensor& strain : elastic) {
+    dilatation.push_back(strain.trace());
+    strain = strain.deviator();
+  }
+  set_weight(state, temperature);
+  double acting = 0.0;
+  ProjectedState<Dim> to{state, rows.projected(elastic),
+                         rows.restricted(forces_of_stress(state, acting)), problem_.weight};
+  dilatation = rows.means(dilatation);
+  for (std::size_t i = 0; i < dilatation.size(); ++i)
+    to.elastic[i].add_identity(dilatation[i] / 3.0);
+  to.state.viscoplastic = rows.projected(state.viscoplastic);
+  to.state.deviator = rows.projected(state.deviator);
+  to.state.pressure = rows.means(state.pressure);
+  to.state.solid = rows.all_of(state.solid);
+  for (std::size_t i = 0; i < to.elastic.size(); ++i)
+    if (to.state.solid[i / points_] == 0 && rows.is_pair(i / points_)) to.elastic[i] = {};
+  mesh::take_out_rows(merged, merged.nodes_per_row * Dim, to.state.displacement);
+  mesh::take_out_rows(merged, merged.nodes_per_row, to.state.released);
+  return to;
+}
+
+template <int Dim>
+MergeChecks SlabMechanics<Dim>::follow_merging(State& state, ProjectedState<Dim> projected,
+                                               const Mesh& merged_mesh,
+                                               std::span<const double> temperature) {
+  state = std::move(projected.state);
+  set_mesh(merged_mesh);
+  const std::vector<double> u = supports_.by_unknown(state.displacement);
+  set_rotations(u, state.solid);
+  state.inelastic.resize(projected.elastic.size());
+  set_elastic_strains(*forms_, state, u, projected.elastic);
+  set_weight(state, temperature);
+  double acting = 0.0, squares = 0.0;
+  const std::vector<double> force = forces_of_stress(state, acting);
+  for (std::size_t i = 0; i < force.size(); ++i)
+    squares += (force[i] - projected.force[i]) * (force[i] - projected.force[i]);
+  return {std::abs(problem_.weight - projected.weight) / projected.weight,
+          acting > 0.0 ? std::sqrt(squares) / acting : 0.0};
+}
+
+template void SlabMechanics<2>::follow_growth(State&, const Mesh&, int, int);
+template void SlabMechanics<3>::follow_growth(State&, const Mesh&, int, int);
+template ProjectedState<2> SlabMechanics<2>::projected(const State&, const mesh::MergedRows&,
+                                                       std::span<const double>);
+template ProjectedState<3> SlabMechanics<3>::projected(const State&, const mesh::MergedRows&,
+                                                       std::span<const double>);
+template MergeChecks SlabMechanics<2>::follow_merging(State&, ProjectedState<2>, const Mesh&,
+                                                      std::span<const double>);
+template MergeChecks SlabMechanics<3>::follow_merging(State&, ProjectedState<3>, const Mesh&,
+                                                      std::span<const double>);
+
+}  // namespace dccast::mechanics
