@@ -17,9 +17,10 @@ void add_settings(CLI::App& app, CommandLine& line) {
 }
 
 void add_worker_policy(CLI::App& app, WorkerPolicy& policy) {
-  app.add_option("--worker-patience", policy.patience_s,
-                 "How long workers run on after a crash of dccastd and wait for the next one, which "
-                 "goes on with them; then they stop at a checkpoint. 0: they end at once")
+  app.add_option(
+         "--worker-patience", policy.patience_s,
+         "How long workers run on after a crash of dccastd and wait for the next one, which "
+         "goes on with them; then they stop at a checkpoint. 0: they end at once")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();

@@ -259,7 +259,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::EventLogs logs(directory.jobs());
   const service::LinkAddress link_address(directory.path());
   jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
-  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs, executor);
+  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
+                            executor);
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler,
                            case_desk(intake, store, directory.jobs()));

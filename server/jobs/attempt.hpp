@@ -35,8 +35,8 @@ struct Attempt {
   // Of the scheduler's mutex.
   JobRecord record;
   std::shared_ptr<WorkerChannel> channel;  ///< once the worker has called
-  bool called = false;  ///< it has: to one daemon it calls once
-  std::string solver;   ///< identity of what it runs; empty: not known
+  bool called = false;                     ///< it has: to one daemon it calls once
+  std::string solver;                      ///< identity of what it runs; empty: not known
   std::optional<Clock::time_point> kill_at;
   std::string hung;      ///< why its worker was taken to hang and killed; empty: it was not
   bool settled = false;  ///< what the job has become is decided; only the process is still there

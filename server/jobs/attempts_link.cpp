@@ -13,7 +13,7 @@ namespace dccast::jobs {
 
 namespace {
 
-/// Reports that a worker keeps, at least, between two heartbeats.
+/// Reports that a worker keeps, at the most, when it is not time for a heartbeat.
 constexpr std::int64_t most_unacknowledged = 256;
 
 /// Whether a worker has the token of an attempt. The token is random, so that its hash needs no
@@ -124,7 +124,8 @@ std::optional<v1::WorkerOrder> Attempts::acknowledgement(Attempt& attempt, bool 
   const auto stored = attempt.log->attempt_reports();
   const std::lock_guard lock(attempt.mutex);
   const std::int64_t news = stored.value_or(0) - attempt.acknowledged_reports;
-  if (news <= 0 || (!beat && news < most_unacknowledged)) return std::nullopt;
+  const bool no_beat_will_come = options_.heartbeat_interval.count() == 0;
+  if (news <= 0 || (!beat && !no_beat_will_come && news < most_unacknowledged)) return std::nullopt;
   attempt.acknowledged_reports = *stored;
   v1::WorkerOrder order;
   order.mutable_stored()->set_reports(*stored);

@@ -275,12 +275,9 @@ void LocalExecutor::run() {
   if (leaves_workers_) children_.clear();
   if (ready_) children_[{"", 0}] = std::move(*ready_);
   for (const auto& [key, child] : children_) {
-    if (child.adopted) {
-      kill_and_wait(child.handle);
-    } else {
-      end(child);
-      jobs::collect(child.process, Waiting::until_its_end);
-    }
+    if (child.adopted) continue;
+    end(child);
+    jobs::collect(child.process, Waiting::until_its_end);
   }
 }
 

@@ -30,7 +30,9 @@ public:
   /// @param link_address    of the worker link, in gRPC's notation
   /// @param capacity        workers that may run at once
   LocalExecutor(std::filesystem::path worker_program, std::string link_address, int capacity);
-  /// Kills what is still running, unless it was left to itself, and waits for its end.
+  /// Kills what it has started and is still running, unless that was left to itself, and waits for
+  /// its end. A worker of an earlier daemon is left to the next one: this one has only tried to
+  /// serve, or has ended it before.
   ~LocalExecutor() override;
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }

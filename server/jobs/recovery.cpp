@@ -23,8 +23,8 @@ void take_over_end(const v1::JobEvent& event, v1::Job& job) {
 /// which of its reports are there, nobody has cancelled it, and the worker can prove itself.
 bool may_go_on(const EventLog& log, const JobRecord& record) {
   return log.last_state() == v1::RUNNING && record.job.state() == v1::RUNNING &&
-         log.attempt_reports() &&
-         record.requested_action != RequestedAction::cancel && !record.worker_token_sha256.empty();
+         log.attempt_reports() && record.requested_action != RequestedAction::cancel &&
+         !record.worker_token_sha256.empty();
 }
 
 /// Brings one job into the state in which the next daemon finds it.

@@ -77,7 +77,9 @@ FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim&
 }
 
 bool FolderClaim::stands() const {
-  struct stat held {}, there {};
+  using Status = struct stat;
+  Status held{};
+  Status there{};
   return ::fstat(lock_.descriptor(), &held) == 0 && ::stat(lock_.path().c_str(), &there) == 0 &&
          held.st_dev == there.st_dev && held.st_ino == there.st_ino;
 }

@@ -12,8 +12,8 @@
 
 namespace dccast::jobs {
 
-/// Version of what a worker and a daemon say to each other once the worker runs. A daemon leads on a
-/// worker of an earlier program only when this is equal.
+/// Version of what a worker and a daemon say to each other once the worker runs. A daemon leads on
+/// a worker of an earlier program only when this is equal.
 inline constexpr int worker_protocol = 1;
 
 /// What a worker says of itself in the folder of its job.
@@ -33,9 +33,9 @@ public:
 /// workers write one folder, whatever the daemons do, and the next daemon finds the one that does.
 ///
 /// The claim is a lock of the operating system (fcntl) on `worker.lock`, so that it ends with its
-/// process, and the system itself names that process: an id that was given to another process, after
-/// a restart of the machine say, deceives nobody. The process must not open the file again: closing
-/// it gives up the lock.
+/// process, and the system itself names that process: an id that was given to another process,
+/// after a restart of the machine say, deceives nobody. The process must not open the file again:
+/// closing it gives up the lock.
 class FolderClaim {
 public:
   /// @param longest  to wait for a worker that is about to end

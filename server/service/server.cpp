@@ -79,8 +79,7 @@ storage::FileDescriptor LinkAddress::listen() const {
       ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listening ||
       ::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::chmod(socket_.c_str(), S_IRUSR | S_IWUSR) != 0 ||
-      ::listen(listening.get(), SOMAXCONN) != 0)
+      ::chmod(socket_.c_str(), S_IRUSR | S_IWUSR) != 0 || ::listen(listening.get(), SOMAXCONN) != 0)
     throw std::system_error(errno, std::generic_category(),
                             "cannot listen for workers on " + socket_.string());
   return listening;

@@ -49,9 +49,10 @@ std::shared_ptr<grpc::Channel> channel_to(const std::string& address) {
   ::_exit(exit_daemon_gone);
 }
 
-/// The code of a call that broke, whoever noticed it; a daemon that ends one has others.
+/// The code of a call that broke, whoever noticed it, or that a daemon ended while it left; one
+/// that refuses a worker says why, with another code.
 bool tells_that_daemon_is_gone(const grpc::Status& status) {
-  return status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+  return status.ok() || status.error_code() == grpc::StatusCode::UNAVAILABLE ||
          status.error_code() == grpc::StatusCode::CANCELLED ||
          status.error_code() == grpc::StatusCode::UNKNOWN;
 }
@@ -114,12 +115,13 @@ void LinkClient::outlive_daemon(Clock::duration patience, std::function<bool()> 
   const std::lock_guard lock(mutex_);
   patience_ = patience;
   wanted_ = std::move(wanted);
-  outbox_.keep();
+  outbox_.keep(true);
 }
 
 void LinkClient::send(v1::WorkerMessage message) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !outbox_.is_full() || closed_ || gave_up_; });
+  // At intervals: nobody wakes this when SIGTERM comes.
+  while (outbox_.is_full() && !closed_ && !waits_in_vain()) changed_.wait_for(lock, between_calls);
   outbox_.add(std::move(message));
   lock.unlock();
   changed_.notify_all();
@@ -131,7 +133,7 @@ casting::Order LinkClient::order() const {
   return order;
 }
 
-/// Whether no daemon will hear the last word.
+/// Whether no daemon will hear anything more.
 bool LinkClient::waits_in_vain() const {
   return !call_ && (gave_up_ || told_to_leave);
 }
@@ -261,6 +263,7 @@ bool LinkClient::take_up(const std::shared_ptr<Call>& call, const v1::WorkerOrde
   if (!outbox_.rewind(start.reports_stored())) return false;
   const std::chrono::duration<double> patience(start.daemon_patience_s());
   patience_ = std::chrono::duration_cast<Clock::duration>(patience);
+  outbox_.keep(patience_ > Clock::duration::zero());  // else it would not hear what is stored
   set_heartbeat(start);
   call_ = call;
   calling_.reset();

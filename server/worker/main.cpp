@@ -41,9 +41,9 @@ int refuse_to_run_alone() {
   return exit_usage;
 }
 
-/// A worker without a job, or without a claim on the folder of one, does not outlive its daemon: the
-/// next one would not find it. Checkpoints are complete at any moment, so the kill costs no more
-/// than some steps.
+/// A worker without a job, or without a claim on the folder of one, does not outlive its daemon:
+/// the next one would not find it. Checkpoints are complete at any moment, so the kill costs no
+/// more than some steps.
 bool tie_to_parent(const std::string& parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   return std::to_string(::getppid()) == parent;  // else it died before the line above
@@ -83,8 +83,9 @@ std::optional<v1::WorkerMessage::Hello> wait_for_job() {
   return hello;
 }
 
-/// Claims the folder of the job and, where the daemon asks for it, outlives the daemon from then on.
-/// Where the claim cannot be written the worker dies with its daemon, as one without a job does.
+/// Claims the folder of the job and, where the daemon asks for it, outlives the daemon from then
+/// on. Where the claim cannot be written the worker dies with its daemon, as one without a job
+/// does.
 /// @param claim  is empty; lives as long as the link
 /// @throws jobs::FolderTaken
 void settle_in(const std::string& job_id, const v1::WorkerOrder::Start& start, LinkClient& link,

@@ -10,15 +10,15 @@
 namespace dccast::worker {
 
 /// What a worker has to say, in its order, and, once it is to outlive its daemon, what it has said
-/// until the daemon has stored it. Both ends count the reports (jobs::is_report): a new daemon names
-/// the number that it has, and gets the rest. What is between two reports comes again when the next
-/// report does: the daemon takes each of that once.
+/// until the daemon has stored it. Both ends count the reports (jobs::is_report): a new daemon
+/// names the number that it has, and gets the rest. What is between two reports comes again when
+/// the next report does: the daemon takes each of that once.
 ///
 /// Not safe to use from several threads.
 class Outbox {
 public:
-  /// From now on nothing is forgotten that the daemon may lack.
-  void keep() { keeps_ = true; }
+  /// @param keeps  from now on nothing is forgotten that the daemon may lack
+  void keep(bool keeps) { keeps_ = keeps; }
   void add(v1::WorkerMessage message);
   /// What waits to be sent; it counts as sent from now on.
   std::vector<v1::WorkerMessage> take();

@@ -12,7 +12,8 @@ from cases import REAL, coarse, fake
 from dccast.v1 import case_pb2, service_pb2
 from fault import Fault
 from oracle import all_jobs, must
-from scene import limit, pause, signal_process, start_ticks
+from scene import limit, pause, signal_process
+from support import start_ticks
 
 SERVICE = "/dccast.v1.SimulationService/"
 METHODS = ("ValidateCase", "SubmitJob", "GetJob", "ListJobs", "WatchJob", "CancelJob", "PauseJob",

@@ -52,8 +52,9 @@ class KillDaemon(Kill):
 
     def kill(self, scene):
         scene.tell_daemon(signal.SIGKILL)
-        self.led = {**getattr(self, "led", {}), **scene.claims()}
         pause(scene.chance, 0.3)
+        # By now the kernel has ended those that had not settled in yet.
+        self.led = {**getattr(self, "led", {}), **scene.claims()}
         scene.come_back()
 
     def look_back(self, scene, count):

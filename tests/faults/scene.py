@@ -14,7 +14,7 @@ import grpc
 
 from cases import FAKE
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, Client, Daemon, until
+from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
 
 # Whatever the harness starts dies with it, also when the harness is killed.
 TIED = ("setpriv", "--pdeathsig", "KILL")
@@ -213,16 +213,6 @@ def open_files(process):
         return [os.readlink(os.path.join(folder, name)) for name in os.listdir(folder)]
     except OSError:
         return []
-
-
-def start_ticks(process):
-    """Tells a process from a later one with the same number; 0 when there is none."""
-    try:
-        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
-            fields = file.read().rsplit(")", 1)[1].split()
-            return 0 if fields[0] == "Z" else int(fields[19])
-    except OSError:
-        return 0
 
 
 def alive(worker):

@@ -2,57 +2,14 @@
 """A worker outlives its daemon, and the next daemon goes on with it as if nothing had happened."""
 import os
 import signal
-import sqlite3
+import socket
 import subprocess
 import time
 
+from adoption import SUCCEEDED, AdoptionTest
 from dccast.v1 import job_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, ServiceTest, curve, fake_case, main, until
-
-SUCCEEDED = job_pb2.SUCCEEDED
-
-
-class AdoptionTest(ServiceTest):
-    settings = {"worker_restarts": 2}
-    options = ("--worker-patience", "60")
-
-    def expected_curve(self, steps=60):
-        """Of an undisturbed run."""
-        job = self.client.submit(fake_case(f"steps={steps} checkpoint=7"))
-        self.client.until_state(job.id, SUCCEEDED)
-        return curve(self.client.steps(job.id))
-
-    def running_job(self, words="steps=60 checkpoint=7 sleep_ms=20", step=16):
-        """A job in the middle of its run, and the process id of its worker."""
-        job = self.client.submit(fake_case(words))
-        self.client.until_step(job.id, step)
-        worker, = self.daemon.worker_processes()
-        return job.id, worker
-
-    def job_file(self, job_id, name):
-        return os.path.join(self.folder, "data", "jobs", job_id, name)
-
-    def ended_untouched(self, job_id, steps):
-        """It succeeded in its first attempt, and its events are those of an undisturbed run."""
-        job = self.client.until_state(job_id, SUCCEEDED)
-        self.assertEqual(job.attempts, 1)
-        events = self.sound_events(list(self.client.watch(job_id)))
-        self.assertEqual([event.step.step for event in events if event.HasField("step")],
-                         list(range(1, steps + 1)))
-        self.assertFalse([event for event in events if event.HasField("resumed")])
-        self.assertEqual([event.state_change.state for event in events
-                          if event.HasField("state_change")],
-                         [job_pb2.QUEUED, job_pb2.RUNNING, SUCCEEDED])
-        until(lambda: not self.daemon.worker_processes(), 5)
-
-    def resumed_once(self, job_id, expected):
-        """It succeeded in its second attempt, from a checkpoint, with the figures of the first."""
-        self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 2)
-        events = self.sound_events(list(self.client.watch(job_id)))
-        resumed, = [event.resumed.step for event in events if event.HasField("resumed")]
-        self.assertEqual(curve(self.client.steps(job_id)), expected)
-        return resumed
+from support import BIN, curve, main, start_ticks, until
 
 
 class KilledDaemon(AdoptionTest):
@@ -66,6 +23,19 @@ class KilledDaemon(AdoptionTest):
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
         self.assertEqual(curve(self.client.steps(job_id)), expected)
+
+    def test_a_daemon_that_cannot_serve_leaves_it_to_the_next_one(self):
+        job_id, worker = self.running_job()
+        self.daemon.kill()
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            free = self.daemon.settings["listen"]
+            self.daemon.settings["listen"] = f"127.0.0.1:{taken.getsockname()[1]}"
+            with self.assertRaises(RuntimeError):
+                self.daemon.start()
+        self.daemon.settings["listen"] = free
+        self.restart()
+        self.assertEqual(self.daemon.worker_processes(), [worker])
+        self.ended_untouched(job_id, 60)
 
     def test_again_and_again(self):
         expected = self.expected_curve(200)
@@ -140,7 +110,7 @@ class KilledDaemon(AdoptionTest):
         os.kill(worker, signal.SIGSTOP)
         self.restart()
         self.resumed_once(job_id, expected)
-        self.assertFalse(os.path.exists(f"/proc/{worker}"))
+        self.assertFalse(start_ticks(worker))
 
     def test_a_job_cancelled_before_ends_its_worker(self):
         job_id, worker = self.running_job("steps=10000 sleep_ms=5 deaf=1")
@@ -148,24 +118,22 @@ class KilledDaemon(AdoptionTest):
         self.daemon.kill()
         self.restart()
         self.assertEqual(self.client.job(job_id).state, job_pb2.CANCELLED)
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 5)
+        self.ends(worker)
         self.sound_events(list(self.client.watch(job_id)))
 
     def test_a_worker_that_the_store_does_not_know_ends_itself(self):
         job_id, worker = self.running_job("steps=10000 sleep_ms=5")
         self.daemon.kill()
-        with sqlite3.connect(os.path.join(self.folder, "data", "jobs.sqlite")) as store:
-            store.execute("update jobs set state = ?", (job_pb2.CANCELLED,))
+        self.change_store(f"state = {job_pb2.CANCELLED}")
         self.restart()
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 10)
+        self.ends(worker, 10)
 
     def test_a_worker_of_another_attempt_is_ended(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
-        with sqlite3.connect(os.path.join(self.folder, "data", "jobs.sqlite")) as store:
-            store.execute("update jobs set attempts = 2")
+        self.change_store("attempts = 2")
         self.restart()
-        self.assertFalse(os.path.exists(f"/proc/{worker}"))
+        self.assertFalse(start_ticks(worker))
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 3)
 
     def test_a_worker_of_another_protocol_is_ended_and_its_job_resumed(self):
@@ -175,7 +143,7 @@ class KilledDaemon(AdoptionTest):
         with open(self.job_file(job_id, "worker.lock"), "w", encoding="ascii") as file:
             file.write(f"2 1 {job_id}\n")
         self.restart()
-        self.assertFalse(os.path.exists(f"/proc/{worker}"))
+        self.assertFalse(start_ticks(worker))
         self.resumed_once(job_id, expected)
 
     def test_a_damaged_history_is_not_gone_on_with(self):
@@ -188,7 +156,7 @@ class KilledDaemon(AdoptionTest):
             file.write(b"\xff\x00\xff\x00")
         self.restart()
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 2)
-        self.assertFalse(os.path.exists(f"/proc/{worker}"))
+        self.assertFalse(start_ticks(worker))
         self.assertEqual(curve(self.client.steps(job_id))[-1], expected[-1])
 
     def test_nothing_is_repaired_under_a_worker(self):
@@ -216,84 +184,27 @@ class KilledDaemon(AdoptionTest):
         job_id, worker = self.running_job("steps=10000 sleep_ms=5")
         self.daemon.kill()
         os.rename(self.job_file(job_id, ""), os.path.join(self.folder, "elsewhere"))
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 5)
+        self.ends(worker)
 
 
-class LongPath(AdoptionTest):
-    """A data directory whose path is longer than the address of a socket."""
+class DataDirectory(AdoptionTest):
+    """Paths that are no address of a socket."""
 
-    def setUp(self):
-        super().setUp()
+    def goes_on_in(self, name):
         self.daemon.terminate()
-        self.daemon.settings["data_directory"] = os.path.join(self.folder, 2 * ("d" * 60 + "/"))
+        self.daemon.settings["data_directory"] = os.path.join(self.folder, name)
         self.restart()
-
-    def test_its_workers_are_found_too(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
         self.restart()
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
 
+    def test_longer_than_an_address(self):
+        self.goes_on_in(2 * ("d" * 60 + "/"))
 
-class NoDaemonComes(AdoptionTest):
-    options = ("--worker-patience", "1")
-
-    def test_the_run_stops_at_a_checkpoint_and_goes_on_later(self):
-        expected = self.expected_curve(400)
-        job_id, worker = self.running_job("steps=400 checkpoint=1000 sleep_ms=10")
-        self.daemon.kill()
-        time.sleep(0.5)
-        self.assertTrue(os.path.exists(f"/proc/{worker}"))
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 5)
-        self.restart()
-        self.assertGreater(self.resumed_once(job_id, expected), 50)
-
-    def test_a_daemon_that_comes_late_goes_on_with_a_run_that_has_not_stopped_yet(self):
-        job_id, _ = self.running_job("steps=200 checkpoint=7 sleep_ms=20 deaf=1")
-        self.daemon.kill()
-        time.sleep(1.5)
-        self.restart()
-        self.client.until_state(job_id, SUCCEEDED)
-        self.sound_events(list(self.client.watch(job_id)))
-
-    def test_told_to_leave_without_a_daemon(self):
-        expected = self.expected_curve()
-        job_id, worker = self.running_job()
-        self.daemon.kill()
-        os.kill(worker, signal.SIGTERM)
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 0.8)
-        self.restart()
-        self.resumed_once(job_id, expected)
-
-
-class NoPatience(AdoptionTest):
-    """The worker dies with its daemon; nobody else would end it."""
-    options = ("--worker-patience", "0")
-
-    def test_a_job_goes_on_from_its_checkpoint(self):
-        expected = self.expected_curve()
-        job_id, worker = self.running_job()
-        self.daemon.kill()
-        until(lambda: not os.path.exists(f"/proc/{worker}"), 5)
-        self.restart()
-        self.assertEqual(self.resumed_once(job_id, expected) % 7, 0)
-
-
-class LeftRunning(AdoptionTest):
-    options = ("--worker-patience", "60", "--leave-workers")
-
-    def test_sigterm_leaves_the_worker_to_the_next_daemon(self):
-        expected = self.expected_curve()
-        job_id, worker = self.running_job()
-        waiting = [self.client.submit(fake_case("steps=3")) for _ in range(3)]
-        self.assertEqual(self.daemon.terminate(), 0)
-        self.assertEqual(self.daemon.worker_processes(), [worker])
-        self.restart()
-        self.ended_untouched(job_id, 60)
-        self.assertEqual(curve(self.client.steps(job_id)), expected)
-        for job in waiting:
-            self.client.until_state(job.id, SUCCEEDED)
+    def test_special_characters(self):
+        self.goes_on_in("da ta %41?")
 
 
 class RealCasting(RealRunTest):

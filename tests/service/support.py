@@ -115,6 +115,16 @@ def processes():
     return [int(name) for name in os.listdir("/proc") if name.isdigit()]
 
 
+def start_ticks(process):
+    """Tells a process from a later one with the same number; 0 when there is none."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+            return 0 if fields[0] == "Z" else int(fields[19])
+    except OSError:
+        return 0
+
+
 def job_log(process):
     """A worker speaks into the log of its job once it has one. Returns the path of that log, or ""."""
     try:

@@ -44,7 +44,8 @@ struct Ends {
 class LocalExecutorAdoption : public testing::Test {
 protected:
   Adoption adopt(const std::string& handle, int attempt = 1, const std::string& job_id = "a-job") {
-    return executor_.adopt(handle, {.job_id = job_id, .attempt = attempt, .folder = folder_.path()});
+    return executor_.adopt(handle,
+                           {.job_id = job_id, .attempt = attempt, .folder = folder_.path()});
   }
 
   TemporaryFolder folder_;

@@ -37,8 +37,8 @@ TEST(WorkerClaim, EndsWithItsProcess) {
     EXPECT_TRUE(holder_of(folder.path())) << "a refused one takes nothing away";
   }
   EXPECT_FALSE(holder_of(folder.path()));
-  EXPECT_NO_THROW(FolderClaim(folder.path(), {.job_id = "a-job", .attempt = 2},
-                              std::chrono::milliseconds(0)));
+  EXPECT_NO_THROW(
+      FolderClaim(folder.path(), {.job_id = "a-job", .attempt = 2}, std::chrono::milliseconds(0)));
 }
 
 TEST(WorkerClaim, WaitsForAWorkerThatIsAboutToEnd) {

@@ -40,7 +40,7 @@ std::vector<std::string> words(const std::vector<v1::WorkerMessage>& messages) {
 /// Steps 1 and 2, a finding, step 3: all sent.
 Outbox three_steps_and_a_finding() {
   Outbox outbox;
-  outbox.keep();
+  outbox.keep(true);
   for (const auto& message : {step(1), step(2), finding("a"), step(3)}) outbox.add(message);
   outbox.take();
   return outbox;
@@ -100,7 +100,7 @@ TEST(Outbox, SaysItsLastWordToEveryDaemon) {
 
 TEST(Outbox, IsFullWithManyMessagesAndWithLargeOnes) {
   Outbox many;
-  many.keep();
+  many.keep(true);
   for (int i = 0; i < 4096; ++i) many.add(step(i));
   EXPECT_TRUE(many.is_full());
   many.take();

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -24,15 +26,19 @@ v1::WorkerMessage step(std::int64_t number) {
   return message;
 }
 
-/// A daemon's end of the link, on a socket that the next one takes over. It says that it has
-/// `stored` reports, and hears.
+/// What a daemon tells a worker that calls.
+struct Reply {
+  std::int64_t stored = 0;  ///< reports that it has
+  grpc::Status refusal{};   ///< not OK: it does not take the worker
+  double patience_s = 30.0;
+};
+
+/// A daemon's end of the link, on a socket that the next one takes over.
 class Daemon : public v1::WorkerLink::Service {
 public:
   using Stream = grpc::ServerReaderWriter<v1::WorkerOrder, v1::WorkerMessage>;
 
-  explicit Daemon(const TemporaryFolder& folder, std::int64_t stored = 0,
-                  grpc::Status refusal = grpc::Status::OK)
-      : stored_(stored), refusal_(std::move(refusal)) {
+  explicit Daemon(const TemporaryFolder& folder, Reply reply = {}) : reply_(std::move(reply)) {
     std::filesystem::remove(folder / "link");
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address(folder), grpc::InsecureServerCredentials());
@@ -50,11 +56,11 @@ public:
     v1::WorkerMessage message;
     stream->Read(&message);
     note([&] { hello = message.hello(); });
-    if (!refusal_.ok()) return refusal_;
+    if (!reply_.refusal.ok()) return reply_.refusal;
     v1::WorkerOrder order;
     order.mutable_start()->set_heartbeat_interval_s(0.02);
-    order.mutable_start()->set_daemon_patience_s(30.0);
-    order.mutable_start()->set_reports_stored(stored_);
+    order.mutable_start()->set_daemon_patience_s(reply_.patience_s);
+    order.mutable_start()->set_reports_stored(reply_.stored);
     stream->Write(order);
     while (stream->Read(&message)) {
       if (message.has_step()) note([&] { steps.push_back(message.step().step()); });
@@ -82,8 +88,7 @@ private:
     changed_.notify_all();
   }
 
-  const std::int64_t stored_;
-  const grpc::Status refusal_;
+  const Reply reply_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<grpc::Server> server_;
@@ -111,7 +116,7 @@ protected:
 TEST_F(OutlivingLink, TellsTheNextDaemonWhatItLacks) {
   const auto link = left_after_three_steps();
   for (const std::int64_t number : {4, 5}) link->send(step(number));
-  Daemon next(folder_, 2);
+  Daemon next(folder_, {.stored = 2});
   EXPECT_TRUE(next.hears(3));
   EXPECT_TRUE(link->finish({}));
   EXPECT_THAT(next.steps, ElementsAre(3, 4, 5));
@@ -123,7 +128,7 @@ TEST_F(OutlivingLink, KeepsItsLastWordForTheNextDaemon) {
   const auto link = left_after_three_steps();
   std::jthread daemon([this] {
     std::this_thread::sleep_for(300ms);
-    Daemon next(folder_, 3);
+    Daemon next(folder_, {.stored = 3});
     std::this_thread::sleep_for(2s);
     EXPECT_THAT(next.steps, IsEmpty());
   });
@@ -133,7 +138,7 @@ TEST_F(OutlivingLink, KeepsItsLastWordForTheNextDaemon) {
 TEST_F(OutlivingLink, GoesOnWithOneDaemonAfterTheOther) {
   const auto link = left_after_three_steps();
   for (const std::int64_t stored : {3, 4, 5}) {
-    Daemon next(folder_, stored);
+    Daemon next(folder_, {.stored = stored});
     link->send(step(stored + 1));
     EXPECT_TRUE(next.hears(1));
     EXPECT_THAT(next.steps, ElementsAre(stored + 1));
@@ -160,6 +165,16 @@ TEST_F(OutlivingLink, LetsARunThatWaitsForADaemonStop) {
   EXPECT_EQ(link->order(), casting::Order::stop_at_checkpoint);
 }
 
+// Such a daemon does not say what it has stored.
+TEST_F(OutlivingLink, KeepsNothingForADaemonWhoseWorkersEndWithIt) {
+  constexpr std::int64_t last = 9000;
+  const auto link = left_after_three_steps();
+  Daemon next(folder_, {.stored = 3, .patience_s = 0.0});
+  for (std::int64_t number = 4; number <= last; ++number) link->send(step(number));
+  EXPECT_TRUE(next.hears(last - 3));
+  EXPECT_TRUE(link->finish({}));
+}
+
 using OutlivingLinkDeathTest = OutlivingLink;
 
 void wait_for_the_end() {
@@ -167,12 +182,28 @@ void wait_for_the_end() {
   ::_exit(0);
 }
 
+// The run waits for room, and nobody else would tell it.
+TEST_F(OutlivingLinkDeathTest, LetsARunThatWaitsForADaemonLeaveAtSigterm) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        const auto link = left_after_three_steps();
+        std::jthread signals([] {
+          std::this_thread::sleep_for(1s);
+          ::kill(::getpid(), SIGTERM);
+        });
+        for (std::int64_t number = 4; number < 6000; ++number) link->send(step(number));
+        ::_exit(link->order() == casting::Order::stop_at_checkpoint ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+}
+
 TEST_F(OutlivingLinkDeathTest, EndsWhenTheNextDaemonDoesNotKnowIt) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {
         const auto link = left_after_three_steps();
-        Daemon next(folder_, 0, {grpc::StatusCode::PERMISSION_DENIED, "no such attempt"});
+        Daemon next(folder_, {.refusal = {grpc::StatusCode::PERMISSION_DENIED, "no such attempt"}});
         wait_for_the_end();
       },
       testing::ExitedWithCode(70), "no such attempt");
@@ -183,7 +214,7 @@ TEST_F(OutlivingLinkDeathTest, EndsWhenTheNextDaemonLacksWhatIsGone) {
   EXPECT_EXIT(
       {
         const auto link = left_after_three_steps();
-        Daemon next(folder_, 9);
+        Daemon next(folder_, {.stored = 9});
         wait_for_the_end();
       },
       testing::ExitedWithCode(70), "no longer here");
