@@ -93,6 +93,7 @@ void for_fields(State& state, const Use& use) {
   use("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   use("heat/temperature_c", state.heat.temperature);
   use("heat/liquid_fraction", state.heat.liquid_fraction);
+  use("heat/enthalpy_rate_w_per_m3", state.heat.enthalpy_rate);
   use("heat/wetted", state.heat.wetted);
   for_slab_fields(state.slab, use);
 }

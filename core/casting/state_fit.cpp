@@ -55,6 +55,9 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   reasons.require_reals(heat.enthalpy, shape.nodes, "enthalpy");
   reasons.require_reals(heat.temperature, shape.nodes, "temperature");
   reasons.require_reals(heat.liquid_fraction, shape.nodes, "liquid fraction");
+  // Empty before the first step, and where the temperature is prescribed.
+  if (!heat.enthalpy_rate.empty())
+    reasons.require_reals(heat.enthalpy_rate, shape.nodes, "enthalpy rate");
   // Empty before the first step, and where no water follows its flow.
   if (!heat.wetted.empty()) reasons.require_size(heat.wetted, shape.nodes, "wetted nodes");
 }

@@ -2,7 +2,7 @@
 
 namespace dccast::mechanics {
 
-/// Where the processor seconds of the mechanics go [s], all steps so far.
+/// Where the seconds of the mechanics go [s] by the clock on the wall, all steps so far.
 struct CostSplit {
   double analysis = 0.0;        ///< pattern and order of elimination of new elements
   double stiffness = 0.0;       ///< assembly of the tangents

@@ -69,6 +69,7 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
   if (new_pattern) take_elements();
   refresh(field, first);
   if (!field.wetted.empty()) field.wetted.resize(field.enthalpy.size(), 0);
+  if (!field.enthalpy_rate.empty()) field.enthalpy_rate.resize(field.enthalpy.size(), 0.0);
   return entry;
 }
 
@@ -78,6 +79,8 @@ double HeatSolver::follow_merging(HeatField& field, const mesh::MergedRows& merg
   take_elements();
   refresh(field);
   if (!field.wetted.empty()) mesh::take_out_rows(merged, merged.nodes_per_row, field.wetted);
+  if (!field.enthalpy_rate.empty())
+    mesh::take_out_rows(merged, merged.nodes_per_row, field.enthalpy_rate);
   return std::abs(heat_content(forms_->volume(), field.enthalpy) - before) / std::abs(before);
 }
 
@@ -135,6 +138,8 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   }
   enthalpy_n_ = field.enthalpy;
   enthalpy_ = field.enthalpy;
+  for (std::size_t i = 0; i < field.enthalpy_rate.size(); ++i)
+    enthalpy_[i] += input.time_step * field.enthalpy_rate[i];
   const double held = properties_.enthalpy(input.casting_temperature);
   for (const int node : top_nodes_) enthalpy_[std::size_t(node)] = held;
 
@@ -310,6 +315,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.face_heat_flux = cooling_.side_power();
   outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
   outcome.bottom_heat_flux = cooling_.bottom_power();
+  store_rate(field, input.time_step);
   field.enthalpy = enthalpy_;
   field.temperature.resize(state_.size());
   field.liquid_fraction.resize(state_.size());
@@ -319,6 +325,12 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   }
   cooling_.mark_wetted(field);
   return outcome;
+}
+
+void HeatSolver::store_rate(HeatField& field, double time_step) const {
+  field.enthalpy_rate.resize(enthalpy_.size());
+  for (std::size_t i = 0; i < enthalpy_.size(); ++i)
+    field.enthalpy_rate[i] = (enthalpy_[i] - enthalpy_n_[i]) / time_step;
 }
 
 HeatBalance HeatSolver::balance(const HeatStepInput& input) const {

@@ -106,6 +106,7 @@ private:
   bool line_search(const HeatStepInput& input, double reference);
   bool bounded_step(const HeatStepInput& input);
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
+  void store_rate(HeatField& field, double time_step) const;
   HeatBalance balance(const HeatStepInput& input) const;
 
   material::ThermalProperties properties_;

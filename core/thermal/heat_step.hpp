@@ -8,11 +8,14 @@
 
 namespace dccast::thermal {
 
-/// Temperature field of a mesh. The enthalpy alone is its state; the rest follows from it.
+/// Temperature field of a mesh. The enthalpy is its state; temperature and liquid fraction follow.
 struct HeatField {
   std::vector<double> enthalpy;         ///< (node) [J/m3]
   std::vector<double> temperature;      ///< (node) [°C]
   std::vector<double> liquid_fraction;  ///< (node) [1]
+  /// (node) [W/m3] Of the enthalpy over the last step, from which Newton's method starts the next.
+  /// The bits of a solution depend on it, so a resumed run needs it; empty before the first step.
+  std::vector<double> enthalpy_rate;
   /// (node) Water touched the metal in the last step, not a vapour film. State like the enthalpy;
   /// empty where no water follows its flow.
   std::vector<char> wetted;

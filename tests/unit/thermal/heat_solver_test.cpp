@@ -147,10 +147,32 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   HeatField resumed;
   resumed.enthalpy = field.enthalpy;
+  resumed.enthalpy_rate = field.enthalpy_rate;
   ASSERT_TRUE(used.step(field, second).converged);
   ASSERT_TRUE(fresh.step(resumed, second).converged);
   EXPECT_EQ(field.enthalpy, resumed.enthalpy);
   EXPECT_EQ(field.temperature, resumed.temperature);
+}
+
+TEST(HeatSolver, TheRateOfTheStepBeforeSavesIterationsAndChangesNoTemperature) {
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::p1));
+  HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
+  HeatField field = solver.uniform_field(680.0);
+  int with_rate = 0, without = 0;
+  for (double time = 1.0; time <= 30.0; ++time) {
+    const HeatStepInput input{time, 1.0, 0.1, 680.0, 3e-3, {}, {}};
+    HeatField other = field;
+    other.enthalpy_rate.clear();
+    without += solver.step(other, input).iterations;
+    const std::vector<double> before = field.enthalpy;
+    with_rate += solver.step(field, input).iterations;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      EXPECT_NEAR(field.temperature[i], other.temperature[i], 1e-6);
+      EXPECT_EQ(field.enthalpy_rate[i], field.enthalpy[i] - before[i]);  // the step is 1 s
+    }
+  }
+  EXPECT_LT(with_rate, 0.9 * without) << "of " << without;
 }
 
 TEST(HeatSolver, TakesFormsThatWereInUseBefore) {
