@@ -239,6 +239,15 @@ void stop_serving(const Serving& of, bool left_running) {
   of.server.shut_down();
 }
 
+void serve_until_told(const Serving& serving, const WorkerPolicy& workers) {
+  const int signal = wait_for_signal();
+  const bool left_running = workers.left_running && workers.patience_s > 0.0;
+  spdlog::info("{}: running jobs {}", ::strsignal(signal),
+               left_running ? "go on for the next dccastd"
+                            : "stop at a checkpoint and go back into the queue");
+  stop_serving(serving, left_running);
+}
+
 }  // namespace
 
 int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
@@ -294,12 +303,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   scheduler.start();
   studies.start();
   say_where(config, server, directory);
-  const int signal = wait_for_signal();
-  const bool left_running = workers.left_running && workers.patience_s > 0.0;
-  spdlog::info("{}: running jobs {}", ::strsignal(signal),
-               left_running ? "go on for the next dccastd"
-                            : "stop at a checkpoint and go back into the queue");
-  stop_serving({server, studies, scheduler, context, logs, executor}, left_running);
+  serve_until_told({server, studies, scheduler, context, logs, executor}, workers);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   spdlog::info("dccastd has stopped");
   return 0;

@@ -20,8 +20,8 @@ class AdoptionTest(ServiceTest):
         self.client.until_state(job.id, SUCCEEDED)
         return curve(self.client.steps(job.id))
 
-    def running_job(self, words="steps=60 checkpoint=7 sleep_ms=20", step=16):
-        """A job in the middle of its run, and the process id of its worker."""
+    def running_job(self, words="steps=60 checkpoint=7 sleep_ms=20 wait_at=20", step=16):
+        """A job in the middle of its run, and the process id of its worker. It goes on after let_go()."""
         job = self.client.submit(fake_case(words))
         self.client.until_step(job.id, step)
         worker, = self.daemon.worker_processes()
@@ -32,13 +32,18 @@ class AdoptionTest(ServiceTest):
         with contextlib.closing(sqlite3.connect(path)) as store, store:
             store.execute(f"update job set {assignment}")
 
+    def let_go(self, job_id):
+        """Of a run that waits, so that it does not end before the test is where it wants to be."""
+        with open(self.job_file(job_id, "go"), "wb"):
+            pass
+
     def interrupt(self):
         """Ctrl-C in the terminal of a daemon that leads its group. Returns its exit code."""
         os.killpg(self.daemon.process.pid, signal.SIGINT)
         return self.daemon.wait()
 
     def job_file(self, job_id, name):
-        return os.path.join(self.folder, "data", "jobs", job_id, name)
+        return os.path.join(self.daemon.settings["data_directory"], "jobs", job_id, name)
 
     @staticmethod
     def ends(worker, seconds=5):
@@ -46,6 +51,7 @@ class AdoptionTest(ServiceTest):
 
     def ended_untouched(self, job_id, steps):
         """It succeeded in its first attempt, and its events are those of an undisturbed run."""
+        self.let_go(job_id)
         job = self.client.until_state(job_id, SUCCEEDED)
         self.assertEqual(job.attempts, 1)
         events = self.sound_events(list(self.client.watch(job_id)))
@@ -59,6 +65,7 @@ class AdoptionTest(ServiceTest):
 
     def resumed_once(self, job_id, expected):
         """It succeeded in its second attempt, from a checkpoint, with the figures of the first."""
+        self.let_go(job_id)
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 2)
         events = self.sound_events(list(self.client.watch(job_id)))
         resumed, = [event.resumed.step for event in events if event.HasField("resumed")]

@@ -38,19 +38,20 @@ class KilledDaemon(AdoptionTest):
         self.ended_untouched(job_id, 60)
 
     def test_again_and_again(self):
-        expected = self.expected_curve(200)
-        job_id, worker = self.running_job("steps=200 checkpoint=7 sleep_ms=10", 5)
+        expected = self.expected_curve(100)
+        job_id, worker = self.running_job("steps=100 checkpoint=7 sleep_ms=10 wait_at=85", 5)
         for step in (20, 50, 80):
             self.client.until_step(job_id, step)
             self.daemon.kill()
             self.restart()
             self.assertEqual(self.daemon.worker_processes(), [worker])
-        self.ended_untouched(job_id, 200)
+        self.ended_untouched(job_id, 100)
         self.assertEqual(curve(self.client.steps(job_id)), expected)
 
     def test_a_run_that_ended_meanwhile(self):
-        job_id, _ = self.running_job("steps=40 checkpoint=7 sleep_ms=5 finding_at=30")
+        job_id, _ = self.running_job("steps=40 checkpoint=7 wait_at=20 finding_at=30")
         self.daemon.kill()
+        self.let_go(job_id)
         until(lambda: os.path.exists(self.job_file(job_id, "results.h5")), 10)
         self.restart()
         self.ended_untouched(job_id, 40)
@@ -58,8 +59,9 @@ class KilledDaemon(AdoptionTest):
         self.assertTrue(self.client.fetch(job_id))
 
     def test_a_run_that_failed_meanwhile(self):
-        job_id, _ = self.running_job("steps=40 checkpoint=7 sleep_ms=10 fail_at=20")
+        job_id, _ = self.running_job("steps=40 checkpoint=7 wait_at=18 fail_at=20")
         self.daemon.kill()
+        self.let_go(job_id)
         time.sleep(0.3)
         self.restart()
         job = self.client.until_state(job_id, job_pb2.FAILED)
@@ -67,7 +69,7 @@ class KilledDaemon(AdoptionTest):
         self.sound_events(list(self.client.watch(job_id)))
 
     def test_a_finding_is_told_once(self):
-        job_id, _ = self.running_job("steps=60 checkpoint=7 sleep_ms=20 finding_at=14", 14)
+        job_id, _ = self.running_job("steps=60 checkpoint=7 sleep_ms=20 wait_at=20 finding_at=14", 14)
         self.daemon.kill()
         self.restart()
         self.ended_untouched(job_id, 60)
@@ -87,7 +89,7 @@ class KilledDaemon(AdoptionTest):
 
     def test_an_adopted_worker_that_dies_is_replaced(self):
         expected = self.expected_curve()
-        job_id, worker = self.running_job()
+        job_id, worker = self.running_job("steps=60 checkpoint=7 sleep_ms=20 wait_at=30")
         self.daemon.kill()
         self.restart()
         self.client.until_step(job_id, 25)
@@ -134,6 +136,7 @@ class KilledDaemon(AdoptionTest):
         self.change_store("attempts = 2")
         self.restart()
         self.assertFalse(start_ticks(worker))
+        self.let_go(job_id)
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 3)
 
     def test_a_worker_of_another_protocol_is_ended_and_its_job_resumed(self):
@@ -155,6 +158,7 @@ class KilledDaemon(AdoptionTest):
             file.seek(os.path.getsize(log) // 2)
             file.write(b"\xff\x00\xff\x00")
         self.restart()
+        self.let_go(job_id)
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 2)
         self.assertFalse(start_ticks(worker))
         self.assertEqual(curve(self.client.steps(job_id))[-1], expected[-1])
@@ -177,6 +181,7 @@ class KilledDaemon(AdoptionTest):
             self.assertEqual(os.stat(path).st_mode & 0o777, 0o600, path)
         for path in (self.job_file(job_id, ""), os.path.join(self.folder, "data")):
             self.assertEqual(os.stat(path).st_mode & 0o777, 0o700, path)
+        self.let_go(job_id)
         self.client.until_state(job_id, SUCCEEDED)
         until(lambda: not os.path.exists(self.job_file(job_id, "worker.lock")), 5)
 

@@ -19,7 +19,7 @@ class NoDaemonComes(AdoptionTest):
         self.assertTrue(start_ticks(worker))
         self.ends(worker)
         self.restart()
-        self.assertGreater(self.resumed_once(job_id, expected), 50)
+        self.assertGreater(self.resumed_once(job_id, expected), 20)
 
     def test_a_daemon_that_comes_late_goes_on_with_a_run_that_has_not_stopped_yet(self):
         job_id, _ = self.running_job("steps=200 checkpoint=7 sleep_ms=20 deaf=1")
@@ -30,8 +30,8 @@ class NoDaemonComes(AdoptionTest):
         self.sound_events(list(self.client.watch(job_id)))
 
     def test_told_to_leave_without_a_daemon(self):
-        expected = self.expected_curve()
-        job_id, worker = self.running_job()
+        expected = self.expected_curve(200)
+        job_id, worker = self.running_job("steps=200 checkpoint=7 sleep_ms=20")
         self.daemon.kill()
         os.kill(worker, signal.SIGTERM)
         self.ends(worker, 0.8)
@@ -68,23 +68,22 @@ class CtrlC(AdoptionTest):
 class LeftRunning(AdoptionTest):
     before_exec = staticmethod(os.setpgrp)
     options = ("--worker-patience", "60", "--leave-workers")
-    long_run = "steps=200 checkpoint=7 sleep_ms=20"  # longer than an orderly stop
 
     def test_ctrl_c_leaves_the_worker_too(self):
-        job_id, worker = self.running_job(self.long_run)
+        job_id, worker = self.running_job()
         self.assertEqual(self.interrupt(), 0)
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.restart()
-        self.ended_untouched(job_id, 200)
+        self.ended_untouched(job_id, 60)
 
     def test_sigterm_leaves_the_worker_to_the_next_daemon(self):
-        expected = self.expected_curve(200)
-        job_id, worker = self.running_job(self.long_run)
+        expected = self.expected_curve()
+        job_id, worker = self.running_job()
         waiting = [self.client.submit(fake_case("steps=3")) for _ in range(3)]
         self.assertEqual(self.daemon.terminate(), 0)
         self.assertIn(worker, self.daemon.worker_processes())
         self.restart()
-        self.ended_untouched(job_id, 200)
+        self.ended_untouched(job_id, 60)
         self.assertEqual(curve(self.client.steps(job_id)), expected)
         for job in waiting:
             self.client.until_state(job.id, SUCCEEDED)

@@ -4,17 +4,13 @@
 
 #include <string>
 
+#include "tests/unit/worker/worker_messages.hpp"
+
 namespace dccast::worker {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-v1::WorkerMessage step(std::int64_t number) {
-  v1::WorkerMessage message;
-  message.mutable_step()->set_step(number);
-  return message;
-}
 
 v1::WorkerMessage finding(const std::string& code) {
   v1::WorkerMessage message;

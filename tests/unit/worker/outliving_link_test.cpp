@@ -12,6 +12,7 @@
 
 #include "server/worker/link_client.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/worker/worker_messages.hpp"
 
 namespace dccast::worker {
 namespace {
@@ -19,12 +20,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-v1::WorkerMessage step(std::int64_t number) {
-  v1::WorkerMessage message;
-  message.mutable_step()->set_step(number);
-  return message;
-}
 
 /// What a daemon tells a worker that calls.
 struct Reply {
