@@ -1,5 +1,6 @@
 #include "server/worker/link_client.hpp"
 
+#include <grpc/support/time.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 #include <signal.h>
@@ -60,7 +61,9 @@ bool tells_that_daemon_is_gone(const grpc::Status& status) {
 }  // namespace
 
 LinkClient::LinkClient(const std::string& address)
-    : socket_(address), stub_(v1::WorkerLink::NewStub(channel_to(socket_.address()))) {
+    : socket_(address),
+      channel_(channel_to(socket_.address())),
+      stub_(v1::WorkerLink::NewStub(channel_)) {
   ::signal(SIGTERM, note_leave);
 }
 
@@ -278,10 +281,19 @@ std::shared_ptr<LinkClient::Call> LinkClient::next_call() {
   return calling_ = std::make_shared<Call>();
 }
 
+/// Waits a little for a daemon to be there. A call alone would not do: it fails at once as long as
+/// there is none, and without a thread that waits gRPC gets on with a connection every five
+/// seconds.
+bool LinkClient::reach_daemon() const {
+  return channel_->WaitForConnected(gpr_time_add(
+      gpr_now(GPR_CLOCK_MONOTONIC), gpr_time_from_millis(between_calls.count(), GPR_TIMESPAN)));
+}
+
 /// @return the call of a daemon that has taken the run up; null when the link is over
 std::shared_ptr<LinkClient::Call> LinkClient::call_next_daemon() {
   while (const auto call = next_call()) {
     if (!wanted_()) leave("the folder of the job is gone");
+    if (!reach_daemon()) continue;
     if (const auto start = greet(*call)) {
       if (!take_up(call, *start)) leave("dccastd lacks reports that are no longer here");
       std::cerr << "dccast-worker: goes on with the next dccastd" << std::endl;

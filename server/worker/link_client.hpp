@@ -77,6 +77,7 @@ private:
   grpc::Status read_orders(const std::shared_ptr<Call>& call);
   void lose(const std::shared_ptr<Call>& call);
   std::shared_ptr<Call> next_call();
+  bool reach_daemon() const;
   std::shared_ptr<Call> call_next_daemon();
   bool take_up(const std::shared_ptr<Call>& call, const v1::WorkerOrder::Start& start);
   void require_another_call(const grpc::Status& status);
@@ -85,7 +86,8 @@ private:
   bool waits_in_vain() const;
 
   const jobs::SocketPath socket_;
-  std::unique_ptr<v1::WorkerLink::Stub> stub_;
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<v1::WorkerLink::Stub> stub_;
   v1::WorkerMessage::Hello hello_;
   std::atomic<casting::Order> order_{casting::Order::go_on};
   std::mutex mutex_;  ///< of all below

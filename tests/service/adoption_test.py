@@ -20,6 +20,7 @@ class KilledDaemon(AdoptionTest):
         time.sleep(0.2)  # in which it makes steps that nobody hears
         self.restart()
         self.assertEqual(self.client.job(job_id).state, job_pb2.RUNNING)
+        self.client.until_step(job_id, 20, seconds=4)  # it calls soon
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
         self.assertEqual(curve(self.client.steps(job_id)), expected)
