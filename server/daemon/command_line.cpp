@@ -16,6 +16,18 @@ void add_settings(CLI::App& app, CommandLine& line) {
       ->allow_extra_args(false);
 }
 
+void add_worker_policy(CLI::App& app, WorkerPolicy& policy) {
+  app.add_option(
+         "--worker-patience", policy.patience_s,
+         "How long workers run on after a crash of dccastd and wait for the next one, which "
+         "goes on with them; then they stop at a checkpoint. 0: they end at once")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  app.add_flag("--leave-workers", policy.left_running,
+               "SIGTERM and SIGINT leave running jobs to their workers, as a crash does");
+}
+
 CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const char* what,
                       Command command) {
   CLI::App* added = app.add_subcommand(name, what);
@@ -26,7 +38,9 @@ CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const 
 
 void add_commands(CLI::App& app, CommandLine& line) {
   app.require_subcommand(0, 1);
-  add_command(app, line, "serve", "Serve; the same as no command", Command::serve);
+  add_worker_policy(
+      add_command(app, line, "serve", "Serve; the same as no command", Command::serve),
+      line.workers);
   CLI::App& check = add_command(
       app, line, "check", "Inspect the data directory while no dccastd uses it", Command::check);
   check.add_flag("--repair", line.repair, "Put right what can be, and say what was done");
@@ -53,6 +67,7 @@ CommandLine read_command_line(int argc, char** argv) {
       "worker process, keeps events and results.",
       "dccastd");
   add_settings(app, line);
+  add_worker_policy(app, line.workers);
   add_commands(app, line);
   app.set_version_flag("--version", "dccastd " DCCAST_VERSION);
   app.footer(

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "server/daemon/worker_policy.hpp"
+
 namespace dccast::daemon {
 
 enum class Command { serve, check, backup, restore };
@@ -15,6 +17,7 @@ struct CommandLine {
   std::string directory;               ///< of backup and restore
   std::string config_file;             ///< empty: all defaults
   std::vector<std::string> overrides;  ///< "key=value"
+  WorkerPolicy workers;                ///< of serve
   int exit_code = -1;                  ///< 0 or more: leave with it, everything has been said
 };
 

@@ -76,11 +76,13 @@ std::chrono::milliseconds milliseconds(double seconds) {
 }
 
 jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
+                                         const WorkerPolicy& workers,
                                          const DataDirectory& directory,
                                          const std::string& solver) {
   return {.attempts = {.jobs_directory = directory.jobs(),
                        .worker_restarts = config.worker_restarts(),
                        .stop_grace = milliseconds(config.stop_grace_s()),
+                       .daemon_patience = milliseconds(workers.patience_s),
                        .heartbeat_interval = milliseconds(config.heartbeat_interval_s()),
                        .watchdog = {.hello = milliseconds(config.worker_hello_timeout_s()),
                                     .heartbeat = milliseconds(config.heartbeat_timeout_s()),
@@ -200,6 +202,7 @@ struct Serving {
   jobs::Scheduler& scheduler;
   service::Context& context;
   jobs::EventLogs& logs;
+  jobs::LocalExecutor& executor;
 };
 
 void say_where(const v1::DaemonConfig& config, const service::PublicServer& server,
@@ -219,19 +222,35 @@ jobs::CheckerLimits query_pool(const v1::DaemonConfig& config) {
           .largest_bytes = most_memory};
 }
 
-void stop_serving(const Serving& of) {
+/// @param left_running  workers stay for the next daemon
+void stop_jobs(const Serving& of, bool left_running) {
+  if (!left_running) return of.scheduler.shut_down();
+  of.scheduler.let_workers_run();
+  of.executor.let_workers_run();
+}
+
+void stop_serving(const Serving& of, bool left_running) {
   of.server.announce_end();
   of.studies.stop();
-  of.scheduler.shut_down();
+  stop_jobs(of, left_running);
   of.context.leaving = true;
   of.studies.notifier().wake_all();
   of.logs.wake_all();  // watchers are told that the daemon leaves, and from where to watch again
   of.server.shut_down();
 }
 
+void serve_until_told(const Serving& serving, const WorkerPolicy& workers) {
+  const int signal = wait_for_signal();
+  const bool left_running = workers.left_running && workers.patience_s > 0.0;
+  spdlog::info("{}: running jobs {}", ::strsignal(signal),
+               left_running ? "go on for the next dccastd"
+                            : "stop at a checkpoint and go back into the queue");
+  stop_serving(serving, left_running);
+}
+
 }  // namespace
 
-int serve(const v1::DaemonConfig& config) {
+int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   service::log_grpc_as_debug();
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
@@ -249,7 +268,8 @@ int serve(const v1::DaemonConfig& config) {
   jobs::EventLogs logs(directory.jobs());
   const service::LinkAddress link_address(directory.path());
   jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
-  jobs::Scheduler scheduler(scheduler_options(config, directory, solver), store, logs, executor);
+  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
+                            executor);
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler,
                            case_desk(intake, store, directory.jobs()));
@@ -283,10 +303,7 @@ int serve(const v1::DaemonConfig& config) {
   scheduler.start();
   studies.start();
   say_where(config, server, directory);
-  const int signal = wait_for_signal();
-  spdlog::info("{}: running jobs stop at a checkpoint and go back into the queue",
-               ::strsignal(signal));
-  stop_serving({server, studies, scheduler, context, logs});
+  serve_until_told({server, studies, scheduler, context, logs, executor}, workers);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   spdlog::info("dccastd has stopped");
   return 0;

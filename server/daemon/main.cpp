@@ -37,7 +37,7 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
   int damages = 0;
   switch (line.command) {
     case Command::serve:
-      return dccast::daemon::serve(config);
+      return dccast::daemon::serve(config, line.workers);
     case Command::check:
       damages = dccast::state::check(
           folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);

@@ -35,6 +35,8 @@ struct Attempt {
   // Of the scheduler's mutex.
   JobRecord record;
   std::shared_ptr<WorkerChannel> channel;  ///< once the worker has called
+  bool called = false;                     ///< it has: to one daemon it calls once
+  std::string solver;                      ///< identity of what it runs; empty: not known
   std::optional<Clock::time_point> kill_at;
   std::string hung;      ///< why its worker was taken to hang and killed; empty: it was not
   bool settled = false;  ///< what the job has become is decided; only the process is still there
@@ -48,6 +50,7 @@ struct Attempt {
   std::string storage_error;       ///< first event that could not be written; none is after it
   Clock::time_point last_word;     ///< when the worker last said anything
   Clock::time_point last_advance;  ///< when it called, resumed or reported a step
+  std::int64_t acknowledged_reports = 0;  ///< up to which the worker need keep nothing
 };
 
 }  // namespace dccast::jobs

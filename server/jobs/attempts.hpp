@@ -22,6 +22,7 @@ struct AttemptOptions {
   std::filesystem::path jobs_directory;
   int worker_restarts = 2;                      ///< times a job whose worker died is tried again
   std::chrono::milliseconds stop_grace{20000};  ///< from the order to stop to the kill
+  std::chrono::milliseconds daemon_patience{0};  ///< a worker runs on without a daemon; 0: it ends
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
@@ -75,6 +76,10 @@ public:
   static std::string hear(Attempt& attempt, v1::JobEvent event);
   /// Takes the worker's last word.
   void finish(Attempt& attempt, const v1::WorkerMessage::Finished& finished);
+  /// What the worker need not keep any more, when it is time to tell it again. Without the
+  /// scheduler's mutex.
+  /// @param beat  the worker has said that it is alive
+  std::optional<v1::WorkerOrder> acknowledgement(Attempt& attempt, bool beat) const;
   /// The worker has said something, be it only that it is alive. Without the scheduler's mutex.
   static void note_word(Attempt& attempt);
   void note_validity_loss(Attempt& attempt, const v1::ValidityLoss& loss);
@@ -95,8 +100,12 @@ public:
 
 private:
   using Finished = v1::WorkerMessage::Finished;
+  /// From the end of a worker's process to that of its link, should the link not end by itself.
+  static constexpr std::chrono::seconds last_words_time{2};
+
   std::shared_ptr<Attempt> find(const std::string& job_id, int number) const;
   std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log);
+  std::shared_ptr<Attempt> expected(const v1::WorkerMessage::Hello& hello) const;
   v1::WorkerOrder start_order(const Attempt& attempt) const;
   v1::WorkerOrder order_or_blame(Attempt& attempt) const;
   void withdraw(const std::shared_ptr<Attempt>& attempt, const std::string& why);

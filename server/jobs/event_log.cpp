@@ -161,10 +161,21 @@ bool EventLog::has_finding(const std::string& code) const {
                              [&](const v1::Finding& finding) { return finding.code() == code; });
 }
 
+bool EventLog::has_validity_loss() const {
+  const std::lock_guard lock(mutex_);
+  return content_.validity_loss.has_value();
+}
+
+std::optional<std::int64_t> EventLog::attempt_reports() const {
+  const std::lock_guard lock(mutex_);
+  return content_.attempt_reports;
+}
+
 void EventLog::tell(v1::Job& job) const {
   const std::lock_guard lock(mutex_);
   if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
   *job.mutable_findings() = {content_.findings.begin(), content_.findings.end()};
+  if (content_.validity_loss) *job.mutable_validity_loss() = *content_.validity_loss;
 }
 
 std::vector<EventGap> EventLog::gaps() const {

@@ -52,10 +52,16 @@ public:
   std::optional<v1::StepReport> last_step() const;
   /// Whether there is a finding of this code.
   bool has_finding(const std::string& code) const;
-  /// Brings a job up to what the log tells of it beside its state: last step and findings.
+  /// Whether the model has stopped being valid.
+  bool has_validity_loss() const;
+  /// Brings a job up to what the log tells of it beside its state: last step, findings, loss of
+  /// validity.
   void tell(v1::Job& job) const;
   /// The step up to which the history goes: that of the last report or resumption; 0 at first.
   std::int64_t reached_step() const;
+  /// How many reports of the present attempt's worker there are, see is_report(); nothing when
+  /// damage to the file has left that open.
+  std::optional<std::int64_t> attempt_reports() const;
   /// The state of the last state change, if there is one.
   std::optional<v1::JobState> last_state() const;
 

@@ -53,6 +53,10 @@ struct EventLogContent {
   std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
   std::vector<v1::Finding> findings;        ///< each code once
   std::int64_t reached_step = 0;            ///< up to which the history goes
+  std::optional<v1::ValidityLoss> validity_loss;  ///< the first one
+  /// Reports of the worker since the last start of one; nothing before the first, or where damage
+  /// may have taken some of them.
+  std::optional<std::int64_t> attempt_reports;
 
   /// Takes note of the next event, whose record stands at `offset` and ends before `end_of_record`.
   void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end_of_record);
@@ -60,6 +64,11 @@ struct EventLogContent {
   const EventGap* gap_with(std::int64_t sequence) const;
   /// The last anchor not behind an event that is in the log.
   const Anchor& anchor_before(std::int64_t sequence) const;
+  /// Takes note of a step that others follow: of where it is, not of what it says.
+  void take_unread_step(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
+
+private:
+  void count_report(const v1::JobEvent& event);
   /// Takes note of where the next record is, not of what it says.
   void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 };

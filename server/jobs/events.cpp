@@ -39,6 +39,11 @@ void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& messag
   job.mutable_failure()->set_message(message);
 }
 
+bool is_report(const v1::JobEvent& event) {
+  return event.has_step() || event.has_resumed() ||
+         event.message().level() == v1::JobEvent::Message::INFO;
+}
+
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level) {
   v1::JobEvent event;
   event.mutable_message()->set_level(level);

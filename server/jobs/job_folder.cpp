@@ -59,7 +59,7 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
 
 void remove_run_files(const std::filesystem::path& folder) {
   for (const char* name : {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin",
-                           "journal.bin", "results.h5.part"}) {
+                           "journal.bin", "results.h5.part", "worker.lock"}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) spdlog::warn("cannot remove {}: {}", (folder / name).string(), error.message());

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cerrno>
+#include <memory>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -48,6 +49,41 @@ std::string handle_of(pid_t process) {
   return std::to_string(process) + " " + std::to_string(identity ? identity->start_ticks : 0);
 }
 
+/// The other way round. @return nothing for a handle of another executor
+std::optional<ProcessIdentity> identity_of(const std::string& handle) {
+  std::istringstream words(handle);
+  ProcessIdentity identity;
+  words >> identity.id >> identity.start_ticks;
+  return words ? std::optional(identity) : std::nullopt;
+}
+
+/// Who claims the folder of a job; nobody where that cannot be found out.
+std::optional<ClaimHolder> claim_on(const WorkerLaunch& launch) {
+  try {
+    return holder_of(launch.folder);
+  } catch (const std::exception& error) {
+    spdlog::error("job {}: {}", launch.job_id, error.what());
+    return std::nullopt;
+  }
+}
+
+/// Whether a process has ended, within this time. @param handle  pidfd
+bool has_ended(const FileDescriptor& handle, int longest_ms) {
+  pollfd waiting{handle.get(), POLLIN, 0};
+  return ::poll(&waiting, 1, longest_ms) > 0;
+}
+
+/// Ends the process of a pidfd, whoever its parent is.
+void kill_process(const FileDescriptor& handle) {
+  ::syscall(SYS_pidfd_send_signal, handle.get(), SIGKILL, nullptr, 0);
+}
+
+void kill_and_wait(const FileDescriptor& handle) {
+  constexpr int longest_ms = 5000;
+  kill_process(handle);
+  if (!has_ended(handle, longest_ms)) spdlog::error("a worker that was killed does not end");
+}
+
 /// What a worker reads: its job, its token, the file for what it says.
 std::string order_of(const WorkerLaunch& launch) {
   return launch.job_id + "\n" + launch.token + "\n" + (launch.folder / "worker.log").string() +
@@ -67,8 +103,18 @@ LocalExecutor::LocalExecutor(std::filesystem::path worker_program, std::string l
 }
 
 LocalExecutor::~LocalExecutor() {
+  stop();
+}
+
+void LocalExecutor::stop() {
+  if (!thread_.joinable()) return;
   post([this] { stopping_ = true; });
   thread_.join();
+}
+
+void LocalExecutor::let_workers_run() {
+  post([this] { leaves_workers_ = true; });
+  stop();
 }
 
 void LocalExecutor::post(std::function<void()> order) {
@@ -85,16 +131,35 @@ void LocalExecutor::start(const WorkerLaunch& launch) {
 
 void LocalExecutor::kill(const std::string& job_id, int attempt) {
   post([this, key = std::pair(job_id, attempt)] {
-    if (const auto found = children_.find(key); found != children_.end())
-      ::kill(found->second.process, SIGKILL);  // ours and not collected: the id is still its own
+    if (const auto found = children_.find(key); found != children_.end()) end(found->second);
   });
 }
 
+bool LocalExecutor::may_lead(const ClaimHolder& holder, const std::string& handle,
+                             const WorkerLaunch& launch) {
+  return holder.claim && holder.claim->protocol == worker_protocol &&
+         holder.claim->job_id == launch.job_id && holder.claim->attempt == launch.attempt &&
+         (handle.empty() || handle == handle_of(holder.process));
+}
+
 Adoption LocalExecutor::adopt(const std::string& handle, const WorkerLaunch& launch) {
-  std::istringstream words(handle);
-  ProcessIdentity identity;
-  words >> identity.id >> identity.start_ticks;
-  if (words && kill_stray(identity))
+  auto holder = claim_on(launch);
+  if (holder && may_lead(*holder, handle, launch)) {
+    auto found = std::make_shared<Child>();
+    found->process = holder->process;
+    found->handle = std::move(holder->handle);
+    found->adopted = true;
+    post([this, found, key = std::pair(launch.job_id, launch.attempt)] {
+      children_[key] = std::move(*found);
+    });
+    return Adoption::found;
+  }
+  if (holder) {
+    spdlog::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
+                 holder->process);
+    kill_and_wait(holder->handle);
+  }
+  if (const auto recorded = identity_of(handle); recorded && kill_stray(*recorded))
     spdlog::warn("job {}: ended a worker of the last daemon ({})", launch.job_id, handle);
   return Adoption::gone;
 }
@@ -164,16 +229,31 @@ void LocalExecutor::wait_for_something() {
 
 void LocalExecutor::collect() {
   for (auto at = children_.begin(); at != children_.end();) {
-    const ChildState child = jobs::collect(at->second.process, Waiting::not_at_all);
-    if (child.running) {
+    const auto how = end_of(at->second);
+    if (!how) {
       ++at;
       continue;
     }
-    const std::string how = child.status ? describe_exit(*child.status) : "an end nobody saw";
     const auto [job_id, attempt] = at->first;
     at = children_.erase(at);
-    calls_.ended(job_id, attempt, how);
+    calls_.ended(job_id, attempt, *how);
   }
+}
+
+/// How a process has ended; nothing while it runs.
+std::optional<std::string> LocalExecutor::end_of(const Child& child) {
+  static const std::string unseen = "an end nobody saw";
+  if (child.adopted) return has_ended(child.handle, 0) ? std::optional(unseen) : std::nullopt;
+  const ChildState state = jobs::collect(child.process, Waiting::not_at_all);
+  if (state.running) return std::nullopt;
+  return state.status ? describe_exit(*state.status) : unseen;
+}
+
+void LocalExecutor::end(const Child& child) {
+  if (child.adopted)
+    kill_process(child.handle);
+  else
+    ::kill(child.process, SIGKILL);  // ours and not collected: the id is still its own
 }
 
 void LocalExecutor::run() {
@@ -191,9 +271,12 @@ void LocalExecutor::run() {
     if (stopping_) break;
     keep_one_ready();
   }
+  // Those that have claimed no folder get the signal of their parent's death now.
+  if (leaves_workers_) children_.clear();
   if (ready_) children_[{"", 0}] = std::move(*ready_);
   for (const auto& [key, child] : children_) {
-    ::kill(child.process, SIGKILL);
+    if (child.adopted) continue;
+    end(child);
     jobs::collect(child.process, Waiting::until_its_end);
   }
 }

@@ -11,34 +11,40 @@
 
 #include "core/storage/file_descriptor.hpp"
 #include "server/jobs/executor.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 
-/// Starts workers as child processes of the daemon.
+/// Starts workers as child processes of the daemon, and leads on those of the last daemon.
 ///
 /// A worker begins by waiting for its job on its standard input, so that one can be started ahead
 /// of its job: loading the program takes longer than a step of a small casting.
 ///
 /// All of them are children of one thread that lives as long as the daemon: the signal a worker
-/// gets when its parent dies (PR_SET_PDEATHSIG) counts the death of the parent *thread*.
+/// gets when its parent dies (PR_SET_PDEATHSIG) counts the death of the parent *thread*. A worker
+/// with a job gives that signal up once it has claimed the job's folder (FolderClaim): it outlives
+/// the daemon then, and the next one finds it by its claim.
 class LocalExecutor : public Executor {
 public:
   /// @param worker_program  dccast-worker
   /// @param link_address    of the worker link, in gRPC's notation
   /// @param capacity        workers that may run at once
   LocalExecutor(std::filesystem::path worker_program, std::string link_address, int capacity);
-  /// Kills what is still running and waits for its end.
+  /// Kills what it has started and is still running, unless that was left to itself, and waits for
+  /// its end. A worker of an earlier daemon is left to the next one: this one has only tried to
+  /// serve, or has ended it before.
   ~LocalExecutor() override;
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
   int capacity() const override { return capacity_; }
   void start(const WorkerLaunch& launch) override;
   void kill(const std::string& job_id, int attempt) override;
-  /// Always gone. The link of a local worker is a socket of the daemon that started it: the worker
-  /// leaves when that daemon ends, and goes on from its checkpoint in another process. One that is
-  /// still there hangs, and is killed: it is no child of this process, so that nobody would tell
-  /// how it ended.
+  /// Found is the worker that claims the folder of the job, when it is of this attempt, is the one
+  /// of `handle`, and speaks the protocol of this program. Any other that claims the folder is
+  /// killed, and so is the one of `handle` that has no claim: it hangs.
   Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override;
+  /// Leaves workers that have claimed a folder to the next daemon. No call back comes any more.
+  void let_workers_run();
 
 private:
   /// A process that waits for a job, or has one.
@@ -46,7 +52,14 @@ private:
     pid_t process = 0;
     storage::FileDescriptor handle;  ///< pidfd: readable when the process has ended
     storage::FileDescriptor orders;  ///< its standard input, until it has its job
+    bool adopted = false;            ///< of an earlier daemon: no child of this process
   };
+  using Children = std::map<std::pair<std::string, int>, Child>;
+  static bool may_lead(const ClaimHolder& holder, const std::string& handle,
+                       const WorkerLaunch& launch);
+  static std::optional<std::string> end_of(const Child& child);
+  static void end(const Child& child);
+  void stop();
   void run();
   void post(std::function<void()> order);
   Child spawn() const;
@@ -65,9 +78,10 @@ private:
 
   // Of the thread alone.
   bool stopping_ = false;
+  bool leaves_workers_ = false;
   bool used_ = false;  ///< the one kept ready was handed a job, or there never was one
   std::optional<Child> ready_;
-  std::map<std::pair<std::string, int>, Child> children_;
+  Children children_;
   std::thread thread_;
 };
 

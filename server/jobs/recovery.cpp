@@ -19,11 +19,12 @@ void take_over_end(const v1::JobEvent& event, v1::Job& job) {
   *job.mutable_end_time() = timestamp(milliseconds(event.time()));
 }
 
-/// Whether a worker that was found may go on with its job: it runs for store and log, nobody has
-/// cancelled it, and the worker can prove itself.
+/// Whether a worker that was found may go on with its job: it runs for store and log, the log tells
+/// which of its reports are there, nobody has cancelled it, and the worker can prove itself.
 bool may_go_on(const EventLog& log, const JobRecord& record) {
   return log.last_state() == v1::RUNNING && record.job.state() == v1::RUNNING &&
-         record.requested_action != RequestedAction::cancel && !record.worker_token_sha256.empty();
+         log.attempt_reports() && record.requested_action != RequestedAction::cancel &&
+         !record.worker_token_sha256.empty();
 }
 
 /// Brings one job into the state in which the next daemon finds it.

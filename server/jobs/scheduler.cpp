@@ -72,6 +72,14 @@ void Scheduler::shut_down() {
   thread_.join();
 }
 
+void Scheduler::let_workers_run() {
+  std::unique_lock lock(mutex_);
+  shutting_down_ = stopping_ = true;
+  changed_.notify_all();
+  lock.unlock();
+  thread_.join();
+}
+
 void Scheduler::run() {
   std::unique_lock lock(mutex_);
   expected_wake_ = Clock::now();
@@ -240,7 +248,7 @@ void Scheduler::note_validity_loss(const std::shared_ptr<Attempt>& attempt,
                                    const v1::ValidityLoss& loss) {
   {
     const std::lock_guard lock(mutex_);
-    if (attempt->record.job.has_validity_loss()) return;
+    if (attempt->log->has_validity_loss()) return;
     attempts_.note_validity_loss(*attempt, loss);
   }
   v1::JobEvent event;

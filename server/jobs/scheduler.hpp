@@ -92,6 +92,10 @@ public:
   /// are gone. Nothing is submitted or started any more.
   void shut_down();
 
+  /// Stops at once and leaves running jobs to their workers, for the next daemon to go on with.
+  /// Nothing is submitted, started or ended any more.
+  void let_workers_run();
+
   /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
   /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments);
@@ -117,6 +121,11 @@ public:
                                   std::shared_ptr<WorkerChannel> channel);
   /// Takes what a worker says; never waits for watchers.
   void report(const std::shared_ptr<Attempt>& attempt, const v1::WorkerMessage& message);
+  /// What the worker need not keep any more, when it is time to tell it.
+  /// @param beat  the worker has said that it is alive
+  std::optional<v1::WorkerOrder> acknowledgement(Attempt& attempt, bool beat) const {
+    return attempts_.acknowledgement(attempt, beat);
+  }
   /// The link to a worker has ended.
   void detach(const std::shared_ptr<Attempt>& attempt);
 

@@ -45,7 +45,10 @@ int spawn(const std::filesystem::path& program, std::vector<std::string> argumen
   sigfillset(&all);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  // A group of its own: Ctrl-C in the terminal of a daemon is for the daemon, which tells its own.
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   const int error =
       ::posix_spawn(process, program.c_str(), &actions, &attributes,
                     null_terminated(arguments).data(), null_terminated(environment).data());

@@ -4,8 +4,8 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
-#include <stdlib.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 
 #include <cerrno>
@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/jobs/socket_path.hpp"
 #include "server/service/grpc_trouble.hpp"
 
 namespace dccast::service {
@@ -61,31 +62,24 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
 
 LinkAddress::LinkAddress(const std::filesystem::path& data_directory)
     : socket_(std::filesystem::absolute(data_directory) / "worker.sock") {
-  if (socket_.string().size() >= sizeof(sockaddr_un::sun_path)) {
-    std::string name = (std::filesystem::temp_directory_path() / "dccastd-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error("cannot make a folder for the worker link: " + name);
-    private_folder_ = name;
-    socket_ = private_folder_ / "worker.sock";
-  }
   std::filesystem::remove(socket_);  // of a daemon that was killed
 }
 
 LinkAddress::~LinkAddress() {
   std::error_code ignored;
   std::filesystem::remove(socket_, ignored);
-  if (!private_folder_.empty()) std::filesystem::remove(private_folder_, ignored);
 }
 
 storage::FileDescriptor LinkAddress::listen() const {
+  const jobs::SocketPath short_path(grpc_address());
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  socket_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  short_path.path().string().copy(address.sun_path, sizeof address.sun_path - 1);
   storage::FileDescriptor listening(
       ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listening ||
       ::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(listening.get(), SOMAXCONN) != 0)
+      ::chmod(socket_.c_str(), S_IRUSR | S_IWUSR) != 0 || ::listen(listening.get(), SOMAXCONN) != 0)
     throw std::system_error(errno, std::generic_category(),
                             "cannot listen for workers on " + socket_.string());
   return listening;

@@ -15,8 +15,8 @@
 
 namespace dccast::service {
 
-/// Where workers find the daemon: a Unix socket in the data directory, or, where that path is too
-/// long for a socket, in a private folder of its own under the system's temporary directory.
+/// Where workers find the daemon, and every daemon after it: a Unix socket in the data directory,
+/// the owner's alone as the directory is.
 class LinkAddress {
 public:
   explicit LinkAddress(const std::filesystem::path& data_directory);
@@ -28,7 +28,6 @@ public:
 
 private:
   std::filesystem::path socket_;
-  std::filesystem::path private_folder_;  ///< empty: the socket is in the data directory
 };
 
 /// The worker link, listening. Behind a Door too: gRPC 1.51 ends a listener of its own forever

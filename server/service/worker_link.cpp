@@ -62,6 +62,8 @@ private:
   void report(const v1::WorkerMessage& message) {
     try {
       scheduler_.report(attempt_, message);
+      if (const auto stored = scheduler_.acknowledgement(*attempt_, message.has_heartbeat()))
+        send(*stored);
     } catch (const std::exception& error) {
       spdlog::error("job {}: {}", attempt_->job_id, error.what());
       end({grpc::StatusCode::INTERNAL, error.what()});
@@ -73,7 +75,7 @@ private:
       if (message_.has_hello()) attempt_ = scheduler_.attach(message_.hello(), shared_from_this());
     } catch (const std::exception& error) {
       spdlog::error("worker link: {}", error.what());
-      return end({grpc::StatusCode::UNAVAILABLE, error.what()});
+      return end({grpc::StatusCode::ABORTED, error.what()});
     }
     if (!attempt_)
       return end({grpc::StatusCode::PERMISSION_DENIED, "the token is not the one of this worker"});

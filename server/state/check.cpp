@@ -7,6 +7,7 @@
 #include "core/storage/durable_file.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "server/state/adoption.hpp"
 #include "server/state/store_guard.hpp"
 #include "server/state/wal_file.hpp"
@@ -190,12 +191,23 @@ private:
   JobTotals totals_;
 };
 
+/// A worker that outlives its daemon writes into the folder of its job, and the next daemon goes on
+/// with it as the store and the event log are now.
+void require_no_worker(const StateFolder& folder) {
+  for (const std::string& id : jobs::folder_ids(folder.jobs()))
+    if (const auto worker = jobs::holder_of(folder.jobs() / id))
+      throw std::runtime_error("job " + id + " still runs in process " +
+                               std::to_string(worker->process) +
+                               "; start dccastd, which goes on with it, or end that process first");
+}
+
 }  // namespace
 
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out) {
   if (!fs::is_directory(folder.path()))
     throw std::runtime_error("there is no data directory " + folder.path().string());
   const StateLock lock(folder);
+  if (options.repair || !options.adopt.empty()) require_no_worker(folder);
   const int damages = Check(folder, options, out).run();
   out << (damages == 0 ? "sound" : std::to_string(damages) + " damages left") << std::endl;
   return damages;

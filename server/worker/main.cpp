@@ -8,11 +8,15 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <system_error>
 
+#include "core/casting/solver_identity.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "server/worker/answers.hpp"
 #include "server/worker/link_client.hpp"
 #include "server/worker/run_job.hpp"
@@ -37,8 +41,9 @@ int refuse_to_run_alone() {
   return exit_usage;
 }
 
-/// Two workers must never write one folder: a worker does not outlive its daemon, which would start
-/// another one. Checkpoints are complete at any moment, so the kill costs no more than some steps.
+/// A worker without a job, or without a claim on the folder of one, does not outlive its daemon:
+/// the next one would not find it. Checkpoints are complete at any moment, so the kill costs no
+/// more than some steps.
 bool tie_to_parent(const std::string& parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   return std::to_string(::getppid()) == parent;  // else it died before the line above
@@ -72,8 +77,31 @@ std::optional<v1::WorkerMessage::Hello> wait_for_job() {
       !std::getline(std::cin, *hello.mutable_token()) || !std::getline(std::cin, log))
     return std::nullopt;
   hello.set_process_id(::getpid());
+  hello.set_protocol(jobs::worker_protocol);
+  hello.set_solver(casting::solver_identity());
   speak_into(log);
   return hello;
+}
+
+/// Claims the folder of the job and, where the daemon asks for it, outlives the daemon from then
+/// on. Where the claim cannot be written the worker dies with its daemon, as one without a job
+/// does.
+/// @param claim  is empty; lives as long as the link
+/// @throws jobs::FolderTaken
+void settle_in(const std::string& job_id, const v1::WorkerOrder::Start& start, LinkClient& link,
+               std::optional<jobs::FolderClaim>& claim) {
+  constexpr std::chrono::seconds longest{5};  // for a worker that was killed a moment ago
+  try {
+    claim.emplace(start.directory(), jobs::WorkerClaim{job_id, start.attempt()}, longest);
+  } catch (const std::system_error& error) {
+    std::cerr << "dccast-worker: ends with its dccastd: " << error.what() << std::endl;
+    return;
+  }
+  if (start.daemon_patience_s() <= 0.0) return;
+  const std::chrono::duration<double> patience(start.daemon_patience_s());
+  link.outlive_daemon(std::chrono::duration_cast<LinkClient::Clock::duration>(patience),
+                      [&claim] { return claim->stands(); });
+  ::prctl(PR_SET_PDEATHSIG, 0);
 }
 
 bool answers_questions(const char* option) {
@@ -86,11 +114,13 @@ int run_job_of_daemon() {
   if (address.empty()) return refuse_to_run_alone();
   if (!tie_to_parent(parent)) return exit_daemon_gone;
   step_back_behind_queries();
+  std::optional<jobs::FolderClaim> claim;
   LinkClient link(address);  // before there is a job: the library takes its time
   const auto hello = wait_for_job();
   if (!hello) return 0;
   const auto start = link.begin(*hello);
   if (!start) return exit_daemon_gone;
+  settle_in(hello->job_id(), *start, link, claim);
   if (!link.finish(run_job(*start, link))) return exit_daemon_gone;
   // The daemon has everything. Taking gRPC down in good order only keeps the next job waiting: half
   // of the 9 ms between two jobs.

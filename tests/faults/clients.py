@@ -13,6 +13,7 @@ from dccast.v1 import case_pb2, service_pb2
 from fault import Fault
 from oracle import all_jobs, must
 from scene import limit, pause, signal_process
+from support import start_ticks
 
 SERVICE = "/dccast.v1.SimulationService/"
 METHODS = ("ValidateCase", "SubmitJob", "GetJob", "ListJobs", "WatchJob", "CancelJob", "PauseJob",
@@ -199,7 +200,7 @@ class KillCheck(Fault):
     settings = {"workers": 1}
 
     def disturb(self, scene, count):
-        """Kills the first process that is no job's worker while a submission is on its way."""
+        """Kills a process that checks cases while a submission is on its way."""
         answered = threading.Event()
         killer = threading.Thread(target=self.kill, args=(scene, answered))
         killer.start()
@@ -211,9 +212,8 @@ class KillCheck(Fault):
     def kill(scene, answered):
         pause(scene.chance, 0.01)
         while not answered.is_set():
-            job_workers = scene.job_workers()
-            for worker in scene.workers():
-                if worker not in job_workers and signal_process(worker, signal.SIGKILL):
+            for process in scene.daemon.checker_processes():
+                if signal_process((process, start_ticks(process)), signal.SIGKILL):
                     return
 
     def look(self, scene, count):

@@ -15,6 +15,7 @@ class Fault:
     patience = 60.0    # seconds until every job must have ended
     worker = FAKE
     settings = {}
+    options = ()       # of the daemon's command line
 
     @classmethod
     def name(cls):
@@ -41,7 +42,7 @@ class Fault:
         return count
 
     def scene(self, chance):
-        return Scene(chance, self.worker, **self.settings)
+        return Scene(chance, self.worker, options=self.options, **self.settings)
 
     def begin(self, scene):
         """Submits what is to be disturbed."""

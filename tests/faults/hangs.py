@@ -106,7 +106,9 @@ class TellWorker(TwoCastings):
 
 
 def leave_and_come_back(scene, count):
-    code = scene.kill_daemon(signal.SIGTERM)
+    code = scene.tell_daemon(signal.SIGTERM)
     if code != 0:
         count.found("wrong", f"dccastd ended with {code} after SIGTERM")
+    if scene.workers():
+        count.found("wrong", "a worker outlives an orderly stop")
     scene.come_back()

@@ -7,7 +7,8 @@ import threading
 from cases import COARSE, REAL, coarse, failing_check, fake, shipped
 from fault import Fault
 from oracle import undisturbed
-from scene import TIED, at_some_step, pause, signal_process
+from scene import TIED, alive, at_some_step, pause, signal_process
+from support import until
 
 TINY = ("steps=3", "steps=25 checkpoint=7")
 
@@ -46,12 +47,46 @@ class KillWorker(Kill):
 
 
 class KillDaemon(Kill):
-    """kill -9 of the daemon while real castings run; started again"""
+    """kill -9 of the daemon while real castings run; the next one goes on with their workers"""
     short, long = 4, 60
 
     def kill(self, scene):
-        scene.kill_daemon()
+        scene.tell_daemon(signal.SIGKILL)
+        pause(scene.chance, 0.3)
+        # By now the kernel has ended those that had not settled in yet.
+        self.led = {**getattr(self, "led", {}), **scene.claims()}
         scene.come_back()
+
+    def look_back(self, scene, count):
+        """A worker that had claimed its job's folder was the last one of its job."""
+        for job_id, attempt in self.led.items():
+            if scene.client.job(job_id).attempts != attempt:
+                count.found("wrong", f"job {job_id}: the worker of attempt {attempt} was replaced")
+
+
+class KillDaemonWithWorkers(Kill):
+    """kill -9 of the daemon while real castings run, whose workers end with it; started again"""
+    short, long = 2, 30
+    options = ("--worker-patience", "0")
+
+    def kill(self, scene):
+        workers = scene.workers()
+        scene.tell_daemon(signal.SIGKILL)
+        until(lambda: not any(alive(worker) for worker in workers), 10)
+        scene.come_back()
+
+
+class KillDaemonThenWorker(Kill):
+    """kill -9 of the daemon, then of a worker that it left running; daemon started again"""
+    short, long = 3, 40
+
+    def kill(self, scene):
+        scene.tell_daemon(signal.SIGKILL)
+        pause(scene.chance, 0.2)
+        workers = scene.workers()
+        killed = bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL)
+        scene.come_back()
+        return killed
 
 
 class KillEverything(Kill):
@@ -96,7 +131,7 @@ class KillUnderLoad(Fault):
         for _ in range(self.jobs):
             scene.submit(fake(scene.chance.choice(TINY)))
         killed.join()
-        scene.kill_daemon()
+        scene.daemon.wait()
         scene.come_back()
         scene.send_again()
 

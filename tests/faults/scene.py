@@ -1,4 +1,5 @@
 """A daemon with a folder of its own, and the book of what it has acknowledged."""
+import contextlib
 import json
 import os
 import random
@@ -13,7 +14,7 @@ import grpc
 
 from cases import FAKE
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, Client, Daemon, until
+from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
 
 # Whatever the harness starts dies with it, also when the harness is killed.
 TIED = ("setpriv", "--pdeathsig", "KILL")
@@ -34,12 +35,14 @@ class Daemons(Daemon):
 class Scene:
     """One try of a fault: begins with a running daemon, ends with nothing left of it."""
 
-    def __init__(self, chance, worker=FAKE, through=(), folder=None, prepare=None, **settings):
+    def __init__(self, chance, worker=FAKE, through=(), folder=None, prepare=None, options=(),
+                 **settings):
         """prepare: called with the scene before the daemon starts, to set up what needs its folder."""
         self.chance = chance
         self.worker = worker
         self.folder = folder or tempfile.mkdtemp(prefix="dccast-faults-")
-        self.daemon = Daemons(self.folder, worker, **{"stop_grace": "5 s", **settings})
+        self.daemon = Daemons(self.folder, worker, options=options,
+                              **{"stop_grace": "5 s", **settings})
         self.daemon.through = through
         self.acknowledged = {}  # id of a job -> Expected
         self.unsure = []        # submissions whose answer never came
@@ -69,9 +72,8 @@ class Scene:
             client.close()
         self.clients.clear()
         if self.daemon.running():
-            workers = self.workers()
             self.daemon.kill()
-            end_processes(workers)
+        self.daemon.end_workers()
 
     def come_back(self):
         """Starts the daemon on its folder and connects to it."""
@@ -98,13 +100,28 @@ class Scene:
         return [worker for worker in self.job_workers()
                 if any(name.startswith(self.data("jobs")) for name in open_files(worker[0]))]
 
-    def kill_daemon(self, number=signal.SIGKILL):
-        """Returns its exit code; its workers are gone too."""
-        workers = self.workers()
+    def tell_daemon(self, number):
+        """Sends it a signal that ends it. Returns its exit code; its workers may run on."""
         self.daemon.process.send_signal(number)
-        code = self.daemon.wait()
-        until(lambda: not any(alive(worker) for worker in workers), 10)
-        return code
+        return self.daemon.wait()
+
+    def kill_daemon(self):
+        """kill -9; its workers are ended too, as when the machine stops."""
+        self.tell_daemon(signal.SIGKILL)
+        self.daemon.end_workers()
+
+    def claims(self):
+        """Folders of jobs that a living process claims. Returns attempts by job."""
+        with open("/proc/locks", encoding="ascii") as file:
+            locked = {line.split()[-3].rsplit(":", 1)[1] for line in file if " POSIX " in line}
+        found = {}
+        for job_id in self.acknowledged:
+            path = self.data("jobs", job_id, "worker.lock")
+            with contextlib.suppress(OSError):
+                if str(os.stat(path).st_ino) in locked:
+                    with open(path, encoding="ascii") as file:
+                        found[job_id] = int(file.read().split()[1])
+        return found
 
     def next_request(self, case, state):
         self.numbers += 1
@@ -198,16 +215,6 @@ def open_files(process):
         return []
 
 
-def start_ticks(process):
-    """Tells a process from a later one with the same number; 0 when there is none."""
-    try:
-        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
-            fields = file.read().rsplit(")", 1)[1].split()
-            return 0 if fields[0] == "Z" else int(fields[19])
-    except OSError:
-        return 0
-
-
 def alive(worker):
     return worker[1] != 0 and start_ticks(worker[0]) == worker[1]
 
@@ -221,11 +228,6 @@ def signal_process(worker, number):
     except ProcessLookupError:
         return False
     return True
-
-
-def end_processes(workers):
-    for worker in workers:
-        signal_process(worker, signal.SIGKILL)
 
 
 def limit(process, which, soft):

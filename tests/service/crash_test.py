@@ -80,10 +80,7 @@ class Crash(ServiceTest):
         expected = self.expected_curve()
         job = self.long_job()
         before = self.client.job(job.id).last_step.step
-        workers = self.daemon.worker_processes()
-        self.daemon.kill()
-        # The worker dies with its daemon; nobody else would end it.
-        until(lambda: not os.path.exists(f"/proc/{workers[0]}"), 5)
+        self.daemon.kill_with_workers()
         self.restart()
         events = self.sound_events(list(self.client.watch(job.id)))
         resumed = [event.resumed.step for event in events if event.HasField("resumed")]

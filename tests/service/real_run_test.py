@@ -23,7 +23,8 @@ def physics(steps):
     return [step.SerializeToString(deterministic=True) for step in steps]
 
 
-class RealRun(ServiceTest):
+class RealRunTest(ServiceTest):
+    """The real worker, and the real client that gives it the shipped case."""
     worker = "dccast-worker"
 
     def submit_case(self, *changes, path=CASE):
@@ -39,6 +40,8 @@ class RealRun(ServiceTest):
         self.assertEqual(events[-1].state_change.state, job_pb2.SUCCEEDED, events[-1])
         return events, self.client.steps(job_id)
 
+
+class RealRun(RealRunTest):
     def test_runs_interrupted_in_every_way_give_the_same_bits(self):
         undisturbed = self.submit_case()
         events, steps = self.finished_steps(undisturbed)
@@ -54,7 +57,7 @@ class RealRun(ServiceTest):
         self.assertEqual(physics(self.finished_steps(killed)[1]), expected)
         self.assertEqual(self.client.job(killed).attempts, 2)
 
-        for stop in (self.daemon.terminate, self.daemon.kill):
+        for stop in (self.daemon.terminate, self.daemon.kill_with_workers):
             job_id = self.submit_case()
             self.client.until_step(job_id, 100, seconds=60)
             stop()

@@ -60,7 +60,7 @@ class StateTest(ServiceTest):
         cancelled = self.client.submit(fake_case("steps=3"))
         self.client.cancel(cancelled.id)
         waiting = [self.client.submit(fake_case("steps=4"), priority=job_pb2.LOW) for _ in range(3)]
-        self.daemon.kill()
+        self.daemon.kill_with_workers()
         return {done.id: SUCCEEDED, paused.id: PAUSED, cancelled.id: CANCELLED,
                 running.id: SUCCEEDED, **{job.id: SUCCEEDED for job in waiting}}
 
@@ -265,7 +265,7 @@ class Backup(StateTest):
             stop.set()
             load.join()
         self.assertEqual(self.client.job(deleted.id).state, SUCCEEDED)  # the daemon goes on
-        self.daemon.kill()
+        self.daemon.kill_with_workers()
         self.assertEqual(subprocess.run(["sha256sum", "--quiet", "-c", "MANIFEST.sha256"],
                                         cwd=backup, check=False).returncode, 0)
         self.restore(backup, acknowledged)

@@ -2,6 +2,7 @@
 
 Everything is started on a free loopback port and stopped by its process id.
 """
+import contextlib
 import os
 import shutil
 import signal
@@ -22,8 +23,10 @@ TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 class Daemon:
     """One dccastd; its folder outlives it, so that it can be started again on it."""
 
-    def __init__(self, folder, worker="dccast-worker-fake", before_exec=None, **settings):
+    def __init__(self, folder, worker="dccast-worker-fake", before_exec=None, options=(),
+                 **settings):
         self.folder = folder
+        self.options = options
         self.before_exec = before_exec  # called in its process, e.g. to limit it
         self.port_file = os.path.join(folder, "port")
         self.settings = {"listen": "127.0.0.1:0", "port_file": self.port_file,
@@ -32,7 +35,7 @@ class Daemon:
         self.process = None
 
     def command(self):
-        words = [os.path.join(BIN, "dccastd")]
+        words = [os.path.join(BIN, "dccastd"), *self.options]
         for key, value in self.settings.items():
             words += ["--set", f"{key}={value}"]
         return words
@@ -60,8 +63,23 @@ class Daemon:
         return self.wait()
 
     def kill(self):
+        """SIGKILL. Its workers run on, until it is started again."""
         self.process.send_signal(signal.SIGKILL)
         self.wait()
+
+    def kill_with_workers(self):
+        """What the end of a machine leaves: nothing runs on."""
+        self.kill()
+        self.end_workers()
+
+    def end_workers(self):
+        """Ends the workers of a daemon that has gone."""
+        def ended():
+            for process in self.worker_processes():
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(process, signal.SIGKILL)
+            return not self.worker_processes()
+        until(ended, 10)
 
     def wait(self):
         code = self.process.wait(timeout=30)
@@ -72,8 +90,9 @@ class Daemon:
         return self.process is not None and self.process.poll() is None
 
     def worker_processes(self):
-        """Process ids of this daemon's workers that run jobs, without the one kept ready."""
-        return [process for process in self.children() if has_job(process)]
+        """Process ids of workers that run jobs of this data directory, whoever started them."""
+        jobs = os.path.join(os.path.realpath(self.settings["data_directory"]), "jobs", "")
+        return [process for process in processes() if job_log(process).startswith(jobs)]
 
     def checker_processes(self):
         """Process ids of this daemon's workers that check cases."""
@@ -81,25 +100,38 @@ class Daemon:
 
     def children(self):
         found = []
-        for name in os.listdir("/proc"):
-            if not name.isdigit():
-                continue
+        for process in processes():
             try:
-                with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
+                with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
                     fields = file.read().rsplit(")", 1)[1].split()
                 if fields[1] == str(self.process.pid) and fields[0] != "Z":
-                    found.append(int(name))
+                    found.append(process)
             except OSError:
                 pass  # it ended while we looked
         return found
 
 
-def has_job(process):
-    """A worker speaks into the log of its job once it has one."""
+def processes():
+    return [int(name) for name in os.listdir("/proc") if name.isdigit()]
+
+
+def start_ticks(process):
+    """Tells a process from a later one with the same number; 0 when there is none."""
     try:
-        return os.readlink(f"/proc/{process}/fd/2").endswith("/worker.log")
+        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+            return 0 if fields[0] == "Z" else int(fields[19])
     except OSError:
-        return False  # it ended while we looked
+        return 0
+
+
+def job_log(process):
+    """A worker speaks into the log of its job once it has one. Returns the path of that log, or ""."""
+    try:
+        log = os.readlink(f"/proc/{process}/fd/2")
+    except OSError:
+        return ""  # it has ended, or is not ours
+    return log if "/worker.log" in log else ""
 
 
 def is_checker(process):
@@ -187,10 +219,11 @@ class ServiceTest(unittest.TestCase):
     settings = {}
     worker = "dccast-worker-fake"
     before_exec = None
+    options = ()  # of the daemon's command line, beside its settings
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="dccast-service-")
-        self.daemon = Daemon(self.folder, self.worker, type(self).before_exec,
+        self.daemon = Daemon(self.folder, self.worker, type(self).before_exec, self.options,
                              **self.settings).start()
         self.clients = []
         self.client = self.new_client()
@@ -209,6 +242,7 @@ class ServiceTest(unittest.TestCase):
             client.close()
         if self.daemon.running():
             self.daemon.kill()
+        self.daemon.end_workers()
         if not self._outcome.success:
             sys.stderr.write(self.daemon.said())
         shutil.rmtree(self.folder)

@@ -268,7 +268,7 @@ class Killed(StudyTest):
                        capture_output=True, check=True)
         subprocess.run([dccastd, "restore", "--from", copy, "--set", "data_directory=" + other],
                        capture_output=True, check=True)
-        self.daemon.kill()
+        self.daemon.kill_with_workers()
         self.daemon.settings["data_directory"] = other
         self.restart()
         self.assertEqual(self.study(study.id).runs, 40)

@@ -206,6 +206,7 @@ struct FakeRun {
 
   std::optional<RunOutcome> resume();
   void report_missed_steps() const;
+  void wait() const;
   void misbehave() const;
   bool report_is_lost() const;
   RunOutcome solve_failed() const;
@@ -240,6 +241,11 @@ void FakeRun::report_missed_steps() const {
   }
 }
 
+void FakeRun::wait() const {
+  while (is("wait_at") && !std::filesystem::exists(directory.path / "go"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
 void FakeRun::misbehave() const {
   if (is("crash_at")) std::abort();
   if (resumed) return;
@@ -266,6 +272,7 @@ RunOutcome FakeRun::solve_failed() const {
 
 /// @return the outcome when the run ends with this step
 std::optional<RunOutcome> FakeRun::step() {
+  wait();
   std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));
   advance(state);
   misbehave();

@@ -263,6 +263,74 @@ public:
   std::atomic<int> calls{0};
 };
 
+v1::JobEvent running_event() {
+  v1::JobEvent event;
+  event.mutable_state_change()->set_state(v1::RUNNING);
+  return event;
+}
+
+TEST_F(EventLogTest, CountsTheReportsOfThePresentAttempt) {
+  {
+    EventLog log(path());
+    append_steps(log, 1, 2);
+    EXPECT_FALSE(log.attempt_reports()) << "nothing has been started";
+    auto event = running_event();
+    log.append(event);
+    append_steps(log, 3, 7);
+    event = running_event();
+    log.append(event);
+    EXPECT_EQ(log.attempt_reports(), 0);
+    event = message_event("from the worker", v1::JobEvent::Message::INFO);
+    log.append(event);
+    event = message_event("from the daemon", v1::JobEvent::Message::WARNING);
+    log.append(event);
+    event = {};
+    event.mutable_resumed()->set_step(2);
+    log.append(event);
+    event = {};
+    event.mutable_finding()->set_code("cold shut");
+    log.append(event);
+    append_steps(log, 3, 5);
+    EXPECT_EQ(log.attempt_reports(), 5);
+  }
+  EXPECT_EQ(EventLog(path()).attempt_reports(), 5);
+}
+
+TEST_F(EventLogTest, DoesNotKnowTheReportsThatDamageMayHaveTaken) {
+  std::uintmax_t damage = 0;
+  {
+    EventLog log(path());
+    auto event = running_event();
+    log.append(event);
+    append_steps(log, 1, 3);
+    damage = fs::file_size(path()) - 2;
+    append_steps(log, 4, 5);
+  }
+  overwrite(path(), damage, "\xff");
+  EXPECT_FALSE(EventLog(path()).attempt_reports());
+  {
+    EventLog log(path());
+    auto event = running_event();
+    log.append(event);
+    append_steps(log, 4, 4);
+  }
+  EXPECT_EQ(EventLog(path()).attempt_reports(), 1) << "the damage is of an earlier attempt";
+}
+
+TEST_F(EventLogTest, TellsAJobThatItsModelHasStoppedBeingValid) {
+  {
+    EventLog log(path());
+    v1::JobEvent event;
+    event.mutable_validity_lost()->set_time_s(7.0);
+    log.append(event);
+  }
+  const EventLog log(path());
+  EXPECT_TRUE(log.has_validity_loss());
+  v1::Job job;
+  log.tell(job);
+  EXPECT_EQ(job.validity_loss().time_s(), 7.0);
+}
+
 TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   fs::create_directory(folder_.path() / "job");
   EventLogs logs(folder_.path());

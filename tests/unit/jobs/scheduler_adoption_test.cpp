@@ -1,5 +1,8 @@
 // A daemon that was started again, and an executor whose workers may have survived the last one.
+#include <fstream>
+
 #include "proto/values/sha256.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 namespace dccast::jobs {
@@ -16,11 +19,12 @@ protected:
     id_ = daemon.scheduler.submit(new_job(), {}).id();
     launch_ = daemon.executor.wait_for_launch(1);
     daemon.executor.started(launch_, "node7 42");
-    const auto run = attach(daemon, launch_);
+    const auto run = run_of_the_crash_ = attach(daemon, launch_);
     for (const std::int64_t number : {1, 2, 3}) daemon.scheduler.report(run, step(number));
     if (before_the_crash) before_the_crash(daemon);
     fs::copy(folder_.path(), crashed_, fs::copy_options::recursive);
     daemon.scheduler.detach(run);
+    run_of_the_crash_.reset();
     daemon.executor.end(launch_, "exit code 0");
   }
   /// The folder's next daemon, whose executor finds the worker.
@@ -28,6 +32,15 @@ protected:
     auto daemon = std::make_unique<Daemon>(crashed_, watchdog, v1::BEGIN_ANEW, true);
     daemon->scheduler.start();
     return daemon;
+  }
+  /// What a worker says that has run on.
+  static v1::WorkerMessage::Hello running(const WorkerLaunch& launch) {
+    v1::WorkerMessage::Hello hello;
+    hello.set_job_id(launch.job_id);
+    hello.set_token(launch.token);
+    hello.set_running(true);
+    hello.set_protocol(worker_protocol);
+    return hello;
   }
   std::vector<std::int64_t> steps_in_the_log(Daemon& daemon) {
     std::vector<std::int64_t> steps;
@@ -40,6 +53,7 @@ protected:
   fs::path crashed_ = folder_.path().parent_path() / "crashed";
   std::string id_;
   WorkerLaunch launch_;
+  std::shared_ptr<Attempt> run_of_the_crash_;
 };
 
 TEST_F(SchedulerAdoption, AWorkerThatIsFoundCallsAgainAndItsHistoryHasNoHole) {
@@ -63,6 +77,73 @@ TEST_F(SchedulerAdoption, AWorkerThatIsFoundCallsAgainAndItsHistoryHasNoHole) {
   EXPECT_EQ(job.attempts(), 1);
   EXPECT_THAT(steps_in_the_log(*daemon), ElementsAre(1, 2, 3, 4, 5));
   EXPECT_EQ(daemon->executor.launches(), 0u) << "its job was started twice";
+}
+
+TEST_F(SchedulerAdoption, AWorkerThatRanOnIsToldWhichOfItsReportsAreThere) {
+  crash_after_three_steps();
+  const auto daemon = restarted();
+  auto hello = running(launch_);
+  hello.set_protocol(worker_protocol + 1);
+  EXPECT_FALSE(daemon->scheduler.attach(hello, channel_)) << "of another protocol";
+  hello.set_protocol(worker_protocol);
+  const auto run = daemon->scheduler.attach(hello, channel_);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(channel_->orders.back().start().reports_stored(), 3);
+  EXPECT_FALSE(daemon->scheduler.attach(hello, channel_)) << "a second one";
+  daemon->scheduler.detach(run);
+  EXPECT_FALSE(daemon->scheduler.attach(hello, channel_)) << "to one daemon it calls once";
+  daemon->executor.end(launch_, "exit code 70");
+}
+
+TEST_F(SchedulerAdoption, AWorkerThatThisDaemonStartedDoesNotCallAgain) {
+  Daemon daemon(folder_.path());
+  daemon.scheduler.start();
+  daemon.scheduler.submit(new_job(), {});
+  const auto launch = daemon.executor.wait_for_launch(1);
+  EXPECT_FALSE(daemon.scheduler.attach(running(launch), channel_));
+  daemon.executor.end(launch, "exit code 70");
+}
+
+TEST_F(SchedulerAdoption, AnswersAreOfTheSolverThatTheWorkerRuns) {
+  crash_after_three_steps();
+  const auto daemon = restarted();
+  auto hello = running(launch_);
+  hello.set_solver("the version before");
+  const auto run = daemon->scheduler.attach(hello, channel_);
+  daemon->scheduler.report(run, finished(Finished::SUCCEEDED));
+  EXPECT_EQ(daemon->store.find(id_)->solver, "the version before");
+  daemon->scheduler.detach(run);
+  daemon->executor.end(launch_, "exit code 0");
+}
+
+TEST_F(SchedulerAdoption, AWorkerIsNotGoneOnWithWhenDamageHidesWhatItReported) {
+  crash_after_three_steps();
+  const auto log = crashed_ / id_ / "events.log";
+  std::fstream file(log, std::ios::in | std::ios::out | std::ios::binary);
+  EventLog::Cursor third_from_the_end{.sequence = 3};
+  EventLog(log).read(third_from_the_end);
+  file.seekp(third_from_the_end.offset + 20);
+  file << "\xff\xff";
+  file.close();
+  const auto daemon = restarted();
+  EXPECT_TRUE(eventually([&] { return daemon->executor.kills() == 1; }));
+  EXPECT_EQ(daemon->executor.wait_for_launch(1).attempt, 2);
+}
+
+TEST_F(SchedulerAdoption, TheLossOfValidityIsToldOnce) {
+  v1::WorkerMessage loss;
+  loss.mutable_validity_lost()->set_time_s(3.0);
+  crash_after_three_steps(
+      [&](Daemon& daemon) { daemon.scheduler.report(run_of_the_crash_, loss); });
+  const auto daemon = restarted();
+  const auto run = attach(*daemon, launch_);
+  daemon->scheduler.report(run, loss);
+  EXPECT_EQ(daemon->scheduler.log(id_)->last_sequence(), 6);
+  EXPECT_EQ(daemon->scheduler.find(id_)->validity_loss().time_s(), 3.0);
+  daemon->scheduler.report(run, finished(Finished::SUCCEEDED));
+  EXPECT_EQ(daemon->scheduler.find(id_)->validity_loss().time_s(), 3.0);
+  daemon->scheduler.detach(run);
+  daemon->executor.end(launch_, "exit code 0");
 }
 
 TEST_F(SchedulerAdoption, TheStoreKnowsTheTokenByItsHashAlone) {

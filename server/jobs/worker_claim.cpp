@@ -1,0 +1,105 @@
+#include "server/jobs/worker_claim.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr const char* claim_file = "worker.lock";
+constexpr std::chrono::milliseconds between_tries{10};
+
+/// A lock on a whole file, for fcntl().
+struct flock whole_file() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+bool try_lock(const storage::File& file) {
+  struct flock lock = whole_file();
+  if (::fcntl(file.descriptor(), F_SETLK, &lock) == 0) return true;
+  if (errno == EACCES || errno == EAGAIN) return false;
+  throw std::system_error(errno, std::generic_category(), "cannot lock " + file.path().string());
+}
+
+/// @return the process that has the lock; 0 for none
+pid_t owner_of_lock(const storage::File& file) {
+  struct flock lock = whole_file();
+  if (::fcntl(file.descriptor(), F_GETLK, &lock) != 0)
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot inspect the lock on " + file.path().string());
+  return lock.l_type == F_UNLCK ? 0 : lock.l_pid;
+}
+
+std::string text_of(const WorkerClaim& claim) {
+  return std::to_string(claim.protocol) + " " + std::to_string(claim.attempt) + " " + claim.job_id +
+         "\n";
+}
+
+/// @return nothing for a text that is not whole
+std::optional<WorkerClaim> parse_claim(const std::string& text) {
+  if (!text.ends_with('\n')) return std::nullopt;
+  std::istringstream words(text);
+  WorkerClaim claim;
+  words >> claim.protocol >> claim.attempt >> claim.job_id;
+  return words ? std::optional(claim) : std::nullopt;
+}
+
+storage::FileDescriptor open_process(pid_t process) {
+  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
+  return storage::FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
+}
+
+}  // namespace
+
+FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim& claim,
+                         std::chrono::milliseconds longest)
+    : lock_(folder / claim_file, O_RDWR | O_CREAT) {
+  const auto end = std::chrono::steady_clock::now() + longest;
+  while (!try_lock(lock_)) {
+    if (std::chrono::steady_clock::now() > end)
+      throw FolderTaken("another worker (process " + std::to_string(owner_of_lock(lock_)) +
+                        ") writes into " + folder.string());
+    std::this_thread::sleep_for(between_tries);
+  }
+  lock_.cut(0);
+  lock_.write_at(0, text_of(claim));
+}
+
+bool FolderClaim::stands() const {
+  using Status = struct stat;
+  Status held{};
+  Status there{};
+  return ::fstat(lock_.descriptor(), &held) == 0 && ::stat(lock_.path().c_str(), &there) == 0 &&
+         held.st_dev == there.st_dev && held.st_ino == there.st_ino;
+}
+
+std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder) {
+  const auto path = folder / claim_file;
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const storage::File file(path, O_RDWR);
+  const pid_t process = owner_of_lock(file);
+  if (process == 0) return std::nullopt;
+  ClaimHolder holder{.process = process, .handle = open_process(process)};
+  const int error = errno;
+  // It has had the lock all the time, so that its id has not gone to another process before the
+  // line above.
+  if (owner_of_lock(file) != process) return std::nullopt;
+  if (!holder.handle)
+    throw std::system_error(error, std::generic_category(),
+                            "cannot follow the worker " + std::to_string(process));
+  holder.claim = parse_claim(storage::read_file(path));
+  return holder;
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "core/storage/file.hpp"
+
+namespace dccast::jobs {
+
+/// Version of what a worker and a daemon say to each other once the worker runs. A daemon leads on
+/// a worker of an earlier program only when this is equal.
+inline constexpr int worker_protocol = 1;
+
+/// What a worker says of itself in the folder of its job.
+struct WorkerClaim {
+  std::string job_id;
+  int attempt = 0;
+  int protocol = worker_protocol;
+};
+
+/// Another process works in the folder.
+class FolderTaken : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The folder of a job, claimed by the worker that writes into it, as long as this lives: no two
+/// workers write one folder, whatever the daemons do, and the next daemon finds the one that does.
+///
+/// The claim is a lock of the operating system (fcntl) on `worker.lock`, so that it ends with its
+/// process, and the system itself names that process: an id that was given to another process,
+/// after a restart of the machine say, deceives nobody. The process must not open the file again:
+/// closing it gives up the lock.
+class FolderClaim {
+public:
+  /// @param longest  to wait for a worker that is about to end
+  /// @throws FolderTaken           another worker has the folder
+  /// @throws storage::StorageError  the file cannot be written
+  FolderClaim(const std::filesystem::path& folder, const WorkerClaim& claim,
+              std::chrono::milliseconds longest);
+  /// Whether the folder is still the one that was claimed: not removed, moved or put back from a
+  /// backup.
+  bool stands() const;
+
+private:
+  storage::File lock_;
+};
+
+/// A process that claims a folder.
+struct ClaimHolder {
+  pid_t process = 0;
+  storage::FileDescriptor handle;  ///< pidfd, of this process beyond doubt
+  /// Nothing: it has not said who it is, or cannot be understood.
+  std::optional<WorkerClaim> claim{};
+};
+
+/// Who claims a folder. Not for the holder itself, see FolderClaim. @return nothing for nobody
+/// @throws std::system_error  it cannot be found out
+std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder);
+
+}  // namespace dccast::jobs
