@@ -92,7 +92,7 @@ TEST_F(Validity, WatchMarksEveryLineAfterIt) {
   EXPECT_THAT(watched.out, HasSubstr(std::string("warning: ") + sentence));
   EXPECT_THAT(watched.out, HasSubstr("step 2  t 2.00 s  cast"));
   EXPECT_THAT(watched.out, HasSubstr("step 3  t 3.00 s  beyond validity  cast"));
-  EXPECT_THAT(watched.out, HasSubstr("cast length 5.0 mm, beyond validity"));
+  EXPECT_THAT(watched.out, HasSubstr("cast length 5.0 mm, beyond validity\n"));
   std::istringstream lines(run({"watch", "--json", "job"}).out);
   int marked = 0, losses = 0;
   for (std::string text; std::getline(lines, text);) {
