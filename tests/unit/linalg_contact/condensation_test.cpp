@@ -71,7 +71,7 @@ TEST_P(CondensationOn, MeetsFullFactorization) {
   DirectSolver solver;
   solver.analyze(grid.pattern);
   ASSERT_TRUE(solver.factorize(emptied(grid, grid.held)));
-  Condensation condensation;
+  Condensation condensation(8);
   condensation.start(grid.pattern, grid.values, solver, grid.held);
   expect_same_as_full(
       grid, [&](auto held) { return condensation.change(held); },
@@ -96,7 +96,9 @@ TEST(Condensation, RefusesToEmptyTheSetAndTooManyChanges) {
   condensation.start(grid.pattern, grid.values, solver, one);
   std::vector<char> all = one;
   for (const int u : grid.bottom) all[std::size_t(u)] = 1;
+  const long solves = solver.solves();
   EXPECT_FALSE(condensation.change(all));
+  EXPECT_EQ(solver.solves(), solves) << "of columns that nothing uses";
 }
 
 TEST(Condensation, IsTheFactorItselfWithoutChanges) {
