@@ -36,7 +36,7 @@ Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
   return json;
 }
 
-/// @return  nothing when the server cannot be asked and the local faults have to do
+/// @return  empty if the server cannot be reached and only local faults can be reported
 std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
                                             const v1::ValidateCaseRequest& request,
                                             bool has_local_faults) {
@@ -49,7 +49,7 @@ std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
   return std::nullopt;
 }
 
-/// Nothing of a file that could not be parsed is left to be judged.
+/// A file that could not be parsed leaves nothing to be checked.
 bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
   return faults.size() == 1 && faults.front().field().empty();
 }
@@ -66,7 +66,7 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
   checked.read = file == "-" ? read_standard_input(checked.description)
                              : case_file::read_file(file, checked.description);
   checked.changes = changes;
-  // A file that could not be parsed has nothing to be changed.
+  // Changes cannot be applied to a file that could not be parsed.
   if (!cannot_be_judged(checked.read.faults))
     case_file::apply_changes(checked.description, changes, checked.read);
   checked.faults = checked.read.faults;

@@ -13,32 +13,32 @@
 
 namespace dccast::client {
 
-/// A case file as read, and every fault known of it.
+/// A case file as read, with all known faults.
 struct CaseUnderCheck {
   v1::Case description;
   case_file::ReadOutcome read;
-  std::vector<v1::Fault> faults;  ///< local ones and the server's, in the order of the file
+  std::vector<v1::Fault>
+      faults;  ///< local faults and those of the server, in the order of the file
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
-  std::vector<v1::CaseChange> changes;  ///< made in `description`
+  std::vector<v1::CaseChange> changes;                       ///< changes applied to `description`
 };
 
-/// Reads a case file, "-" is standard input, and makes the changes in it; faults are the local
-/// ones.
+/// Reads a case file ("-" is standard input) and applies the changes; reports local faults only.
 CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes = {});
 
-/// Adds what the server's ValidateCase finds in what could be read. If the server cannot be asked,
-/// local faults are an answer already, which it says on standard error; without them it throws
-/// CommandFailed. Throws Interrupted.
+/// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
+/// server cannot be reached, local faults are reported alone, with a message on standard error;
+/// without local faults CommandFailed is thrown. Throws Interrupted.
 void check_with_server(CaseUnderCheck& checked, Connection& connection);
 
-/// Local faults and the server's together. What the server says of a key that already has a local
-/// fault (or of a part of it) is left out: the key did not reach it.
+/// Merges local faults and those of the server. Server faults of a key, or part of a key, that
+/// already has a local fault are left out: the key did not reach the server.
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
                                     const std::vector<v1::Fault>& remote);
 
-/// The faults that came with SubmitJob's INVALID_ARGUMENT; empty if there are none in it.
+/// The faults in the INVALID_ARGUMENT status of SubmitJob; may be empty.
 std::vector<v1::Fault> faults_of(const grpc::Status& status);
 
 /// Prints each fault and warning as `file:line:column: key = value: ...`.

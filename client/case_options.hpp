@@ -13,10 +13,10 @@ namespace dccast::client {
 /// @param changes  must outlive the parsing of the command line
 CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& changes);
 
-/// The changes that were given, in their order.
+/// The changes given by the user, in order.
 std::vector<v1::CaseChange> changes_of(const std::vector<std::string>& texts);
 
-/// The length in an option's value, "285 mm" [m]. Throws CommandFailed that names the option.
+/// The length in an option's value such as "285 mm" [m]. Throws CommandFailed, naming the option.
 double metres_of(const std::string& text, const char* option);
 
 /// "schedule.hold = 5 s, mesh.rows = 30"; empty for none.

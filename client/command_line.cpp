@@ -63,7 +63,7 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
-/// What may be meant by a word that is no command, or no option of the command that was given.
+/// Suggestion for an unknown command, or for an unknown option of the given command.
 std::string nearest_word(const CLI::App& app, const std::vector<std::string>& arguments) {
   const auto chosen = app.get_subcommands();
   for (const std::string& word : arguments) {
@@ -103,7 +103,7 @@ int run_command_line(std::vector<std::string> arguments, commands::Program& prog
     app.add_option("--server", program.server, "Address of dccastd; also before or after a command")
         ->envname("DCCAST_SERVER")
         ->capture_default_str();
-    // CLI11 takes them from the back.
+    // CLI11 expects the arguments in reverse order.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
     return static_cast<int>(program.action());
   } catch (const CLI::ParseError& error) {

@@ -27,7 +27,7 @@ double value_at(const std::vector<double>& time_s, const std::vector<double>& va
   return value[right - 1] + share * (value[right] - value[right - 1]);
 }
 
-/// Looks at the instants of the first answer that the other one's time covers.
+/// Compares at the times of the first answer that the other one covers.
 void find_largest(const Answer& first, const Series& mine, const Answer& other,
                   const Series& theirs, CurlDifference& difference) {
   const std::vector<double>& time_s = other.history.time_s;
@@ -46,7 +46,8 @@ void find_largest(const Answer& first, const Series& mine, const Answer& other,
 Weight weight_of(const CurlDifference& difference) {
   if (!difference.uncertainty_m || !difference.first_uncertainty_m) return Weight::unknown;
   const double size = std::abs(difference.end_m);
-  // A monitor that stands on the block has a band of nothing, and its curl round-off.
+  // A monitor in contact with the block has an error band of zero width and a curl of round-off
+  // size.
   constexpr double least = 1e-6;  // [m]
   const double mine = std::max(*difference.first_uncertainty_m, least);
   const double theirs = std::max(*difference.uncertainty_m, least);

@@ -18,7 +18,7 @@ struct CommandWords {
   bool takes_file = false;
 };
 
-/// Up to where a list of choices has room.
+/// Truncates a long list of choices.
 std::string first_sentence(const std::string& text) {
   return text.substr(0, text.find_first_of(".;:"));
 }

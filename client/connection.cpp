@@ -10,9 +10,9 @@ namespace dccast::client {
 Connection::Connection(const std::string& server, std::shared_ptr<Interruption> interruption)
     : server_(server), interruption_(std::move(interruption)) {
   grpc::ChannelArguments arguments;
-  // Histories and frames of long runs pass gRPC's default of 4 MiB.
+  // Histories and frames of long runs exceed gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);
-  // A watcher must notice a daemon that vanished without a word.
+  // A watcher must notice a daemon that disappeared without closing the connection.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
   // A proxy would see every case, and the address may exist only on this network.

@@ -14,14 +14,14 @@ namespace dccast::client {
 
 using Stub = v1::SimulationService::StubInterface;
 
-/// How often a call that may be repeated is made, and how long the pauses between are.
+/// Number of attempts of a repeatable call, and the pauses between them.
 struct CallPolicy {
   int attempts = 4;
   std::chrono::milliseconds first_pause{200};  ///< doubled after every attempt
 };
 
-/// A daemon to talk to. The connection is made by the first call, and never through a proxy: the
-/// address is that of the daemon itself, whatever http_proxy says.
+/// Connection to a daemon. It is established by the first call, and never through a proxy:
+/// http_proxy and similar variables are ignored.
 class Connection {
 public:
   explicit Connection(const std::string& server, std::shared_ptr<Interruption> interruption =
@@ -29,11 +29,10 @@ public:
 
   Stub& stub() { return *stub_; }
   const std::string& server() const { return server_; }
-  /// Whoever waits for this server, in a call or between two, must listen to it.
+  /// Must be observed by any code that waits for this server, during or between calls.
   Interruption& interruption() { return *interruption_; }
 
-  /// One unary call that may be repeated (see try_call). Throws CommandFailed for any status but
-  /// OK.
+  /// Makes a repeatable unary call (see try_call). Throws CommandFailed for any status but OK.
   template <typename Request, typename Response>
   Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                 const Request& request) {
@@ -42,8 +41,8 @@ public:
     return response;
   }
 
-  /// The same for a call that must not be repeated, because the second answer would differ from
-  /// the first: a job resumed or deleted twice.
+  /// The same for a call that must not be repeated, because a second one would have a different
+  /// result, such as resuming or deleting a job.
   template <typename Request, typename Response>
   Response call_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                      const Request& request) {
@@ -60,10 +59,9 @@ public:
     return attempt(method, request, response);
   }
 
-  /// A unary call with a deadline, made again with longer and longer pauses while the server is
-  /// UNAVAILABLE, which is said on standard error. For calls that may come twice: all that only
-  /// read, SubmitJob with its request id, CancelJob. @return the status of the last attempt.
-  /// Throws Interrupted.
+  /// A unary call with a deadline, repeated with increasing pauses while the server is UNAVAILABLE,
+  /// with a message on standard error. For repeatable calls: all that only read, SubmitJob with its
+  /// request id, CancelJob. @return the status of the last attempt. Throws Interrupted.
   template <typename Request, typename Response>
   grpc::Status try_call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
                                                      Response*),
@@ -94,7 +92,7 @@ private:
   }
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
-  static constexpr std::chrono::seconds deadline{60};  // also for a case with large attachments
+  static constexpr std::chrono::seconds deadline{60};  // enough for a case with large attachments
   std::string server_;
   std::unique_ptr<Stub> stub_;
   std::shared_ptr<Interruption> interruption_;

@@ -18,7 +18,7 @@ std::int64_t size_of(const fs::path& file) {
   return error ? 0 : static_cast<std::int64_t>(size);
 }
 
-/// A stream of chunks and what to call it.
+/// A stream of chunks and its name for messages.
 struct Source {
   using Reader = std::unique_ptr<grpc::ClientReaderInterface<v1::FetchResultResponse>>;
   std::string name;
@@ -32,7 +32,7 @@ struct Attempt {
   std::string sha256;
 };
 
-/// Appends to the part file what the server has beyond it.
+/// Appends to the part file the data that are missing in it.
 Attempt append_rest(Connection& connection, const Source& source, const std::string& sha256,
                     const fs::path& part) {
   std::ofstream stream(part, std::ios::binary | std::ios::app);
@@ -71,7 +71,7 @@ Interrupted interrupted_at(const fs::path& part) {
                                       " bytes; the same command goes on behind them");
 }
 
-/// Whether what has come so far is of another file than the one that is there now.
+/// Whether the data received so far belong to another file than the present one.
 bool of_another(const Attempt& attempt) {
   const auto code = attempt.status.error_code();
   return code == grpc::StatusCode::OUT_OF_RANGE || code == grpc::StatusCode::ABORTED;

@@ -11,18 +11,19 @@ namespace dccast::client {
 
 struct Download {
   std::int64_t bytes = 0;
-  std::int64_t resumed_at = 0;  ///< bytes that were there from an earlier attempt
+  std::int64_t resumed_at = 0;  ///< number of bytes present from an earlier attempt
   std::string sha256;
 };
 
-/// Fetches an artifact of a job into `file`. Bytes go to `file`.part first; one that is there
-/// already is continued. The file appears under its name only when its SHA-256 is right. A stream
-/// that is cut is continued a few times. Throws CommandFailed: server away, no such job or
-/// artifact, disk; Interrupted, the part file complete up to what has come.
+/// Downloads an artifact of a job to `file`. Data are written to `file`.part first; an existing
+/// part file is continued. The file gets its name only if its SHA-256 is correct. An interrupted
+/// stream is continued a few times. Throws CommandFailed (server not reachable, no such job or
+/// artifact, disk error) and Interrupted; the part file then holds the data received so far.
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
                   const std::filesystem::path& file, std::ostream& talk);
 
-/// Fetches the table of a study in the same way. One that has gone on meanwhile is fetched anew.
+/// Downloads the table of a study in the same way; from the beginning if the study has changed
+/// meanwhile.
 Download download_study(Connection& connection, const std::string& id,
                         const std::filesystem::path& file, std::ostream& talk);
 

@@ -5,11 +5,11 @@ namespace dccast::client {
 /// Exit codes of every program of the project.
 enum class ExitCode {
   done = 0,
-  invalid = 2,       ///< usage, or a case with faults; with --strict one with findings
-  solve_failed = 3,  ///< the job ended without success; with --strict one with findings
-  unreachable = 4,   ///< the server does not answer, or refused
-  not_found = 5,     ///< no such thing, or not allowed
-  wrong_state = 6,   ///< not in the state that the thing is in now
+  invalid = 2,       ///< usage error, or a case with faults; with --strict also findings
+  solve_failed = 3,  ///< the job did not succeed; with --strict also findings
+  unreachable = 4,   ///< the server does not answer, or refuses
+  not_found = 5,     ///< does not exist, or not allowed
+  wrong_state = 6,   ///< not possible in the present state of the object
   interrupted = 130  ///< by SIGINT (Ctrl-C) or SIGTERM
 };
 

@@ -25,7 +25,7 @@ ExitCode exit_code_of(grpc::StatusCode code) {
   }
 }
 
-/// What gRPC says of a connection, as far as it is told apart; the first that fits.
+/// Connection errors reported by gRPC and their meaning; the first match is used.
 struct Wording {
   std::string_view said, meaning;
 };

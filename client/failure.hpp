@@ -9,7 +9,7 @@
 
 namespace dccast::client {
 
-/// A command that cannot go on: what to tell the user, and the exit code.
+/// A command failed: message for the user and exit code.
 class CommandFailed : public std::runtime_error {
 public:
   CommandFailed(ExitCode code, const std::string& message)
@@ -20,12 +20,12 @@ private:
   ExitCode code_;
 };
 
-/// The failure that a call's status means, with the remedy. `server` is the address for the
+/// Converts the status of a call to a failure, with the remedy. `server` is the address for the
 /// message.
 CommandFailed failure_of(const grpc::Status& status, const std::string& server);
 
-/// Why a call failed, in one line for people: what the daemon said, or in place of gRPC's own
-/// report of its attempts what it comes to.
+/// Why a call failed, in one line: the message of the daemon, or a summary instead of gRPC's report
+/// of its connection attempts.
 std::string reason_of(const grpc::Status& status);
 
 /// Throws `failure_of` unless the status is OK.

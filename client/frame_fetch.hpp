@@ -7,8 +7,8 @@
 
 namespace dccast::client {
 
-/// Fetches frames one by one, at most so many. @param last  an answer with the last frame and the
-/// times of all
+/// Fetches a limited number of frames one by one.
+/// @param last  a response with the last frame and the times of all frames
 FrameSeries fetch_frames(Connection& connection, const std::string& id,
                          const v1::QueryResultResponse& last, int most);
 

@@ -6,14 +6,13 @@
 
 namespace dccast::client {
 
-/// Some of the frames that a job has stored, evenly chosen, the first and the last among them.
+/// An evenly spaced selection of the stored frames of a job, including the first and the last.
 struct FrameSeries {
   int stored = 0;                 ///< frames in the results
   std::vector<v1::Frame> frames;  ///< in the order of time
 };
 
-/// Which of `stored` frames are taken where at most `most` are wanted: numbers from 1, the last one
-/// always.
+/// Selects at most `most` of `stored` frames, always including the last; numbers from 1.
 std::vector<int> evenly_chosen(int stored, int most);
 
 }  // namespace dccast::client

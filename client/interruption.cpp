@@ -41,7 +41,8 @@ void interrupt_by_signals(std::shared_ptr<Interruption> interruption) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // later threads inherit it: only ours takes them
+  pthread_sigmask(SIG_BLOCK, &signals,
+                  nullptr);  // later threads inherit the mask: only this one handles the signals
   std::thread([signals, interruption = std::move(interruption)] {
     int signal = 0;
     sigwait(&signals, &signal);

@@ -12,24 +12,24 @@
 
 namespace dccast::client {
 
-/// The command was interrupted; the message says what became of what it was doing.
+/// The command was interrupted; the message says what happened to its work.
 class Interrupted : public CommandFailed {
 public:
   explicit Interrupted(const std::string& rest)
       : CommandFailed(ExitCode::interrupted, "interrupted" + (rest.empty() ? "" : "; " + rest)) {}
 };
 
-/// A request to leave the command. It comes from another thread than the command's, which is told by its calls
-/// ending early: so it leaves by its own way, with files closed and lines ended.
+/// A request to end the command, made by another thread. The command notices it because its calls
+/// end early, and so leaves in an orderly way, with files closed and lines completed.
 class Interruption {
 public:
-  /// Ends the call that is under way, and every later one.
+  /// Cancels the current call and every later one.
   void come();
   bool came() const;
-  /// Sleeps so long. Throws Interrupted.
+  /// Sleeps for `time`. Throws Interrupted.
   void sleep(std::chrono::milliseconds time);
 
-  /// While it lives the interruption cancels this call. One at a time.
+  /// During its lifetime an interruption cancels this call. Only one may exist at a time.
   class Call {
   public:
     Call(Interruption& interruption, grpc::ClientContext& context);
@@ -47,8 +47,9 @@ private:
   grpc::ClientContext* call_ = nullptr;
 };
 
-/// Takes SIGINT and SIGTERM from now on, in a thread of its own; call it before there are others. A
-/// command that has not left a second after the first signal, or when another one comes, is ended.
+/// Handles SIGINT and SIGTERM from now on in a thread of its own; must be called before other
+/// threads start. A command that has not ended one second after the first signal, or at the second
+/// signal, is terminated.
 void interrupt_by_signals(std::shared_ptr<Interruption> interruption);
 
 }  // namespace dccast::client

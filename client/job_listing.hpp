@@ -6,12 +6,12 @@
 
 namespace dccast::client {
 
-/// Jobs that a request asks for, page by page, newest first, and no more than `limit`.
+/// Lists the jobs of a request, newest first, at most `limit`; reads all pages that are needed.
 /// Throws CommandFailed, Interrupted.
 /// @param request  its page size and token are set here
 std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
 
-/// The same, and whether the server has more than these.
+/// A list of jobs, and whether the server has more.
 struct JobListing {
   std::vector<v1::Job> jobs;
   bool more = false;

@@ -6,9 +6,9 @@
 
 namespace dccast::client {
 
-/// The whole history of a job, read page by page and put together, with the case and, if asked for,
-/// the last stored frame. When a resumption takes steps back while it is read, it is read again.
-/// @return the status of the call that ended it; `result` is whole where it is OK
+/// Reads the whole history of a job, page by page, with the case and, on request, the last stored
+/// frame. If the job is resumed from an earlier step meanwhile, the history is read again.
+/// @return the status of the last call; `result` is complete if it is OK
 grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
                               v1::QueryResultResponse& result);
 

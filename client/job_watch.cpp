@@ -25,8 +25,8 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
   Stream stream;
   v1::JobEvent event;
   while (!stream.terminal && reader->Read(&event)) {
-    if (event.sequence() < next) continue;  // had it already
-    // Sequence numbers have no holes: an event that is missing is asked for again.
+    if (event.sequence() < next) continue;  // already received
+    // Sequence numbers have no gaps: a missing event is requested again.
     if (event.sequence() > next) {
       context.TryCancel();
       break;

@@ -4,7 +4,8 @@
 #include "client/configuration.hpp"
 
 int main(int argc, char** argv) {
-  // gRPC reports to its own developers on standard error; what is for users the commands say.
+  // gRPC writes messages for its developers to standard error; the commands report errors
+  // themselves.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
   dccast::client::commands::Program program;
   program.configuration = dccast::client::configuration_file();

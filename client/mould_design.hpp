@@ -11,7 +11,7 @@ namespace dccast::client {
 
 class Connection;
 
-/// The mould of one run and the cold slab that came out of it.
+/// The mould of one run and the resulting cold slab.
 struct CastMould {
   v1::Section section;
   frames::SteadyFace face;
@@ -19,20 +19,20 @@ struct CastMould {
 
 /// One run of a mould design.
 struct MouldRun {
-  std::string job;  ///< empty while it is not queued
+  std::string job;  ///< empty until it is queued
   v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
-  std::optional<CastMould> cast;  ///< where it succeeded
-  std::string trouble;            ///< why it failed, or why nothing can be read from it
+  std::optional<CastMould> cast;  ///< set if the run succeeded
+  std::string trouble;            ///< why the run failed or its results cannot be read
 };
 
-/// A study that looks for the opening of a mould, with what each of its runs gave.
+/// A study that searches for the opening of a mould, with the results of its runs.
 struct MouldDesign {
   v1::StudyResult result;
-  double wanted_m = 0.0;  ///< half-thickness of the cold slab
+  double wanted_m = 0.0;  ///< wanted half-thickness of the cold slab [m]
   std::vector<MouldRun> runs;
 
   const v1::StudyResult::MouldFound& found() const { return result.mould(); }
-  /// The run whose opening was found; null while there is none.
+  /// The run with the opening that was found; null if there is none yet.
   const MouldRun* best() const;
 };
 

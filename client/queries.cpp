@@ -9,9 +9,9 @@ namespace dccast::client {
 namespace {
 
 constexpr std::size_t at_once = 8;
-constexpr std::chrono::milliseconds look{20};  // between two looks whether the command is to end
+constexpr std::chrono::milliseconds look{20};  // interval between checks for an interruption
 
-/// One question in a thread. It has an interruption of its own, which knows one call.
+/// One query in a thread, with an interruption of its own.
 class Question {
 public:
   Question(const std::string& server, CaseUnderCheck& checked)
@@ -21,10 +21,10 @@ public:
         })) {}
   Question(Question&&) = default;
   ~Question() {
-    if (answer_.valid()) own_->come();  // another question has failed: nobody wants this answer
+    if (answer_.valid()) own_->come();  // another query has failed: this answer is no longer needed
   }
 
-  /// Throws what the question has thrown.
+  /// Rethrows the exception of the query.
   std::optional<Answer> answer(const Interruption& command) {
     while (answer_.wait_for(look) != std::future_status::ready)
       if (command.came()) own_->come();

@@ -7,10 +7,9 @@
 
 namespace dccast::client {
 
-/// Asks about several cases at once, a few at a time: the daemon has processes for as many as it
-/// has cores, and the others wait there.
-/// @return  in the order of the cases; nothing for a case with faults, which are in it then
-/// Throws CommandFailed, Interrupted: the runs end with their calls.
+/// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
+/// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.
+/// @return  (case) empty for a case with faults, which are stored in the case
 std::vector<std::optional<Answer>> ask_queries(Connection& connection,
                                                std::vector<CaseUnderCheck>& cases);
 

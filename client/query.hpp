@@ -9,10 +9,10 @@
 
 namespace dccast::client {
 
-/// What a query was answered with, or what a job says: a case with its curl.
+/// Answer of a query or result of a job: a case with its curl.
 struct Answer {
-  std::string name;         ///< of the file or the job, for tables
-  std::string job;          ///< its id; empty: it is in no store
+  std::string name;         ///< name of the file or job, for tables
+  std::string job;          ///< id of the job; empty if it is not stored
   bool from_store = false;  ///< no solver ran
   v1::Case description;     ///< complete
   std::vector<v1::CaseChange> changes;
@@ -22,13 +22,13 @@ struct Answer {
   v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
   std::optional<v1::Failure> failure;
   double solver_s = 0.0;
-  double first_point_s = 0.0;  ///< from the call to its first step, on this side of the wire
-  double elapsed_s = 0.0;      ///< from the call to its end
+  double first_point_s = 0.0;  ///< from the call to the first step, measured by the client [s]
+  double elapsed_s = 0.0;      ///< from the call to its end [s]
 };
 
-/// Asks QueryButtCurl. @param on_response  sees everything as it comes
-/// @return  nothing when the case has faults, which are in `checked` then
-/// Throws CommandFailed, Interrupted: the run ends with the call.
+/// Calls QueryButtCurl. Throws CommandFailed, Interrupted; the run ends with the call.
+/// @param on_response  called with every response as it arrives
+/// @return             empty if the case has faults, which are then in `checked`
 std::optional<Answer> ask_query(
     Connection& connection, CaseUnderCheck& checked, bool keep,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response = {});

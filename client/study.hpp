@@ -12,40 +12,39 @@ namespace dccast::client {
 /// One run of a refinement study.
 struct StudyLevel {
   int refinement = 1;
-  v1::Job job;                     ///< without an id while the run is not queued yet
-  std::vector<double> end_curl_m;  ///< by monitor of the study; NaN unless it succeeded
+  v1::Job job;                     ///< without an id until the run is queued
+  std::vector<double> end_curl_m;  ///< (monitor of the study) [m]; NaN unless the run succeeded
 
   bool succeeded() const { return job.state() == v1::SUCCEEDED; }
   bool ends_beyond_validity() const { return job.has_validity_loss(); }
 };
 
-/// What curves on finer and finer meshes say of the curve they tend to.
+/// The extrapolated limit of curves on successively refined meshes.
 struct CurveLimit {
-  std::optional<double> order;        ///< observed; nothing where the curves do not settle
-  std::vector<double> value_m;        ///< extrapolated; the finest curve where there is no order
-  std::vector<double> uncertainty_m;  ///< half width of the interval around `value_m`
+  std::optional<double> order;  ///< observed order of convergence [1]; empty if not converging
+  std::vector<double> value_m;  ///< extrapolated [m]; the finest curve if there is no order
+  std::vector<double> uncertainty_m;  ///< half width of the interval around `value_m` [m]
 };
 
-/// What a study says of one monitor.
+/// Result of a study for one monitor.
 struct MonitorStudy {
   std::string name;
-  std::vector<double> end_curl_m;  ///< by level that succeeded, at the end
-  CurveLimit limit;                ///< at the instants of the study
-
-  std::size_t least_certain() const;  ///< the instant with the largest uncertainty
+  std::vector<double> end_curl_m;     ///< (level that succeeded) at the end [m]
+  CurveLimit limit;                   ///< at the times of the study
+  std::size_t least_certain() const;  ///< index of the time with the largest uncertainty
 };
 
-/// A case run on several meshes, and what its curl tends to: EvaluateStudy's answer, arranged for
-/// tables and charts.
+/// A case run on several meshes, and the limit of its curl: the response of EvaluateStudy, arranged
+/// for tables and charts.
 struct Study {
-  std::string id;                  ///< empty: there is none
+  std::string id;                  ///< empty: there is no study
   std::vector<StudyLevel> levels;  ///< coarsest first
   std::vector<v1::Job> others;     ///< jobs of the study that are not one of its levels
   std::vector<std::string> monitor_names;
-  std::vector<double> time_s;  ///< instants of the limits
+  std::vector<double> time_s;  ///< times of the limits [s]
   std::vector<double> cast_length_m;
-  /// From here on one of the levels that succeeded is beyond validity, and the limit with it;
-  /// nothing when all are valid to their end [s].
+  /// Time from which one of the levels that succeeded, and so the limit, is beyond validity [s];
+  /// empty if all are valid to their end.
   std::optional<double> valid_until_s;
   std::vector<MonitorStudy> monitors;  ///< empty with fewer than two levels that succeeded
 
@@ -54,7 +53,7 @@ struct Study {
   const MonitorStudy* monitor(const std::string& name) const;  ///< null: not in the study
 };
 
-/// @param jobs  those of the study, oldest first
+/// @param jobs  jobs of the study, oldest first
 Study study_of(const v1::StudyResult& result, const std::vector<v1::Job>& jobs);
 
 }  // namespace dccast::client

@@ -9,7 +9,7 @@
 
 namespace dccast::client {
 
-/// What a sweep file says: the case it is of, and its plan.
+/// Content of a sweep file: its case and its plan.
 ///
 ///     case = "start-2d-thickness.toml"   # beside the sweep file
 ///     design = "latin_hypercube"         # grid, list
@@ -19,7 +19,7 @@ namespace dccast::client {
 ///     key = "schedule.casting_speed"
 ///     values = ["40 mm/min", "80 mm/min"]
 struct SweepFile {
-  std::string case_file;  ///< as a path from here
+  std::string case_file;  ///< path relative to the working directory
   v1::SweepPlan plan;
 };
 
@@ -29,7 +29,7 @@ bool is_sweep_file(const std::string& file);
 /// Throws CommandFailed.
 SweepFile read_sweep_file(const std::string& file);
 
-/// An axis from "KEY=a,b,c". Commas inside brackets and quotes do not part values. Throws
+/// An axis from "KEY=a,b,c". Commas inside brackets and quotes do not separate values. Throws
 /// CommandFailed.
 v1::SweepPlan::Axis axis_of(std::string_view text);
 

@@ -25,7 +25,7 @@ std::vector<v1::Alloy> shipped_alloys() {
 std::vector<v1::Alloy> alloys_of(const Options& options, Program& program) {
   if (options.local) return shipped_alloys();
   Connection connection = program.connect();
-  connection.set_policy({.attempts = 1});  // there is an answer without the server
+  connection.set_policy({.attempts = 1});  // the shipped cards are available without the server
   v1::ListAlloysResponse response;
   const grpc::Status status =
       connection.try_call(&Stub::ListAlloys, v1::ListAlloysRequest(), response);
@@ -66,7 +66,7 @@ void add_alloys(CLI::App& app, Program& program) {
   CLI::App* const command = subcommand(app, "alloys", "List the alloy cards, or print one as TOML",
                                        "dccast alloys\n  dccast alloys aa5182 > my-alloy.toml");
   command->add_option("CARD", options->name, "Print this card");
-  command->add_flag("--local", options->local, "Ask no server: the shipped cards only");
+  command->add_flag("--local", options->local, "Do not ask the server: shipped cards only");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };

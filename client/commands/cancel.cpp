@@ -7,7 +7,7 @@ void add_cancel(CLI::App& app, Program& program) {
   const auto request = std::make_shared<v1::CancelJobRequest>();
   CLI::App* const command =
       add_job_command(app, program,
-                      {"cancel", "Stop a job for good; one that has ended is left as it is",
+                      {"cancel", "Stop a job permanently; a job that has ended is not changed",
                        "dccast cancel JOB --reason \"wrong alloy\""},
                       &Stub::CancelJob, request);
   command->add_option("--reason", *request->mutable_reason(), "Kept with the job")

@@ -9,14 +9,15 @@
 #include "client/connection.hpp"
 #include "client/exit_code.hpp"
 
-/// One subcommand a file. Each `add_` declares its options and sets the program's action.
+/// One subcommand per file. Each `add_` function declares its options and sets the program's
+/// action.
 namespace dccast::client::commands {
 
 /// The command line as a whole.
 struct Program {
   std::string server;                     ///< address of the daemon
   std::filesystem::path configuration{};  ///< the user's settings; empty: none
-  std::function<ExitCode()> action;       ///< what the chosen subcommand does
+  std::function<ExitCode()> action;       ///< action of the chosen subcommand
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   Connection connect() const { return Connection(server, interruption); }
 };
@@ -48,7 +49,7 @@ void add_schema(CLI::App& app, Program& program);
 void add_alloys(CLI::App& app, Program& program);
 void add_info(CLI::App& app, Program& program);
 
-/// A subcommand with its example below the help.
+/// Adds a subcommand with an example below its help text.
 CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& description,
                      const std::string& example);
 
@@ -58,8 +59,8 @@ std::shared_ptr<Options> make_options() {
   return std::make_shared<Options>();
 }
 
-/// Follows a job as `watch` does and says how it ended; results on stdout unless `talk_only`.
-/// @param strict  findings beyond notes make it ExitCode::solve_failed
+/// Follows a job as `watch` does and reports how it ended; results on stdout unless `talk_only`.
+/// @param strict  findings beyond notes give ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
                    bool talk_only, bool strict = false);
 

@@ -26,7 +26,7 @@ bool is_case_file(const std::string& text) {
   return text == "-" || std::filesystem::exists(text, error);
 }
 
-/// A run as it was named: a job, or a case file with changes.
+/// A run as given on the command line: a job, or a case file with changes.
 struct NamedRun {
   std::string text;
   std::vector<v1::CaseChange> changes;
@@ -37,7 +37,7 @@ struct NamedRun {
   throw CommandFailed(ExitCode::invalid, file + " has faults");
 }
 
-/// Computes the cases side by side, save those that were computed before.
+/// Computes the cases concurrently, except those that were computed before.
 std::vector<Answer> answers_of_files(Connection& connection, const std::vector<NamedRun>& files) {
   std::vector<CaseUnderCheck> cases;
   for (const NamedRun& file : files) {
@@ -61,7 +61,7 @@ Answer answer_of_named_job(Connection& connection, const std::string& text) {
   return answer;
 }
 
-/// What is no file means a job.
+/// A name that is not a file is taken as a job.
 std::vector<Answer> answers_to(Connection& connection, const Options& options) {
   std::vector<NamedRun> runs;
   for (const std::string& text : options.runs) runs.push_back({text, {}});

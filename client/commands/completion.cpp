@@ -17,7 +17,7 @@ constexpr const char* examples =
 void add_completion(CLI::App& app, Program& program) {
   const auto shell = std::make_shared<std::string>();
   CLI::App* const command =
-      subcommand(app, "completion", "Print a script that completes dccast in a shell", examples);
+      subcommand(app, "completion", "Print a script for shell completion of dccast", examples);
   command->add_option("SHELL", *shell, "bash, zsh or fish")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));

@@ -21,15 +21,15 @@ struct Options {
   bool json = false;
 };
 
-/// A row to show and how it is called.
+/// A row to be shown and its name.
 struct NamedRow {
   std::string name;
   const FaceRow* row;
 };
 
-/// Butt, middle and head, each row once; or the rows that were asked for.
+/// Butt, middle and head, each row once; or the requested rows.
 std::vector<NamedRow> chosen_rows(const Contraction& contraction, const Options& options) {
-  constexpr double butt_m = 0.05;  // above the curl of the foot
+  constexpr double butt_m = 0.05;  // [m] above the lifted end of the butt
   std::vector<NamedRow> rows;
   const auto add = [&](const char* name, const FaceRow& row) {
     if (rows.empty() || rows.back().row != &row) rows.push_back({name, &row});
@@ -77,7 +77,7 @@ void print_table(const Contraction& contraction, const Options& options) {
   std::cout << table.text() << std::flush;
 }
 
-/// Not a number is null when it is written.
+/// NaN is written as null.
 Json json_of(const FaceRow& row) {
   Json json{{"height_m", row.height_m}, {"solid", row.solid}};
   for (const FacePoint& p : row.points) {
@@ -91,7 +91,7 @@ Json json_of(const FaceRow& row) {
   return json;
 }
 
-/// All rows, whatever is shown in the table.
+/// All rows, independently of those shown in the table.
 void print_json(const std::string& id, const Contraction& contraction) {
   Json json{{"job", id},
             {"time_s", contraction.time_s},
@@ -130,14 +130,14 @@ void add_contraction(CLI::App& app, Program& program) {
   CLI::App* const command = subcommand(
       app, "contraction",
       "Half-thickness of a quarter slab along its wide face at butt, middle and head in the last "
-      "frame, against the mould: as it is and at 20 degC. The head is the highest row that is "
-      "solid all through",
+      "frame, compared with the mould: hot and at 20 degC. The head is the highest row that is "
+      "completely solid",
       "dccast contraction JOB\n  dccast contraction last --wanted \"285 mm\" --height \"0.3 m\"");
   command->add_option("JOB", options->id, job_help)->required();
   command->add_option("--height", options->heights,
-                      "The row nearest to this height above the block instead; repeatable");
+                      "Show the row nearest to this height above the block instead; repeatable");
   command->add_option("--wanted", options->wanted,
-                      "Half-thickness that is wanted: adds what the cold slab is over it");
+                      "Wanted half-thickness: adds the difference of the cold slab to it");
   command->add_flag("--json", options->json, "As JSON in metres, all rows")
       ->excludes("--height")
       ->excludes("--wanted");

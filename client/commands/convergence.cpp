@@ -46,7 +46,7 @@ int refused_refinement(const std::string& message) {
   return refinement;
 }
 
-/// Says why the server takes no study of this case.
+/// Reports why the server rejects a study of this case.
 void print_refusal(const CaseUnderCheck& checked, const grpc::Status& status) {
   const int refinement = refused_refinement(status.error_message());
   const auto& mesh = checked.description.mesh();
@@ -80,7 +80,7 @@ grpc::Status create(const Options& options, const std::string& study, const Case
   }
 }
 
-/// What all levels take, as far as the server can tell, said before any begins.
+/// Reports the estimated cost of all levels before any of them starts.
 void print_effort(CaseUnderCheck level, const Options& options, Connection& connection) {
   if (!level.estimate || !case_file::reason_against_dividing(level.description).empty()) return;
   double solver_s = level.estimate->solver_s();
@@ -89,14 +89,14 @@ void print_effort(CaseUnderCheck level, const Options& options, Connection& conn
     level.description = case_file::divided(coarsest, 1 << number);
     level.estimate.reset();
     check_with_server(level, connection);
-    if (!level.estimate) return;  // CreateStudy says why it is refused
+    if (!level.estimate) return;  // CreateStudy reports why it is rejected
     solver_s += level.estimate->solver_s();
   }
   std::cerr << options.levels << " runs, roughly " << render::duration_text(solver_s)
             << " of computing\n";
 }
 
-/// Creates the study, or adds what of it is missing. @return whether the server has it
+/// Creates the study, or adds its missing levels. @return whether the server has it
 bool submit(const Options& options, const std::string& study, Connection& connection) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   check_with_server(checked, connection);
@@ -116,7 +116,7 @@ bool submit(const Options& options, const std::string& study, Connection& connec
   return true;
 }
 
-/// Has levels queued again that were lost.
+/// Lets the server queue lost levels again.
 void repair(Connection& connection, const std::string& study) {
   v1::ResumeStudyRequest request;
   request.set_id(study);
@@ -127,7 +127,7 @@ void repair(Connection& connection, const std::string& study) {
   check(status, connection.server());
 }
 
-/// Names the job of each level as soon as it has one.
+/// Prints the job of each level as soon as it has one.
 class LevelNames {
 public:
   /// @param before  the study as it was before levels were queued again
@@ -152,7 +152,7 @@ private:
   std::map<int, v1::StudyRun> known_;
 };
 
-/// The study as it is; empty when there is none yet.
+/// The present state of the study; empty if there is none yet.
 v1::StudyResult as_it_is(Connection& connection, const std::string& id) {
   v1::EvaluateStudyRequest request;
   request.set_id(id);
@@ -174,7 +174,7 @@ bool waits_for_its_job(const v1::StudyRun& run) {
   return run.job().empty() && run.state() == v1::QUEUED;
 }
 
-/// Names the jobs of all levels; the server queues them within a moment, unless its disk is full.
+/// Prints the jobs of all levels; the server queues them shortly, unless its disk is full.
 void name_jobs(Connection& connection, const std::string& id, LevelNames& names) {
   constexpr std::chrono::milliseconds pause{50};
   constexpr int most_looks = 100;
@@ -186,7 +186,8 @@ void name_jobs(Connection& connection, const std::string& id, LevelNames& names)
   }
 }
 
-/// The study with every job ended. Throws Interrupted with the command to come back by.
+/// Waits until every job of the study has ended. Throws Interrupted with the command that
+/// continues.
 Study finished_study(Connection& connection, const std::string& id, LevelNames& names) {
   try {
     name_jobs(connection, id, names);
@@ -199,7 +200,7 @@ Study finished_study(Connection& connection, const std::string& id, LevelNames& 
   }
 }
 
-/// Says what is missing, and why. @return whether every level succeeded
+/// Reports missing levels and the reason. @return whether every level succeeded
 bool report_losses(const Study& study) {
   bool whole = true;
   for (const v1::Job& job : study.others)

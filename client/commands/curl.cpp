@@ -30,14 +30,14 @@ std::string csv_name(const std::string& name) {
   return quoted + "\"";
 }
 
-/// Everything the command says of a job.
+/// All data that the command prints for a job.
 struct JobCurl {
   v1::Job job;
   CurlHistory history;
-  Study study;  ///< empty for a job that belongs to none
+  Study study;  ///< empty if the job belongs to none
 };
 
-/// What the job's study says of a monitor at the job's own steps; empty columns without one.
+/// Results of the job's study for a monitor at the steps of the job; empty columns without a study.
 struct Error {
   std::vector<double> limit_m, uncertainty_m;
 };
@@ -49,7 +49,7 @@ Error error_of(const CurlHistory& history, const std::string& monitor, const Stu
           values::at_instants(history.time_s, study.time_s, said->limit.uncertainty_m)};
 }
 
-/// Columns of the CSV behind time and cast length, by name.
+/// Columns of the CSV after time and cast length, by name.
 std::vector<std::pair<std::string, std::vector<double>>> columns_of(const CurlHistory& history,
                                                                     const Study& study) {
   std::vector<std::pair<std::string, std::vector<double>>> columns;

@@ -13,10 +13,10 @@ struct Options {
   bool json = false;
 };
 
-/// A job that is being cancelled is deleted when its worker has left it.
+/// A job that is being cancelled is deleted once its worker has ended.
 void delete_job(Connection& connection, const std::string& id) {
   constexpr std::chrono::milliseconds pause{200};
-  constexpr std::chrono::seconds longest{120};  // a worker that does not leave is killed before
+  constexpr std::chrono::seconds longest{120};  // a worker that does not end is killed before
   const auto end = std::chrono::steady_clock::now() + longest;
   v1::DeleteJobRequest request;
   request.set_id(id);

@@ -55,7 +55,7 @@ void print_json(const MouldDesign& design) {
   std::cout << json.dump() << '\n';
 }
 
-/// A search that has not ended is none that failed.
+/// A search that has not ended has not failed.
 ExitCode exit_code_of(const MouldDesign& design) {
   if (design.result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return design.found().within_tolerance() ? ExitCode::done : ExitCode::solve_failed;
@@ -78,7 +78,7 @@ ExitCode run(const Options& options, Program& program) {
     throw CommandFailed(ExitCode::invalid,
                         "give a CASE to begin, or --study ID to take a design up again");
   if (options.study.empty() && !options.flat)
-    throw CommandFailed(ExitCode::invalid, "say what the cold slab shall be: --flat");
+    throw CommandFailed(ExitCode::invalid, "give the target for the cold slab: --flat");
   if (!options.plot.empty() && options.plot != "-") require_free(options.plot, options.force);
   Connection connection = program.connect();
   if (!options.study.empty()) return wait_and_print(connection, options, options.study);
@@ -98,7 +98,8 @@ constexpr const char* examples =
     "dccast design-mould stationary-3d.toml --flat --wanted \"285 mm\"\n"
     "  dccast design-mould my.toml --flat --tolerance \"1 mm\" --set schedule.casting_speed=\"50 "
     "mm/min\"\n"
-    "  dccast design-mould --study ID --plot mould.html   what there is, and a page of charts\n"
+    "  dccast design-mould --study ID --plot mould.html   show an existing design, with a page of "
+    "charts\n"
     "\n"
     "The first run casts in the mould of the case; each further one in an opening "
     "corrected\n"
@@ -111,14 +112,15 @@ void add_options(CLI::App& command, Options& options) {
                      "Case file of a quarter slab that is cast until it is steady");
   command.add_flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
   command
-      .add_option("--tolerance", options.tolerance,
-                  "Of the half-thickness of the cold slab, anywhere along the face")
+      .add_option(
+          "--tolerance", options.tolerance,
+          "Largest permitted deviation of the half-thickness of the cold slab along the face")
       ->capture_default_str();
   command.add_option(
       "--wanted", options.wanted,
       "Half-thickness of the cold slab; absent: the half-opening of the case's mould "
       "at its narrow face");
-  command.add_option("--runs", options.most_runs, "Most runs; 0 for 12")
+  command.add_option("--runs", options.most_runs, "Largest number of runs; 0 for 12")
       ->check(CLI::Range(0, 50))
       ->capture_default_str();
   add_study_options(command, options,

@@ -11,7 +11,7 @@ struct Options {
   bool json = false;
 };
 
-/// What this daemon accepts at most; nothing from one that does not say.
+/// Limits of this daemon; empty for a daemon that does not report them.
 std::string ceilings_text(const v1::GetServerInfoResponse& info) {
   constexpr double bytes_of_a_megabyte = 1e6;
   if (info.maximum_nodes() <= 0) return {};

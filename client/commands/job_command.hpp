@@ -10,20 +10,20 @@
 
 namespace dccast::client::commands {
 
-/// How a command about one job reads in the help.
+/// Help texts of a command about one job.
 struct JobCommand {
   const char* name;
   const char* description;
   const char* example;
-  bool repeatable = true;  ///< asking twice gives the same answer as asking once
+  bool repeatable = true;  ///< a repeated call has the same result
 };
 
-/// "0f2b9a4e-... paused", one line: what the commands that change a job answer with.
+/// "0f2b9a4e-... paused", one line: the output of commands that change a job.
 std::string new_state(const v1::Job& job);
 
-/// A subcommand that asks the server one thing about one job and prints the job. The request holds
-/// the options: JOB, and what the caller adds to the subcommand that is returned.
-/// @param text  the job for people; --json gives all of it
+/// Adds a subcommand that makes one call about one job and prints the job. The request holds the
+/// options: JOB, and those that the caller adds to the returned subcommand.
+/// @param text  formats the job as text; --json prints all of it
 template <typename Request>
 CLI::App* add_job_command(CLI::App& app, Program& program, const JobCommand& about,
                           grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,

@@ -81,7 +81,7 @@ void add_list(CLI::App& app, Program& program) {
   command->add_option("-s,--state", options->states, "Only jobs in these states")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
-  command->add_option("--label", options->labels, "Only jobs with this label; may be given again")
+  command->add_option("--label", options->labels, "Only jobs with this label; repeatable")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--owner", options->owner, "Only the jobs of this user");
@@ -92,7 +92,7 @@ void add_list(CLI::App& app, Program& program) {
   command->add_option("-n,--limit", options->limit, "At most this many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_flag("--ids", options->ids, "Whole ids only, one a line");
+  command->add_flag("--ids", options->ids, "Print only complete ids, one per line");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options, &program] {
     program.action = [options, &program] { return run(*options, program); };

@@ -61,7 +61,8 @@ void add_new(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
   CLI::App* const command = subcommand(app, "new", "Write a case file to begin with",
                                        "dccast new start-2d-thickness > my.toml");
-  command->add_option("NAME", options->name, "Which one; without it their names are listed");
+  command->add_option("NAME", options->name,
+                      "Name of a shipped case; without it the names are listed");
   command->add_option("-o,--output", options->output, "File to write instead of standard output");
   add_force_flag(*command, options->force);
   command->add_flag("--list", options->list, "List the names");

@@ -8,16 +8,16 @@
 namespace dccast::client::commands {
 
 void add_force_flag(CLI::App& command, bool& force) {
-  command.add_flag("-f,--force", force, "Overwrite a file that is there");
+  command.add_flag("-f,--force", force, "Overwrite an existing file");
 }
 
 void require_free(const std::filesystem::path& file, bool force) {
   std::error_code error;
-  // A device or a pipe is there to be written to.
+  // Devices and pipes may always be written to.
   if (force || !std::filesystem::is_regular_file(file, error)) return;
   throw CommandFailed(
       ExitCode::invalid,
-      file.string() + " is there already; give another -o, or --force to overwrite it");
+      file.string() + " exists already; give another -o, or --force to overwrite it");
 }
 
 void write_output(const std::string& path, const std::string& content) {

@@ -10,10 +10,10 @@ namespace dccast::client::commands {
 /// The flag `--force`, without which no file is overwritten.
 void add_force_flag(CLI::App& command, bool& force);
 
-/// Throws CommandFailed if the file is there and must not be overwritten.
+/// Throws CommandFailed if the file exists and must not be overwritten.
 void require_free(const std::filesystem::path& file, bool force);
 
-/// Writes a file and says so; "-" is standard output. Throws CommandFailed.
+/// Writes a file and reports it; "-" is standard output. Throws CommandFailed.
 void write_output(const std::string& path, const std::string& content);
 
 }  // namespace dccast::client::commands

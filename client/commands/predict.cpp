@@ -37,10 +37,10 @@ void print(const v1::Prediction& prediction) {
                render::fixed(1e3 * curve.cast_length_m(last), 1)});
   }
   std::cout << table.text() << std::flush;
-  std::cerr << "from " << prediction.runs() << " runs; left out one by one they are off by "
+  std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
             << millimetres(prediction.cross_validated_error_m()) << " mm (root mean square)\n";
   if (prediction.next_run().empty()) return;
-  std::cerr << "another run would tell most at";
+  std::cerr << "most informative next run:";
   for (const v1::CaseChange& change : prediction.next_run())
     std::cerr << " --set '" << change.key() << "=" << change.value() << "'";
   std::cerr << '\n';

@@ -69,8 +69,8 @@ constexpr const char* examples =
 
 void add_query(CLI::App& app, Program& program) {
   auto options = make_options<Options>();
-  CLI::App* const command = subcommand(
-      app, "query", "Ask what curl a case has: the answer at once, and no job", examples);
+  CLI::App* const command =
+      subcommand(app, "query", "Compute the curl of a case at once, without a job", examples);
   command->add_option("FILE", options->file, "Case file; - for standard input")->required();
   add_set_option(*command, options->set);
   command->add_flag("--keep", options->keep, "Keep the run as a job, with its results");

@@ -22,7 +22,8 @@ struct Options {
   bool json = false;
 };
 
-/// With the last frame; without it when the job has none, or one too large for an answer.
+/// The result with the last frame; without it if the job has none or it is too large for a
+/// response.
 v1::QueryResultResponse query(Connection& connection, const std::string& id) {
   v1::QueryResultResponse result;
   const grpc::Status status = try_query_result(connection, id, true, result);
@@ -37,7 +38,7 @@ v1::QueryResultResponse query(Connection& connection, const std::string& id) {
   return query_result(connection, id);
 }
 
-/// As many frames as the page can hold and stay small enough to be passed on: half a megabyte.
+/// Number of frames that keep the page small enough to be passed on: half a megabyte.
 FrameSeries frames_for_slider(Connection& connection, const std::string& id,
                               const v1::QueryResultResponse& result) {
   constexpr int most_frames = 25;

@@ -8,11 +8,11 @@
 
 namespace dccast::client::commands {
 
-/// What every command that makes a study, or takes one up again, is asked with.
+/// Options of every command that creates or continues a study.
 struct StudyOptions {
   StudyCase base;
-  std::string study;  ///< the one to take up again
-  std::string plot;   ///< file of an HTML page; "-" is standard output
+  std::string study;  ///< study to continue
+  std::string plot;   ///< path of an HTML page; "-" is standard output
   bool no_wait = false;
   bool force = false;
   bool json = false;

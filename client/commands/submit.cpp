@@ -37,8 +37,8 @@ void require_one_file(const Options& options) {
                                              std::to_string(options.files.size()) + " are given");
 }
 
-/// All cases, examined: one at fault keeps the others from being submitted, too.
-/// @return  nothing when one has faults, which have been said
+/// Checks all cases: if one has faults, none is submitted.
+/// @return  empty if one has faults, which have then been printed
 std::optional<std::vector<CaseUnderCheck>> examined_cases(const Options& options,
                                                           Connection& connection) {
   std::vector<CaseUnderCheck> cases;
@@ -68,7 +68,7 @@ v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const Options& options)
   return request;
 }
 
-/// @return  nothing when the server has found faults after all, which have been said
+/// @return  empty if the server has found further faults, which have then been printed
 std::optional<v1::Job> submit(CaseUnderCheck& checked, const Options& options,
                               Connection& connection) {
   const v1::SubmitJobRequest request = request_of(checked, options);
@@ -116,7 +116,7 @@ void add_submit(CLI::App& app, Program& program) {
       subcommand(app, "submit", "Queue cases; prints the id of each job", examples);
   command->add_option("FILE", options->files, "Case files; - for standard input")->required();
   add_set_option(*command, options->set);
-  command->add_option("--label", options->labels, "A word to find the job by; may be given again")
+  command->add_option("--label", options->labels, "Label for finding the job; repeatable")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_flag("-w,--watch", options->watch,

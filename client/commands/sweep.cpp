@@ -120,7 +120,7 @@ void add_options(CLI::App& command, Options& options) {
                   "Number of runs of a Latin hypercube between the two values of each --grid")
       ->check(CLI::Range(1, 10000))
       ->excludes(list);
-  command.add_option("--seed", options.seed, "Of the Latin hypercube")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of the Latin hypercube")->capture_default_str();
   command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
   command.add_option("-o,--output", options.output,
                      "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");

@@ -26,7 +26,7 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
               << " steps, about " << render::duration_text(checked.estimate->solver_s())
               << " of computing\n";
   else
-    std::cout << (local ? "sound as far as this program can tell without a server\n" : "sound\n");
+    std::cout << (local ? "no faults found without a server\n" : "sound\n");
 }
 
 ExitCode run(const Options& options, Program& program) {
@@ -58,7 +58,8 @@ void add_validate(CLI::App& app, Program& program) {
                  "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
   command->add_option("FILE", options->file, "Case file; - for standard input")->required();
   add_set_option(*command, options->set);
-  command->add_flag("--local", options->local, "Ask no server: keys, units and ranges only");
+  command->add_flag("--local", options->local,
+                    "Do not ask the server: check keys, units and ranges only");
   command->add_flag("--strict", options->strict,
                     "Exit code 2 for findings beyond notes too (docs/findings.md)");
   command->add_flag("--json", options->json, "As JSON");

@@ -27,7 +27,7 @@ void print_curl(const render::CurlHistory& history) {
                render::fixed(1e3 * series.horizontal_m.back(), 3)});
   std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
             << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
-            << (history.beyond.back() ? ", beyond validity: not an answer" : "") << '\n'
+            << (history.beyond.back() ? ", beyond validity" : "") << '\n'
             << table.text() << std::flush;
 }
 
@@ -51,21 +51,21 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
   return end;
 }
 
-/// Says why a job waits, if it is held; a job that cannot be asked for is left to the watch.
+/// Reports why a job waits, if it is held; errors are left to the watch.
 void say_if_held(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
-  connection.set_policy({.attempts = 1});  // the watch itself is patient
+  connection.set_policy({.attempts = 1});  // the watch itself retries
   try {
     connection.try_call(&Stub::GetJob, request, job);
   } catch (const Interrupted&) {
-    return;  // the watch itself says how to come back
+    return;  // the watch itself reports how to continue
   }
   if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
 }
 
-/// Of the job as a whole: a watch may begin after some of its findings.
+/// Findings of the whole job: a watch may start after some of them.
 bool is_implausible(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
@@ -95,11 +95,11 @@ void add_watch(CLI::App& app, Program& program) {
                  "connection is taken up again; leaving with Ctrl-C does not touch the job",
                  "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
   command->add_option("JOB", options->id, job_help)->required();
-  command->add_option("--from", options->from, "First event wanted, by its sequence number")
+  command->add_option("--from", options->from, "Sequence number of the first event")
       ->check(CLI::PositiveNumber);
   command->add_flag("--strict", options->strict,
                     "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
-  command->add_flag("--json", options->json, "One JSON object a line and event");
+  command->add_flag("--json", options->json, "One JSON object per event and line");
   command->callback([options, &program] {
     program.action = [options, &program] {
       Connection connection = program.connect();

@@ -65,7 +65,7 @@ std::string origin_text(const Answer& answer) {
            "; answered in " + fixed(1e3 * answer.elapsed_s, 0) + " ms";
   return "computed in " + fixed(answer.elapsed_s, 2) + " s (solver " + fixed(answer.solver_s, 2) +
          " s, first point after " + fixed(1e3 * answer.first_point_s, 0) + " ms)" +
-         (answer.job.empty() ? "" : "; kept as job " + answer.job);
+         (answer.job.empty() ? "" : "; stored as job " + answer.job);
 }
 
 Json answer_json(const Answer& answer) {

@@ -7,16 +7,17 @@
 
 namespace dccast::client::render {
 
-/// Findings, the curl of every monitor with its uncertainty and what the run lost, a line each.
+/// Findings, the curl of every monitor with its uncertainty, and a loss of validity, one per line.
 std::string answer_text(const Answer& answer);
 
-/// Where the answer comes from and how long it took, one line.
+/// Origin of the answer and the time it took, in one line.
 std::string origin_text(const Answer& answer);
 
-/// "4.86 +- 0.36 mm", of a finding's or a monitor's figure; without the second where none is known.
+/// "4.86 +- 0.36 mm"; without an uncertainty only the first number. @param curl_m  [m]
+/// @param uncertainty_m  [m]
 std::string curl_text(double curl_m, std::optional<double> uncertainty_m);
 
-/// Everything, in metres and seconds.
+/// The complete answer, in metres and seconds.
 Json answer_json(const Answer& answer);
 
 }  // namespace dccast::client::render

@@ -7,29 +7,30 @@
 
 namespace dccast::client::render {
 
-/// A small curve of braille characters, 2 x 4 dots a cell.
-/// @param y        values, evenly spread over the width
-/// @param columns  cells in a line, @param rows lines
+/// A small curve of braille characters with 2 x 4 dots per character.
+/// @param y        values [any unit], evenly distributed over the width
+/// @param columns  characters per line @param rows  number of lines
 /// @return         `rows` lines without line ends, the uppermost first
 std::vector<std::string> braille_curve(const std::vector<double>& y, int columns, int rows);
 
-/// One of several lines over each other.
+/// One of several lines in a common chart.
 struct BrailleLine {
-  std::vector<double> x, y;  ///< as long as each other; x rises
+  std::vector<double> x, y;  ///< [any unit] of equal length; x ascending
 };
 
 struct BrailleCell {
-  std::string text;                 ///< one character
-  std::optional<std::size_t> line;  ///< the last one that runs through it; nothing: none does
+  std::string text;  ///< one character
+  std::optional<std::size_t>
+      line;  ///< the last line that runs through the cell; empty if none does
 };
 
 struct BrailleChart {
   std::vector<std::vector<BrailleCell>> cells;  ///< by row, the uppermost first
-  double low = 0.0, high = 0.0;                 ///< y of the lower and the upper edge
+  double low = 0.0, high = 0.0;                 ///< y at the lower and the upper edge [unit of y]
 };
 
-/// Lines over each other on common axes that include y = 0.
-/// @param columns  cells in a row, 2 x 4 dots each, @param rows of cells
+/// Draws several lines on common axes that include y = 0.
+/// @param columns  characters per line, 2 x 4 dots each @param rows  number of lines
 BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, int rows);
 
 }  // namespace dccast::client::render

@@ -8,11 +8,12 @@
 
 namespace dccast::client::render {
 
-/// Cold blue over violet to hot yellow; even in lightness, readable on white and on black.
-/// @param part  0 to 1, cut off outside
+/// Colour map from cold blue over violet to hot yellow, with uniform steps of lightness, readable
+/// on white and on black.
+/// @param part  0 to 1 [1], limited to this range
 std::string band_colour(double part);
 
-/// A range of values cut into bands of one colour each.
+/// A range of values divided into bands of one colour each. Units: values in any unit.
 struct ColourBands {
   double low = 0.0;
   double high = 1.0;  ///< above low
@@ -28,12 +29,13 @@ struct BandPiece {
   std::vector<Point> outline;  ///< a convex polygon
 };
 
-/// A triangle cut along the levels of the bands, the field being linear in it: no edge of the mesh
-/// shows in the colours. The pieces cover the triangle without overlap.
+/// Cuts a triangle along the levels of the bands with a linear field, so that no edges of the mesh
+/// show in the colours. The pieces cover the triangle without overlap.
 std::vector<BandPiece> band_pieces(const std::array<Point, 3>& corner,
                                    const std::array<double, 3>& value, const ColourBands& bands);
 
-/// The bands as an upright bar with round figures beside it; `unit` stands above.
+/// The bands as a vertical bar with round numbers beside it and `unit` above. Position and height
+/// in units of the view box.
 std::string colour_bar(const ColourBands& bands, const std::string& unit, double x, double top,
                        double height);
 

@@ -14,34 +14,36 @@ namespace dccast::client::render {
 struct CurlHistory {
   struct Series {
     std::string name;
-    std::vector<double> curl_m;        ///< one per instant; NaN where the monitor is not reported
-    /// Displacement away from the symmetry plane; of a quarter slab its length in plan.
+    std::vector<double> curl_m;  ///< [m] one per time; NaN where the monitor is not reported
+    /// Displacement away from the symmetry plane [m]; in a quarter slab the magnitude of its
+    /// horizontal part.
     std::vector<double> horizontal_m;
-    std::vector<double> temperature_c;  ///< NaN where the monitor is not poured yet
+    std::vector<double> temperature_c;  ///< [°C]; NaN until metal reaches the monitor
   };
-  std::vector<std::int64_t> step;  ///< number of the accepted step, rising; 0 where it is not said
+  std::vector<std::int64_t> step;  ///< number of the accepted step, ascending; 0 if unknown
   std::vector<double> time_s;
   std::vector<double> cast_length_m;
-  std::vector<bool> beyond;  ///< the model was no longer valid then
+  std::vector<bool> beyond;  ///< the model was no longer valid at this time
   std::vector<Series> monitors;
 
-  /// A step that was there already replaces itself and all that came after it: it is computed
-  /// again.
+  /// Adds a step. A step that is already present replaces itself and all later ones: the run was
+  /// resumed.
   void add(const v1::StepReport& report);
-  /// Forgets the steps after this one: the run goes on from there. 0: it starts over.
+  /// Removes the steps after this one, from which the run continues. 0: the run starts again.
   void rewind(std::int64_t last_step);
-  /// Marks the instants from this time on.
+  /// Marks this time [s] and all later ones as beyond validity.
   void mark_beyond(double time_s);
-  /// The first instant that is beyond validity, as an index; nothing when all are valid.
+  /// Index of the first time beyond validity; empty if all are valid.
   std::optional<std::size_t> first_beyond() const;
-  /// The monitor whose curl is largest now; null before the first step.
+  /// The monitor with the largest present curl; null before the first step.
   const Series* largest() const;
 };
 
 /// The history of a job as QueryResult has it, marked from the job's loss of validity on.
 CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& result);
 
-/// Curl of a monitor, its last coordinate of displacement [m]; NaN if it has no vertical displacement.
+/// Curl of a monitor, its last coordinate of displacement [m]; NaN if it has no vertical
+/// displacement.
 double curl_of(const v1::MonitorValue& monitor);
 
 }  // namespace dccast::client::render

@@ -44,14 +44,14 @@ std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
   return Chart::Wanted{low, high, name + " mm"};
 }
 
-/// "inside the plant's band, 35 to 45 mm", and whether the error leaves it open.
+/// "inside the plant's band, 35 to 45 mm", and whether the error permits this conclusion.
 std::string against_band(const Chart::Wanted& band, double curl_mm, double error_mm) {
   const auto where = [&](double value) {
     return value < band.low ? "below " : value > band.high ? "above " : "inside ";
   };
   std::string text = std::string("It is ") + where(curl_mm) + html_escaped(band.name);
   if (std::string(where(curl_mm - error_mm)) != where(curl_mm + error_mm))
-    text += ", but the error reaches over its edge: this run does not decide it";
+    text += ", but its limit is within the error: this run cannot decide";
   return text + ".";
 }
 
@@ -142,8 +142,7 @@ std::string curl_figures(const CurlHistory& history, const v1::QueryResultRespon
   const std::string of_the_band =
       study.monitors.empty() ? "" : " Dashed: the limit of finer meshes; shaded: its uncertainty.";
   const std::string of_the_plant = plant_band(result.case_()) ? " Green: the plant's band." : "";
-  const std::string of_the_region =
-      history.first_beyond() ? " Shaded red: beyond validity, not an answer." : "";
+  const std::string of_the_region = history.first_beyond() ? " Shaded red: beyond validity." : "";
   return figure("Curl against time", curl_chart(history, result, study, false),
                 "Upward displacement of each monitor; time zero is when the bottom block starts." +
                     of_the_band + of_the_plant + of_the_region) +

@@ -18,10 +18,10 @@ std::string finding_line(const v1::Finding& finding);
 /// "1 danger, 2 warnings" for a column; empty without findings.
 std::string findings_count(const Findings& findings);
 
-/// Whether one is a warning or a danger: what --strict fails for.
+/// Whether one is a warning or a danger, which makes --strict fail.
 bool more_than_notes(const Findings& findings);
 
-/// The findings as a part of a page, the gravest first; empty without findings.
+/// The findings as a part of a page, the most severe first; empty without findings.
 std::string findings_part(const Findings& findings);
 
 }  // namespace dccast::client::render

@@ -29,7 +29,7 @@ std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
 std::string when_and_scale(const v1::Frame& frame, double scale) {
   return " at <span class='when'>" + when_text(frame) +
          "</span>. Displacements are drawn <strong>" +
-         (scale == 1.0 ? "as large as they are" : fixed(scale, 0) + " times as large") +
+         (scale == 1.0 ? "true to scale" : fixed(scale, 0) + " times as large") +
          "</strong>; dashed: undeformed.";
 }
 
@@ -41,7 +41,7 @@ std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
                            const FrameSeries& series) {
   const SectionPicture picture = draw_section(frame, colour_range(series));
   if (picture.svg.empty())
-    return absent("Section", "The stored frame cannot be drawn: its arrays do not fit each other.");
+    return absent("Section", "The stored frame cannot be drawn: its arrays are inconsistent.");
   const std::string slider =
       frame_slider(series, history, {picture.view}, picture.displacement_scale);
   return figure("Deformed section and isotherms", picture.svg + slider,
@@ -84,8 +84,7 @@ std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
                         const FrameSeries& series) {
   const SlabPicture picture = draw_slab(frame, colour_range(series));
   if (picture.views.empty())
-    return absent("Quarter slab",
-                  "The stored frame cannot be drawn: its arrays do not fit each other.");
+    return absent("Quarter slab", "The stored frame cannot be drawn: its arrays are inconsistent.");
   std::string views;
   std::vector<PictureView> placed;
   for (const SlabPicture::View& view : picture.views) {
@@ -110,7 +109,8 @@ std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
                     fixed(1e3 * map.largest_gap_m, 1) + " mm</strong> at x " +
                     fixed(1e3 * map.largest_x_m, 0) + " mm, y " + fixed(1e3 * map.largest_y_m, 0) +
                     " mm. White dots: in contact, " + std::to_string(map.contacts) + " of " +
-                    std::to_string(frame.bottom_node_size()) + " nodes; wider ones press harder.");
+                    std::to_string(frame.bottom_node_size()) +
+                    " nodes; larger dots mean higher pressure.");
 }
 
 std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
@@ -119,8 +119,8 @@ std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
   return figure(
       "Pull-in of the wide face", pull_in_chart(profiles) + pull_in_table(profiles),
       frame_mark(frame, history) +
-          "Half the opening of the mould less half the thickness of the slab; in % of the "
-          "former; below zero it bulges. Butt: the lowest row; head: the greatest height "
+          "Half the opening of the mould minus half the thickness of the slab, in % of the former; "
+          "negative values are a bulge. Butt: the lowest row; head: the greatest height "
           "at which the whole face is solid; middle: half way. Heights in the undeformed "
           "slab.");
 }

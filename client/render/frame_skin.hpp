@@ -9,16 +9,16 @@
 
 namespace dccast::client::render {
 
-/// What of a frame is seen: of a section all its elements, of a quarter slab its outer surface.
+/// The visible part of a frame: all elements of a 2D section, the outer surface of a quarter slab.
 struct FrameSkin {
   std::vector<std::vector<int>> faces;    ///< nodes in order; in 3D anticlockwise from outside
-  std::vector<std::array<int, 2>> edges;  ///< of the outline; in 3D where the surface turns
+  std::vector<std::array<int, 2>> edges;  ///< of the outline; in 3D the sharp edges of the surface
 };
 
-/// Edges between faces that turn by more than 45 degrees, in the undeformed slab.
+/// Edges between faces that meet at more than 45 degrees in the undeformed slab.
 std::vector<std::array<int, 2>> creases_of(const std::vector<SurfaceFace>& surface);
 
-/// @return nothing for a frame whose arrays do not fit each other
+/// @return empty if the arrays of the frame are inconsistent
 std::optional<FrameSkin> skin_of(const v1::Frame& frame);
 
 }  // namespace dccast::client::render

@@ -26,7 +26,7 @@ ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name
   return line;
 }
 
-/// Of a chart that has no zero to show: as far as there is anything to see.
+/// Axis range of a chart without zero: only the range of the data.
 bool drawable(const ChartLine& line) {
   return std::ranges::any_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
 }
@@ -44,13 +44,13 @@ std::string figure_if_any(const std::string& heading, const std::string& picture
 }
 
 std::string shell_figure(const v1::QueryResultResponse& result) {
-  return figure_if_any("Shell",
-                       chart_of("Shell thickness", "thickness, mm",
-                                {line_of(result, "where the side leaves the mould",
-                                         &v1::StepReport::shell_at_exit_m, 1e3),
-                                 line_of(result, "over the bottom, thinnest",
-                                         &v1::StepReport::bottom_shell_m, 1e3)}),
-                       "Least solid thickness. The side until it leaves the mould: at its foot.");
+  return figure_if_any(
+      "Shell",
+      chart_of(
+          "Shell thickness", "thickness, mm",
+          {line_of(result, "of the side at the mould exit", &v1::StepReport::shell_at_exit_m, 1e3),
+           line_of(result, "over the bottom, thinnest", &v1::StepReport::bottom_shell_m, 1e3)}),
+      "Smallest shell thickness. Until the side leaves the mould: at the butt.");
 }
 
 std::string sump_figure(const v1::QueryResultResponse& result) {
@@ -106,8 +106,8 @@ std::string contact_figure(const v1::QueryResultResponse& result) {
   return figure_if_any(
       "Contact with the block",
       chart_of("Contact with the block", quarter ? "area, cm²" : "length, mm", {line}),
-      quarter ? "How much of the quarter's bottom stands on the block."
-              : "How much of the bottom stands on the block.");
+      quarter ? "Part of the quarter's bottom in contact with the block."
+              : "Part of the bottom in contact with the block.");
 }
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace dccast::client::render {
 
-/// Charts against time of what decides whether a casting holds: shell, sump, temperatures, heat
-/// through each face, how much of the bottom stands on the block. Empty with fewer than two steps.
+/// Charts against time of the quantities that decide whether a casting succeeds: shell, sump,
+/// temperatures, heat through each face, and the contact of the bottom with the block. Empty with
+/// fewer than two steps.
 std::string history_part(const v1::QueryResultResponse& result);
 
 }  // namespace dccast::client::render

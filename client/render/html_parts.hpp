@@ -2,7 +2,7 @@
 
 #include <string>
 
-/// The pieces every part of a page is made of. `content`, `value` and notes are HTML already.
+/// Building blocks of the HTML pages. `content`, `value` and notes are HTML already.
 namespace dccast::client::render {
 
 /// "<h1>content</h1>" for "h1"; attributes may follow the tag's name.

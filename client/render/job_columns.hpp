@@ -7,12 +7,12 @@
 
 namespace dccast::client::render {
 
-/// Names of the columns that a list of jobs may have.
+/// Names of the available columns of a list of jobs.
 std::vector<std::string> job_columns();
 
-/// A table of jobs. Nothing in it is cut.
-/// @param columns  of job_columns(); empty: those that most lists need, and of curl, findings and
-///                 labels those that a job here has
+/// A table of jobs; no text is truncated.
+/// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
+///                 of the jobs has them
 std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string> columns);
 
 }  // namespace dccast::client::render

@@ -18,14 +18,14 @@ std::string event_line(const v1::JobEvent& event);
 /// "solve failed", "motion too large", "worker hung", ...
 std::string failure_kind_text(v1::Failure::Kind kind);
 
-/// State, with what a list must not hide: "queued #3, held", "succeeded, beyond validity".
+/// State with important details: "queued #3, held", "succeeded, beyond validity".
 std::string full_state_text(const v1::Job& job);
 
-/// Why a job failed, in a few lines: kind, message, time, step and place, the end of the residuals,
-/// and what went wrong after it.
+/// Why a job failed, in a few lines: kind, message, time, step and place, the last residuals, and
+/// subsequent failures.
 std::string failure_text(const v1::Failure& failure);
 
-/// Everything about one job, one fact a line.
+/// All details of one job, one per line.
 std::string job_sheet(const v1::Job& job);
 
 }  // namespace dccast::client::render

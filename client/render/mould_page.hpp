@@ -6,8 +6,8 @@
 
 namespace dccast::client::render {
 
-/// One HTML page about a mould design that opens from disk: the mould and the cold slab of every
-/// run, how far each is from flat, and the tables of the terminal.
+/// A self-contained HTML page about a mould design: mould and cold slab of every run, their
+/// deviation from flatness, and the tables shown in the terminal.
 std::string mould_page(const MouldDesign& design);
 
 }  // namespace dccast::client::render

@@ -49,7 +49,7 @@ std::string end_words(const MouldDesign& design) {
   return "within " + near + " of flat, more than the tolerance of " +
          mm(study.mould().tolerance_m()) + " mm: " +
          (study.runs() >= most ? "these were all the runs permitted"
-                               : "three straight segments come no nearer");
+                               : "three straight segments cannot come closer");
 }
 
 /// What is not steady yet may contract further.

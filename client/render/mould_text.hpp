@@ -6,19 +6,19 @@
 
 namespace dccast::client::render {
 
-/// Of each run its state, break points, half-openings and how far its slab is from flat.
+/// State, break points, half-openings and deviation from flatness of each run.
 std::string mould_runs_table(const MouldDesign& design);
 
-/// The opening that was found: break points and half-openings. Empty while there is none.
+/// The opening that was found: break points and half-openings. Empty if there is none yet.
 std::string mould_opening_table(const MouldDesign& design);
 
-/// The cold slab that it gives, along the wide face.
+/// The resulting cold slab along the wide face.
 std::string mould_profile_table(const MouldDesign& design);
 
-/// What came of it in plain words, and what to mind.
+/// Summary in plain words, with caveats.
 std::string mould_sentence(const MouldDesign& design);
 
-/// All of this, as the terminal shows it.
+/// All of this as terminal output.
 std::string mould_text(const MouldDesign& design);
 
 }  // namespace dccast::client::render

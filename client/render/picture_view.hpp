@@ -6,17 +6,18 @@
 
 namespace dccast::client::render {
 
-/// How a picture places what it draws: coordinates in the view box are
-/// across[0] x + across[1] y + across[2] z + across[3], and likewise down, of x, y, z in metres as
-/// displaced and magnified; z is absent from a section.
+/// Projection of a picture. The horizontal coordinate in the view box is across[0] x + across[1] y
+/// + across[2] z + across[3], the vertical one likewise with `down`, where x, y, z [m] include the
+/// magnified displacement; a 2D section has no z.
 struct PictureView {
-  std::array<double, 4> across{}, down{};
-  Vector3 to_viewer{};  ///< faces nearer along it hide others; zero for a section
+  std::array<double, 4> across{}, down{};  ///< [1/m] and, the last one, [1]; in view box units
+  Vector3
+      to_viewer{};  ///< direction to the viewer [1], decides which faces hide others; zero in 2D
 };
 
 /// The range of temperatures that the colours of a picture cover [°C].
 struct ColourRange {
-  double low = 0.0, high = 1.0;
+  double low = 0.0, high = 1.0;  ///< [°C]
 };
 
 }  // namespace dccast::client::render

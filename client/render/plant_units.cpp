@@ -72,7 +72,7 @@ double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, 
 
 std::string readable_toml(const v1::Case& input) {
   const std::string text = case_file::to_toml(input);
-  // A value, not a number within a title: speeds, or any with more digits than anyone writes.
+  // Only values, not numbers in a title: speeds, and numbers with too many digits.
   static const std::regex value(
       R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m/s")?(?=[ ",\]\n]))re");
   std::string readable;

@@ -13,7 +13,7 @@ namespace dccast::client::render {
 namespace {
 
 constexpr int curve_columns = 12;               // of the renewed line
-constexpr std::chrono::milliseconds pause{50};  // 20 renewals a second are enough for an eye
+constexpr std::chrono::milliseconds pause{50};  // 20 updates per second are enough
 
 std::string signed_mm(double metres) {
   return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 2) + " mm"
@@ -93,7 +93,7 @@ void Progress::show(const v1::JobEvent& event) {
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
   char percent[16];
   std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
-  // What is waited for comes first: the end of the line is cut where the window is narrow.
+  //     // The most important data come first: the end of the line is cut off in a narrow window.
   const std::string eta = eta_text(event.step());
   renew(percent + eta + (eta.empty() ? "" : " ") + curve + " " + step_facts(event.step()),
         event.step().progress() >= 1.0);

@@ -10,16 +10,17 @@
 
 namespace dccast::client::render {
 
-/// Shows the events of a job: on a terminal one line that renews itself, elsewhere a line an event.
+/// Shows the events of a job: on a terminal in one line that is updated, otherwise one line per
+/// event.
 class Progress {
 public:
   Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
   Progress(const Progress&) = delete;
-  /// Whatever ended the watch, what is said next begins on a line of its own.
+  /// Ends the updated line, so that the next message starts on a new one.
   ~Progress() { end_line(); }
 
   void show(const v1::JobEvent& event);
-  /// Ends the renewed line and draws the curve of the run, if there is one.
+  /// Ends the updated line and draws the curl of the run, if there is one.
   void finish();
 
   const CurlHistory& history() const { return history_; }
@@ -39,7 +40,7 @@ private:
 /// "step 120  t 45.2 s  cast 30.1 mm  corner +3.21 mm  2 it  eta 3 s" (one step, no line end).
 std::string step_line(const v1::StepReport& step);
 
-/// Seconds that the rest of the run takes at its mean pace so far; negative when that is not known.
+/// Remaining time of the run at its mean speed so far [s]; negative if unknown.
 double remaining_s(const v1::StepReport& step);
 
 /// "1 h 03 min", "4 min 10 s", "7 s".

@@ -92,7 +92,7 @@ std::vector<PullIn> pull_in_profiles(const v1::Frame& frame) {
   if (face.empty()) return {};
   const auto [low, high] = solid_range(frame, face);
   if (!(high > low)) return {};
-  // The crossing of a node on top of everything would be seen by no edge: just below it.
+  //     // At the height of the topmost node no edge would be cut: use a height just below it.
   const double head = high - 1e-9 * (high - low);
   std::vector<PullIn> profiles{profile_at(frame, face, head, "head"),
                                profile_at(frame, face, (low + high) / 2, "middle"),

@@ -17,7 +17,7 @@ std::string millimetres(double metres) {
   return plant_number(1e3 * metres) + " mm";
 }
 
-/// What a factor and a shift do to a table, in words; empty where they do nothing.
+/// The effect of factor and shift on a table, in words; empty if they have none.
 std::string changes(const v1::Curve& factor, double shift_s) {
   std::string text;
   if (factor.value_size() > 1 || (factor.value_size() == 1 && factor.value(0) != 1.0))
@@ -120,7 +120,7 @@ std::string speed_chart(const v1::QueryResultResponse& result) {
   for (const v1::StepReport& step : result.steps()) {
     const double t = step.time_s(), length = step.cast_length_m();
     line.x.push_back(t);
-    // The block stands during the hold, whatever the table says of it.
+    // The block does not move during the hold, whatever the table.
     line.y.push_back(t <= 0.0
                          ? 0.0
                          : mm_per_min * curve_value(recipe.casting_speed_factor(), t, length, 1.0) *

@@ -6,8 +6,8 @@
 
 namespace dccast::client::render {
 
-/// What the pit sets, in its units: a table of speed, water, metal, mould and block, and charts of
-/// speed and water as this run had them.
+/// The casting recipe in plant units: a table of speed, water, metal, mould and block, and charts
+/// of speed and water in this run.
 std::string recipe_part(const v1::QueryResultResponse& result);
 
 }  // namespace dccast::client::render

@@ -19,7 +19,7 @@
 namespace dccast::client::render {
 namespace {
 
-/// The sentence at the top of a page whose figures are not all an answer.
+/// The sentence at the top of a page with figures beyond validity.
 std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
   const auto first = history.first_beyond();
   if (!first && !job.has_validity_loss()) return {};
@@ -27,7 +27,7 @@ std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
                                                    : std::string(beyond_validity) + " from " +
                                                          fixed(history.time_s[*first], 2) + " s on";
   return "<p class='invalid'>This run is " + html_escaped(said) +
-         ". Figures after that time are marked; they are not an answer.</p>";
+         ". Figures after that time are marked; they are not valid.</p>";
 }
 
 std::string page_header(const v1::Job& job, const std::string& title) {
@@ -36,7 +36,7 @@ std::string page_header(const v1::Job& job, const std::string& title) {
          "</span></p>" + element("h1", title) + "</header>";
 }
 
-/// What the plant wants to read, meant for one sheet of paper.
+/// The part for the plant, on one sheet of paper.
 std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
                         const CurlHistory& history, const Study& study, const FrameSeries& series) {
   return findings_part(job.findings()) + validity_banner(job, history) +
@@ -54,7 +54,7 @@ std::string discretisation_part(const v1::Job& job, const v1::QueryResultRespons
   return study_part(study, job);
 }
 
-/// What the figures rest on.
+/// The evidence behind the figures.
 std::string second_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
                          const CurlHistory& history, const Study& study) {
   const std::string of_the_study =

@@ -6,8 +6,8 @@
 
 namespace dccast::client::render {
 
-/// For whoever has to trust the figures: the run's own checks, how it ran, what it assumes, and the
-/// whole case.
+/// Evidence for the figures: the checks of the run, its progress, its assumptions, and the whole
+/// case.
 std::string run_part(const v1::Job& job, const v1::QueryResultResponse& result,
                      const CurlHistory& history);
 

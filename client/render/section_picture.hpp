@@ -10,20 +10,20 @@ namespace dccast::client::render {
 
 /// The deformed section with its temperatures and isotherms as inline SVG.
 struct SectionPicture {
-  std::string svg;                  ///< empty when the frame holds no mesh that can be drawn
-  double displacement_scale = 1.0;  ///< factor by which displacements are drawn larger
-  PictureView view;                 ///< of what stands in its group of class "now"
+  std::string svg;                  ///< empty if the frame has no mesh that can be drawn
+  double displacement_scale = 1.0;  ///< magnification of the displacements [1]
+  PictureView view;                 ///< view of its group of class "now"
 };
 
-/// Draws a frame of a plane or axisymmetric section; one of a quarter slab has no picture here, see
-/// slab_picture.hpp. Displacements are enlarged by a round factor, so that the largest of the
-/// bottom is about a fifteenth of the section's width. Isotherms every 100 °C, and those of
-/// liquidus and solidus.
-/// @param range  of the colours; absent: that of the frame
+/// Draws a frame of a plane or axisymmetric section; for quarter slabs see slab_picture.hpp.
+/// Displacements are magnified by a round factor, so that the largest one of the bottom is about a
+/// fifteenth of the width of the section. Isotherms are drawn every 100 °C and at liquidus and
+/// solidus.
+/// @param range  range of the colours; absent: that of the frame
 SectionPicture draw_section(const v1::Frame& frame,
                             const std::optional<ColourRange>& range = std::nullopt);
 
-/// Whether array sizes and node numbers of a frame in two dimensions fit each other.
+/// Whether array sizes and node numbers of a 2D frame are consistent.
 bool consistent(const v1::Frame& frame);
 
 }  // namespace dccast::client::render

@@ -17,11 +17,11 @@ std::string plan_text(const v1::Study& study);
 /// "120 of 200 runs, 2 running, 3 failed, 61 %".
 std::string progress_text(const v1::Study& study);
 
-/// Everything about one study, one fact a line.
+/// All details of one study, one per line.
 std::string study_sheet(const v1::Study& study);
 
-/// Shows the progress of a study: on a terminal one line that renews itself, elsewhere a line each
-/// tenth of the way.
+/// Shows the progress of a study: on a terminal in one line that is updated, otherwise one line per
+/// tenth of the runs.
 class StudyProgress {
 public:
   StudyProgress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}

@@ -6,7 +6,9 @@
 
 namespace dccast::client::render {
 
-/// A line drawn dashed with a shaded interval around it.
+/// A dashed line with a shaded interval around it.
+///
+/// Units: x, y, their limits and ticks in the units named in the axis labels of the chart.
 struct ChartBand {
   std::vector<double> x;
   std::vector<double> middle;  ///< as long as x, all finite
@@ -27,11 +29,11 @@ struct Chart {
   std::string x_label;  ///< with its unit
   std::string y_label;
   std::vector<ChartLine> lines;
-  /// The region from here to the right end is hatched and named; nothing: there is none.
+  /// x from which the region to the right end is hatched and named; absent: no region.
   std::optional<double> beyond_from{};
   std::string beyond_name{};
-  /// A horizontal region that is drawn in and named, of values that are wanted; NaN or infinite
-  /// edges reach to the end of the axis.
+  /// A named horizontal region of desired values. A NaN or infinite limit reaches to the end of the
+  /// axis.
   struct Wanted {
     double low;
     double high;
@@ -44,7 +46,7 @@ struct Chart {
 /// variables --line-0 ... --line-5, so that it follows the light and the dark scheme.
 std::string svg_chart(const Chart& chart);
 
-/// Round numbers from at most `low` to at least `high`, about `count` of them.
+/// About `count` round numbers, from at most `low` to at least `high`.
 std::vector<double> round_ticks(double low, double high, int count);
 
 /// Text with &, <, > and quotes made safe for HTML.

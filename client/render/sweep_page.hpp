@@ -6,8 +6,8 @@
 
 namespace dccast::client::render {
 
-/// One HTML page about a sweep that opens from disk: the curl at the end against each numeric key,
-/// and of two such keys against both, with the table of all runs.
+/// A self-contained HTML page about a sweep: the final curl against each numeric key and against
+/// pairs of such keys, with the table of all runs.
 std::string sweep_page(const v1::StudyResult& result);
 
 }  // namespace dccast::client::render

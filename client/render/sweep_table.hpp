@@ -6,14 +6,14 @@
 
 namespace dccast::client::render {
 
-/// A sweep as a text table: a row a run with its values, the curl of every monitor at the end and
-/// what became of it.
+/// A sweep as a text table: one row per run with its values, the final curl of every monitor and
+/// its outcome.
 std::string sweep_table(const v1::StudyResult& result);
 
-/// The same for other programs, in metres; a number is empty where there is none.
+/// The same as CSV, in metres; missing numbers are empty.
 std::string sweep_csv(const v1::StudyResult& result);
 
-/// What is to be said of a run: "failed: solve failed", "succeeded, beyond validity".
+/// Outcome of a run: "failed: solve failed", "succeeded, beyond validity".
 std::string run_text(const v1::StudyRun& run);
 
 }  // namespace dccast::client::render

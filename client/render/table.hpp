@@ -18,7 +18,7 @@ private:
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// A number with a fixed count of decimals; "-" for one that is not finite.
+/// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
 std::string fixed(double value, int decimals);
 
 }  // namespace dccast::client::render

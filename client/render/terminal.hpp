@@ -4,21 +4,22 @@
 
 namespace dccast::client::render {
 
-/// What an output stream can show.
+/// Capabilities of an output stream.
 struct Terminal {
   bool interactive = false;  ///< a terminal that understands a carriage return
   bool colour = false;       ///< interactive and NO_COLOR is not set
-  int columns = 80;          ///< COLUMNS, else what the terminal says
-  int descriptor = -1;       ///< of the stream; -1: no window is behind it
+  int columns = 80;          ///< COLUMNS, else the width of the terminal
+  int descriptor = -1;       ///< file descriptor; -1: the stream has no window
 };
 
-/// Of a file descriptor (1: standard output, 2: standard error).
+/// Capabilities of a file descriptor (1: standard output, 2: standard error).
 Terminal terminal_of(int descriptor);
 
-/// Columns that the terminal has now: its window may have changed.
+/// Present width of the terminal in columns: its window may have changed.
 int columns_now(const Terminal& terminal);
 
-/// Columns that a UTF-8 text takes, counted in code points; our texts hold no wide characters.
+/// Width of a UTF-8 text in columns, counted in code points; the texts of the program contain no
+/// wide characters.
 int display_width(const std::string& text);
 
 /// The text cut to this many columns.

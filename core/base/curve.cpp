@@ -14,20 +14,23 @@ Curve::Curve(Abscissa abscissa, std::vector<double> at, std::vector<double> valu
 double Curve::operator()(double x) const {
   if (x <= at_.front()) return value_.front();
   if (x >= at_.back()) return value_.back();
-  const auto right = static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
+  const auto right =
+      static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
   const double share = (x - at_[right - 1]) / (at_[right] - at_[right - 1]);
   return value_[right - 1] + share * (value_[right] - value_[right - 1]);
 }
 
 double Curve::derivative(double x) const {
   if (x < at_.front() || x >= at_.back()) return 0.0;
-  const auto right = static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
+  const auto right =
+      static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
   return (value_[right] - value_[right - 1]) / (at_[right] - at_[right - 1]);
 }
 
 double Curve::integral(double a, double b) const {
   if (b < a) return -integral(b, a);
-  // The trapezoid rule between all points of the table inside (a, b) is exact for a linear table.
+  // The trapezoidal rule between all points of the table in (a, b) is exact for a piecewise linear
+  // table.
   double sum = 0.0;
   double left = a;
   auto next = std::upper_bound(at_.begin(), at_.end(), a);

@@ -4,14 +4,14 @@
 
 namespace dccast {
 
-/// What the numbers of a Curve stand against; the unit is that of the quantity in SI and °C.
+/// The abscissa of a Curve, in SI units and °C.
 enum class Abscissa { none, time, cast_length, temperature, gap, distance, liquid_fraction };
 
 /// A quantity given as a table, [unit of the quantity]: interpolated linearly, constant outside.
 ///
-/// The constant continuation is deliberate and stated to the user: tables of material data end
-/// where the measurements end, and a straight-line continuation of a modulus or a conductivity can
-/// change its sign.
+/// The constant continuation is deliberate and documented for the user: tables of material data end
+/// where the measurements end, and a linear extrapolation of a modulus or a conductivity can change
+/// its sign.
 class Curve {
 public:
   /// An empty curve; evaluating it is a bug. Use `empty()` to tell an optional curve apart.
@@ -22,10 +22,12 @@ public:
   /// @param value  ordinates [quantity], as many as abscissae
   Curve(Abscissa abscissa, std::vector<double> at, std::vector<double> value);
 
-  double operator()(double x) const;  ///< [quantity]
-  /// Derivative [quantity/abscissa]; at a point of the table that to its right, zero outside.
+  double operator()(double x) const;  ///< [quantity] at `x` [abscissa]
+  /// Derivative [quantity/abscissa] at `x` [abscissa]; at a point of the table the right-hand one;
+  /// zero outside.
   double derivative(double x) const;
-  /// Integral from `a` to `b`, exact [quantity * abscissa].
+  /// Exact integral [quantity * abscissa]. @param a  lower limit [abscissa] @param b  upper limit
+  /// [abscissa]
   double integral(double a, double b) const;
 
   bool empty() const { return at_.empty(); }
@@ -36,8 +38,8 @@ public:
 
 private:
   Abscissa abscissa_ = Abscissa::none;
-  std::vector<double> at_;
-  std::vector<double> value_;
+  std::vector<double> at_;     ///< [abscissa]
+  std::vector<double> value_;  ///< [quantity]
 };
 
 }  // namespace dccast

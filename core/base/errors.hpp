@@ -7,12 +7,12 @@
 
 namespace dccast {
 
-/// One thing that is wrong with a case, for the person who wrote it.
+/// One fault of a case, for the person who wrote the case.
 struct Fault {
   std::string field;      ///< path in the case file, e.g. "schedule.casting_speed"
-  std::string value;      ///< what was given
+  std::string value;      ///< the value that was given
   std::string message;    ///< what is wrong with it
-  std::string permitted;  ///< what is permitted, with its unit
+  std::string permitted;  ///< the permitted range, with its unit
   std::string remedy;     ///< what to write instead
 };
 
@@ -20,6 +20,7 @@ struct Fault {
 class Faults {
 public:
   void add(Fault fault) { list_.push_back(std::move(fault)); }
+  /// @param value  [SI unit of the field, °C]
   void add(std::string_view field, double value, std::string_view message,
            std::string_view permitted = {}, std::string_view remedy = {});
   void add(std::string_view field, std::string_view value, std::string_view message,
@@ -31,7 +32,7 @@ private:
   std::vector<Fault> list_;
 };
 
-/// The user can correct it: all faults at once.
+/// The case has faults that the user can correct; contains all of them.
 class InvalidCase : public std::runtime_error {
 public:
   explicit InvalidCase(Faults faults);
@@ -44,6 +45,7 @@ private:
 /// A step did not converge at the smallest time step [s] that the case permits.
 class SolveFailed : public std::runtime_error {
 public:
+  /// @param time [s] @param time_step [s] @param residual_history [1]
   SolveFailed(const std::string& what, double time, double time_step,
               std::vector<double> residual_history);
   double time() const { return time_; }            ///< [s] where the step began

@@ -30,7 +30,8 @@ inline constexpr int most_lanes = 8;
 
 namespace detail {
 #if defined(__x86_64__)
-// All that the work calls is compiled into these, for their instruction set.
+// Everything that `work` calls is inlined into these functions and compiled for their instruction
+// set.
 template <class Work>
 [[gnu::target("avx2,fma"), gnu::flatten]] void on_avx2(const Work& work) {
   work.template operator()<4>();
@@ -55,7 +56,7 @@ void with_lanes(const Work& work) {
   work.template operator()<2>();
 }
 
-/// What give(i) says for each lane i.
+/// Lanes with the value give(i) in lane i.
 template <int Count, class Give>
 Lanes<Count> lanes_of(const Give& give) {
   return [&]<std::size_t... Lane>(std::index_sequence<Lane...>) {
@@ -64,7 +65,7 @@ Lanes<Count> lanes_of(const Give& give) {
   (std::make_index_sequence<Count>{});
 }
 
-/// Square root of each.
+/// Square root of each lane, in the root of its unit.
 template <int Count>
 Lanes<Count> root(const Lanes<Count>& x) {
   Lanes<Count> y;
@@ -72,7 +73,7 @@ Lanes<Count> root(const Lanes<Count>& x) {
   return y;
 }
 
-/// Whether a comparison holds in some lane. @param mask  what the comparison gave
+/// Whether a comparison holds in some lane. @param mask  result of the comparison
 template <int Count, class Mask>
 bool any(const Mask& mask) {
   long long found = 0;
@@ -80,13 +81,14 @@ bool any(const Mask& mask) {
   return found != 0;
 }
 
-/// Reads or writes lanes at numbers that follow one another.
+/// Loads lanes from consecutive numbers [any unit].
 template <int Count>
 Lanes<Count> load(const double* from) {
   Lanes<Count> lanes;
   __builtin_memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
+/// Stores lanes at consecutive numbers [any unit].
 template <int Count>
 void store(const Lanes<Count>& lanes, double* to) {
   __builtin_memcpy(to, &lanes, sizeof lanes);

@@ -58,7 +58,7 @@ Matrix3 polar_rotation(const Matrix3& gradient) {
 }
 
 std::array<double, 4> quaternion_of(const Matrix3& m) {
-  // The largest of the four squares is taken under the root, so that nothing cancels.
+  // The square root is taken of the largest of the four squares, which avoids cancellation.
   const double trace = m[0][0] + m[1][1] + m[2][2];
   const std::array<double, 4> squares{trace, m[0][0], m[1][1], m[2][2]};
   const auto largest =

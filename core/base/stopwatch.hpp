@@ -4,8 +4,9 @@
 
 namespace dccast {
 
-/// Adds the seconds of its life to a sum. Wall time: that of a thread is a system call, and hundreds
-/// a step would be 2 % of a plane run.
+/// Adds the time from its construction to its destruction to a sum. It measures wall time: reading
+/// the processor time of a thread is a system call, and the hundreds of calls per step would cost 2
+/// % of a 2D run.
 class Stopwatch {
 public:
   /// @param seconds  [s] the sum; must outlive the watch

@@ -36,7 +36,7 @@ struct SymmetricTensor {
     for (std::size_t i = 3; i < components; ++i) shear += value[i] * value[i];
     return normal + 2.0 * shear;
   }
-  /// Frobenius norm |t| = sqrt(t : t).
+  /// Frobenius norm |t| = sqrt(t : t), in the unit of the tensor.
   double norm() const { return std::sqrt(squared_norm()); }
   SymmetricTensor& add(const Number& factor, const SymmetricTensor& other) {
     for (std::size_t i = 0; i < components; ++i) value[i] += factor * other.value[i];

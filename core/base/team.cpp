@@ -13,15 +13,17 @@ namespace {
 
 thread_local Team* lent = nullptr;
 
-/// Looks before a thread sleeps, 30 to 100 us: more than passes between two loops of a step, less
-/// than it takes to put a thread to sleep and wake it a few times.
+/// Number of polls before a thread sleeps, 30 to 100 us: longer than the time between two loops of
+/// a step, shorter than putting a thread to sleep and waking it a few times.
 constexpr int looks = 2000;
-/// Of door_: nobody else may enter.
+/// Value of door_: no other member may join.
 constexpr int closed = 1 << 16;
-/// Calls done alone at most before the team is tried again: its waits then cost some per cent.
+/// Largest number of calls done alone before the team is tried again: its waits then cost a few per
+/// cent.
 constexpr int longest_rest = 1023;
 
-/// A sleep that means that a member has lost its processor to others [s]: part of a time slice.
+/// A sleep this long means that a member has lost its processor to other work [s]: part of a time
+/// slice.
 constexpr double long_sleep = 1e-3;
 
 thread_local double longest_sleep = 0.0;  // [s] since it was last set to zero
@@ -32,7 +34,7 @@ void pause_briefly() {
 #endif
 }
 
-/// The value when it is `done` or has been looked at often enough.
+/// Polls until the value is `done`, or until the maximum number of polls.
 template <class Done>
 int look_at(const std::atomic<int>& value, const Done& done) {
   int seen = value;
@@ -43,7 +45,7 @@ int look_at(const std::atomic<int>& value, const Done& done) {
   return seen;
 }
 
-/// The value once it is `done`.
+/// Waits until the value is `done`.
 template <class Done>
 int await(const std::atomic<int>& value, const Done& done) {
   int seen = look_at(value, done);
@@ -74,7 +76,7 @@ Team::Team(int members) : door_(closed) {
   try {
     for (int member = 1; member < members; ++member) thread_.emplace_back([this] { serve(); });
   } catch (const std::system_error&) {
-    // Fewer members find the same numbers, only later.
+    // Fewer members compute the same numbers, only more slowly.
   }
 }
 
@@ -129,7 +131,7 @@ void Team::serve() {
   }
 }
 
-/// @return the number of the member; 0 where it comes too late
+/// @return the number of the member; 0 if it is too late to join
 int Team::enter() {
   int inside = door_;
   while (inside + 1 < members()) {
@@ -138,7 +140,7 @@ int Team::enter() {
   return 0;
 }
 
-/// Calls the others. @return members, those that are there where all are to begin together
+/// Wakes the others. @return number of members; if all start together, of those that are available
 int Team::begin(const Task& task) {
   task_ = task;
   leaving_ = 0;
@@ -160,7 +162,7 @@ void Team::run(const Task& task) {
   longest_sleep = 0.0;
   const int all = begin(task);
   {
-    const Lent none(nullptr);  // what the work calls is done by the member that calls it
+    const Lent none(nullptr);  // nested loops are executed by the calling member alone
     run_as(0, all);
   }
   const int inside = door_.fetch_or(closed) & ~closed;

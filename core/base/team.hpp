@@ -9,31 +9,31 @@
 
 namespace dccast {
 
-/// Threads that work together on one loop at a time, the one that calls among them. They are kept
-/// from loop to loop: a member without work spins for some microseconds, then sleeps.
+/// A pool of threads, including the calling one, that work on one loop at a time. The threads are
+/// kept between loops: an idle member spins for some microseconds, then sleeps.
 ///
-/// Who does what never decides a result. Work is divided by what it is about, and what several
-/// parts add to is added in an order that does not depend on the number of members: so one member
-/// and many give the same bits.
+/// Results do not depend on which member does which work. Work is divided by the problem, not by
+/// the number of members, and sums are formed in an order that does not depend on it either: one
+/// member and many give the same bits.
 ///
-/// Therefore nobody waits for a member that does not come because the system has other work for its
-/// processor: the others do without it. A team that was kept waiting all the same works alone for
-/// some calls, the longer the more often that happens.
+/// A member whose processor is busy with other work is therefore not waited for: the others do its
+/// share. If the team is kept waiting all the same, the caller works alone for some calls, for more
+/// of them the more often this happens.
 class Team {
 public:
-  /// @param members  with the thread that calls, at least 1; fewer where the system has no more
-  /// threads to give
+  /// @param members  number of threads including the caller, at least 1; fewer are used if the
+  ///                 system cannot create as many
   explicit Team(int members = 1);
   ~Team();
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
   int members() const { return static_cast<int>(thread_.size()) + 1; }
-  /// What the members beside the caller have taken of processors so far [s].
+  /// Processor time used so far by the members other than the caller [s].
   double processor_seconds() const;
 
-  /// Lends a team to the calling thread until it goes out of scope: together() and for_each_part()
-  /// use it. Without one, or with null, and inside their work, a thread is alone.
+  /// Lends a team to the calling thread until the object goes out of scope: together() and
+  /// for_each_part() use it. Without a team, with null, or inside their work, a thread works alone.
   class Lent {
   public:
     explicit Lent(Team* team);
@@ -56,7 +56,9 @@ private:
   struct Task {
     void (*call)(const void* work, int member, int members);
     const void* work;
-    bool at_once;  ///< all members begin together; else each when it comes, and `members` is of all
+    /// All members start together; else each starts when it is ready, and `members` is the size of
+    /// the whole team.
+    bool at_once;
   };
   template <class Work>
   static Task task_of(const Work& work, bool at_once) {
@@ -79,20 +81,20 @@ private:
   std::vector<std::thread> thread_;
   std::vector<std::exception_ptr> thrown_;  ///< (member)
   Task task_{};
-  std::atomic<int> calls_{0};    ///< of run(); one more wakes the members
-  std::atomic<int> door_{0};     ///< members beside the caller that take part, and whether more may
-  std::atomic<int> leaving_{0};  ///< of those, how many are done
+  std::atomic<int> calls_{0};    ///< number of calls of run(); an increment wakes the members
+  std::atomic<int> door_{0};     ///< members besides the caller that take part; may more join?
+  std::atomic<int> leaving_{0};  ///< number of those that have finished
   std::atomic<bool> ending_{false};
-  int rest_ = 0;       ///< calls that the caller does alone from now on
-  int next_rest_ = 0;  ///< and after it is kept waiting the next time
+  int rest_ = 0;       ///< number of calls that the caller still does alone
+  int next_rest_ = 0;  ///< that number when the team is next kept waiting
 };
 
-/// Members of the team lent to this thread; 1 without one.
+/// Number of members of the team lent to this thread; 1 without a team.
 int team_members();
 
-/// Calls work(member, members) for members 0 to members - 1, at the same time, and waits for all:
-/// those of the team lent to this thread that are there. The exception of the first member that
-/// threw is thrown again. Work whose members wait for each other must not throw.
+/// Calls work(member, members) concurrently for members 0 to members - 1, the available members of
+/// the team lent to this thread, and waits for all. The exception of the first member that threw is
+/// rethrown. Work whose members wait for each other must not throw.
 template <class Work>
 void together(const Work& work) {
   Team* team = Team::of_this_thread();
@@ -100,8 +102,8 @@ void together(const Work& work) {
   team->run(Team::task_of(work, true));
 }
 
-/// Calls work(part) for every part from 0 on, each once, in any order and several at a time. After
-/// a part that threw no more are begun.
+/// Calls work(part) once for every part from 0 to `parts` - 1, in any order and several at a time.
+/// After an exception no further parts are started.
 template <class Work>
 void for_each_part(std::size_t parts, const Work& work) {
   if (parts <= 1 || team_members() == 1) {
@@ -120,8 +122,8 @@ void for_each_part(std::size_t parts, const Work& work) {
   Team::of_this_thread()->run(Team::task_of(take_parts, false));
 }
 
-/// Calls work(first, end) for stretches of the numbers from 0 to `count` - 1, several at a time.
-/// @param shortest  stretch worth a call
+/// Calls work(first, end) for ranges that together cover 0 to `count` - 1, several at a time.
+/// @param shortest  shortest range worth a call
 template <class Work>
 void for_each_stretch(std::size_t count, std::size_t shortest, const Work& work) {
   constexpr std::size_t most_stretches = 8;
@@ -131,12 +133,12 @@ void for_each_stretch(std::size_t count, std::size_t shortest, const Work& work)
   });
 }
 
-/// How far the members have come, for each other to wait for: a number that only grows.
+/// Progress of a member that other members can wait for: a number that only grows.
 class Progress {
 public:
   explicit Progress(int reached) : reached_(reached) {}
   void reach(int place);
-  /// @return how far it has come, not less than `place`
+  /// @return the progress reached, at least `place`
   int wait_for(int place) const;
 
 private:

@@ -7,9 +7,9 @@
 
 namespace dccast::casting {
 
-/// Rows that were merged before a step, and what that changed which it should not.
+/// Rows that were merged before a step, and the errors that the merging introduced.
 struct MergeOutcome {
-  int rows = 0;               ///< of cells that were taken out
+  int rows = 0;               ///< number of rows of cells that were removed
   double energy_error = 0.0;  ///< [1] relative change of the heat content
   mechanics::MergeChecks mechanics;
 };
@@ -17,7 +17,7 @@ struct MergeOutcome {
 /// Outcome of one attempt at one step.
 struct Attempt {
   bool converged = false;
-  std::string why;         ///< heat or mechanics, when it did not converge
+  std::string why;         ///< "heat" or "mechanics" if it did not converge, else empty
   double time_step = 0.0;  ///< [s]
   MergeOutcome merge;
   thermal::HeatStepOutcome heat;

@@ -25,31 +25,34 @@ struct Schedule {
   Curve casting_speed;                      ///< [m/s] against time or cast length
   Curve casting_temperature;                ///< [°C] against time or cast length
   Curve water_flow;                         ///< [m2/s] against time or cast length
-  Curve narrow_water_flow;                  ///< [m2/s] of the narrow face; empty: as water_flow
+  Curve narrow_water_flow;                  ///< [m2/s] on the narrow face; empty: as water_flow
   Curve casting_speed_factor = Curve(1.0);  ///< [1] against time or cast length
-  Curve water_flow_factor = Curve(1.0);     ///< [1] of all water flows
-  double casting_speed_shift = 0.0;         ///< [s] by which its table against time comes later
-  double water_flow_shift = 0.0;            ///< [s] the same of the tables of the water flows
+  Curve water_flow_factor = Curve(1.0);     ///< [1] applied to all water flows
+  double casting_speed_shift = 0.0;         ///< [s] delay of the casting-speed table against time
+  double water_flow_shift = 0.0;            ///< [s] delay of the water-flow tables against time
 };
 
 struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
-  double tolerance = 1e-11;  ///< [1] residual relative to the heat that moves in a step
+  double tolerance = 1e-11;  ///< [1] residual relative to the heat exchanged in a step
   int maximum_iterations = 60;
-  int two_grids_from_nodes = 5000;  ///< of an extruded solid; no key of a case: the measured rule
-  std::filesystem::path file;  ///< prescribed temperature; empty: the heat solver
+  /// Number of nodes of an extruded solid from which the two-grid solver replaces the
+  /// factorisation. Measured; not a key of a case (docs/large-solids.md).
+  int two_grids_from_nodes = 5000;
+  std::filesystem::path file;  ///< prescribed temperatures; empty: use the heat solver
 };
 
 struct MechanicsCase {
   bool enabled = true;
-  double start = 0.0;  ///< [s]
+  double start = 0.0;  ///< [s] time at which the mechanics starts
   mechanics::Options options;
 };
 
 struct Coupling {
   bool gap_feedback = true;
   int iterations = 1;
-  bool deformed_zones = false;  ///< cooling zones are met at the height to which the side has risen
+  bool deformed_zones =
+      false;  ///< cooling zones act on the deformed side instead of the undeformed one
 };
 
 struct TimeControl {
@@ -58,16 +61,17 @@ struct TimeControl {
   double minimum_step = 1e-3;  ///< [s]
 };
 
-/// In the undeformed slab. In 2D x and y; of a quarter slab x, y and z.
+/// A point of the undeformed slab whose history is reported: x and y in 2D, x, y and z in a quarter
+/// slab.
 struct Monitor {
   std::string name;
   double x = 0.0;  ///< [m] from the symmetry plane
-  double y = 0.0;  ///< [m] above the bottom block; of a quarter slab from the plane y = 0
-  /// [m] above the bottom block, of a quarter slab
+  double y = 0.0;  ///< [m] above the bottom block; in a quarter slab from the plane y = 0
+  /// [m] above the bottom block; quarter slab only
   std::optional<double> z = std::nullopt;
 };
 
-/// Its coordinates [m].
+/// Coordinates of a monitor [m].
 template <int Dim>
 std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
   if constexpr (Dim == 2)
@@ -82,32 +86,32 @@ struct OutputOptions {
 };
 
 struct CheckpointPolicy {
-  int every_steps = 50;         ///< 0: none by steps
-  double every_seconds = 30.0;  ///< [s] of wall time; 0: none by time
+  int every_steps = 50;         ///< 0: not by number of steps
+  double every_seconds = 30.0;  ///< [s] wall time; 0: not by time
 };
 
 enum class WhenLost {
   stop,   ///< the run fails
-  go_on,  ///< every later step is marked
+  go_on,  ///< the run continues; every later step is marked
 };
 
-/// Limits of the model; how they were chosen stands in docs/validity.md.
+/// Limits of the model; docs/validity.md explains how they were chosen.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
-  double maximum_liquid_pressure_error = 0.15;  ///< [1] relative; of the prestressed liquid only
+  double maximum_liquid_pressure_error = 0.15;  ///< [1] relative; for the prestressed liquid only
   double maximum_rotation = 10.0 * std::numbers::pi / 180.0;  ///< [rad]
   double maximum_slip = 0.02;                                 ///< [m]
-  double minimum_shell = 0.0;                                 ///< [m]; 0: any solid path
+  double minimum_shell = 0.0;  ///< [m]; 0: any continuous solid shell is enough
 };
 
-/// Limits of the findings; how they were chosen stands in docs/findings.md.
+/// Limits of the findings; docs/findings.md explains how they were chosen.
 struct Plausibility {
   double minimum_superheat = 5.0;       ///< [K]
   double minimum_shell = 5e-3;          ///< [m]
   double maximum_mush_strain = 0.005;   ///< [1]
-  double maximum_sump_share = 0.95;     ///< [1] of the metal's depth
-  std::optional<double> least_curl;     ///< [m] of the plant's band; absent: no lower edge
-  std::optional<double> greatest_curl;  ///< [m] absent: no upper edge
+  double maximum_sump_share = 0.95;     ///< [1] relative to the depth of the metal
+  std::optional<double> least_curl;     ///< [m] lower end of the plant's range; absent: none
+  std::optional<double> greatest_curl;  ///< [m] upper end of the plant's range; absent: none
 };
 
 struct Limits {
@@ -119,7 +123,8 @@ struct Case {
   std::string title;
   mesh::SectionSpec section;
   material::AlloyCard alloy;
-  /// [1] that the alloy's coherency was given by; absent: as a temperature, or left to the card
+  /// [1] solid fraction by which the case gave the coherency; absent: it gave a temperature, or
+  /// left it to the card
   std::optional<double> coherency_solid_fraction;
   Schedule schedule;
   thermal::CoolingSpec cooling;

@@ -16,41 +16,43 @@
 
 namespace dccast::casting {
 
-/// One casting, step by step, in two or three dimensions. Knows nothing of files.
+/// One casting, step by step, in two or three dimensions. Does not read or write result files.
 class CastingRun {
 public:
   virtual ~CastingRun() = default;
 
   virtual bool finished() const = 0;
-  /// Makes one accepted step, cutting the time step as often as it takes.
-  /// @throws SolveFailed  at the smallest time step
+  /// Advances by one accepted step, reducing the time step as often as necessary.
+  /// @throws SolveFailed  not converged at the smallest time step
   virtual results::StepReport advance() = 0;
   virtual double time() const = 0;  ///< [s] end of the last accepted step
 
-  /// Whether the fields of this instant are to be stored.
+  /// Whether the fields at the present time are to be stored.
   virtual bool frame_is_due() const = 0;
-  /// The fields of this instant; moves the time of the next frame on.
+  /// The fields at the present time; advances the time of the next frame.
   virtual results::Frame take_frame() = 0;
 
-  /// Lists a failure of the step just made: part of the state, so that no resumption forgets it.
+  /// Records a failure of the last step. Failures are part of the state, so a resumed run keeps
+  /// them.
   virtual void fail(RunFailure failure) = 0;
   virtual const RunFailures& failures() const = 0;
-  /// The moment from which the model is no longer valid; nothing while it is.
+  /// The time from which the model is no longer valid; empty while it is valid.
   virtual const std::optional<results::ValidityLoss>& validity_lost() const = 0;
 
-  /// What an engineer should know of the run so far, each code once, in the order they came.
+  /// Findings of the run so far: each code once, in the order in which they were raised.
   virtual const std::vector<results::Finding>& findings() const = 0;
 
-  /// Everything that a checkpoint of the run has to keep.
+  /// The complete state of the run, as stored in a checkpoint.
   virtual restart::Sections state_sections() const = 0;
-  /// Goes on from another state of the same case. Asked of a run that has made no step.
-  /// @return  why it cannot be of this run: a section that is missing, an array that does not fit
-  ///          the mesh, a time outside the case; empty when it can. The run stays as it was then.
+  /// Continues from a stored state of the same case. @pre no step has been made yet
+  /// @return  why the state does not belong to this run: a section is missing, an array does not
+  ///          fit the mesh, or a time lies outside the case; the run is then unchanged. Empty on
+  ///          success.
   virtual std::string restore(const restart::Sections& state) = 0;
 };
 
-/// The run of a case, in the dimension of its section.
-/// @param threads  of a quarter slab; other sections take one
+/// Creates the run of a case in the dimension of its section.
+/// @param threads  number of threads for a quarter slab; other sections use one
 /// @throws InvalidCase  a file of the case cannot be read
 std::unique_ptr<CastingRun> make_run(const Case& casting_case, int threads = 1);
 

@@ -17,8 +17,8 @@ bool against_length(const Curve& curve) {
   return curve.abscissa() == Abscissa::cast_length;
 }
 
-/// Integral of a table that comes later by `shift`, times a factor, both against time. Exact:
-/// between two points of the tables the product is a parabola, which Simpson's rule integrates.
+/// Integral of a table delayed by `shift`, times a factor, both against time. Exact: between two
+/// points of the tables the product is a parabola, which Simpson's rule integrates exactly.
 double integral_of_product(const Curve& table, double shift, const Curve& factor, double from,
                            double to) {
   if (factor.constant()) return factor.value().front() * table.integral(from - shift, to - shift);
@@ -36,10 +36,10 @@ double integral_of_product(const Curve& table, double shift, const Curve& factor
   return sum;
 }
 
-// Two times closer than this are one: steps are sums of decimal fractions.
+// Times closer than this are treated as equal: steps are sums of decimal fractions.
 constexpr double same_time = 1e-9;  // [s]
 
-/// The step that ends at the start of the water is still dry.
+/// The step that ends when the water starts is still dry.
 bool runs(const thermal::Water& water, double time) {
   return water.enabled && time > water.start + same_time;
 }
@@ -129,10 +129,10 @@ double CastingSchedule::step_at(double time) const {
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
 
-constexpr std::int64_t worth_it = 200;  // fewer steps are made one by one, exactly as the run does
+constexpr std::int64_t worth_it = 200;  // fewer steps are counted one by one, exactly as in the run
 
-/// All frames up to the next change at once, where the step is the same all the way: each takes as
-/// many steps as the first.
+/// Skips all frames up to the next change at once if the step is constant: each takes as many steps
+/// as the first.
 std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
   const double change = next_change(time);
   const double to_frame = next_frame(time) - time;
@@ -147,7 +147,7 @@ std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
 }
 
 Leap CastingSchedule::leap(double time) const {
-  constexpr double last_steps = 4.0;  // before an event, too, where a remainder is halved
+  constexpr double last_steps = 4.0;  // also before an event, where the remainder is halved
   const Leap one{1, time + step_at(time)};
   if (const auto frames = leap_over_frames(time)) return *frames;
   const double step = step_(time), slope = step_.derivative(time + same_time);
@@ -156,7 +156,7 @@ Leap CastingSchedule::leap(double time) const {
   const double largest = std::max(step, step + slope * (next - time));
   const double distance = next - time - last_steps * largest;
   if (distance <= static_cast<double>(worth_it) * largest) return one;
-  const double growth = std::log1p(slope);  // of a step from one to the next
+  const double growth = std::log1p(slope);  // growth of a step from one to the next
   const double count =
       std::floor(growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
   if (!(count < 1e15)) return {std::int64_t(1e15), next};

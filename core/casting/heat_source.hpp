@@ -10,37 +10,40 @@
 
 namespace dccast::casting {
 
-/// Where the temperature comes from: the built-in heat solver, or a file.
+/// Provides the temperature: from the built-in heat solver or from a file.
 class HeatSource {
 public:
   /// @throws InvalidCase  the temperature file cannot be read or does not fit the mesh
-  /// @param forms         of the mesh of the run, which stays where it is
+  /// @param forms         heat forms of the run's mesh, which must not move in memory
   HeatSource(const Case& casting_case, std::unique_ptr<thermal::HeatForms> forms);
 
-  /// Takes the mesh as it is now.
+  /// Updates the solver after the mesh has changed.
   void update_mesh();
-  /// @param time  [s] @param temperature  [°C] of all metal where none is prescribed
+  /// @param time         [s]
+  /// @param temperature  [°C] initial temperature of all metal if none is prescribed
   thermal::HeatField initial_field(double time, double temperature) const;
 
-  /// Takes the mesh after it has grown and carries the enthalpy over.
-  /// @param nodes_per_row        of the mesh
+  /// Updates the solver after growth of the mesh and transfers the enthalpy to the new mesh.
+  /// @param nodes_per_row        nodes per row of the mesh
   /// @param casting_temperature  [°C] of the metal that entered
-  /// @return                     what the balance needs to know of it
+  /// @return                     heat brought in, for the energy balance; empty if temperatures are
+  ///                             prescribed
   std::optional<thermal::MetalEntry> follow_growth(thermal::HeatField& field, int nodes_per_row,
                                                    double casting_temperature);
 
-  /// Takes the mesh after rows were merged and carries the field over.
+  /// Updates the solver after rows were merged and transfers the field to the merged mesh.
   /// @return  relative change of the heat content [1]
   double follow_merging(thermal::HeatField& field, const mesh::MergedRows& merged);
 
   thermal::HeatStepOutcome step(thermal::HeatField& field, const thermal::HeatStepInput& input);
 
 private:
+  /// Sets the field to the prescribed temperatures at a time [s].
   void take_temperature(thermal::HeatField& field, double time) const;
 
   material::ThermalProperties properties_;
-  std::optional<thermal::HeatSolver> solver_;  ///< or
-  std::optional<prescribed::TemperatureHistory> history_;
+  std::optional<thermal::HeatSolver> solver_;              ///< empty if temperatures are prescribed
+  std::optional<prescribed::TemperatureHistory> history_;  ///< empty if the solver is used
 };
 
 }  // namespace dccast::casting

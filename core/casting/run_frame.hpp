@@ -9,19 +9,19 @@
 
 namespace dccast::casting {
 
-/// What a stored instant shows.
+/// Input of frame_of(): the mesh, the state and the bottom of a run at one time.
 template <int Dim>
 struct FrameSource {
   const mesh::Mesh<Dim>& mesh;
   const RunState<Dim>& state;
   double metal_level = 0.0;             ///< [m]
-  std::span<const int> bottom_node;     ///< in the order of what follows
-  std::span<const double> bottom_gap;   ///< [m] open positive
+  std::span<const int> bottom_node;     ///< nodes of the bottom, the order of the next two arrays
+  std::span<const double> bottom_gap;   ///< [m] positive if open
   std::span<const double> bottom_area;  ///< [m2], in 2D [m]
   bool with_stresses = false;
 };
 
-/// The fields of an instant. Stresses and strains are the means of each element.
+/// The fields at one time. Stresses and strains are element means.
 template <int Dim>
 results::Frame frame_of(const FrameSource<Dim>& source);
 

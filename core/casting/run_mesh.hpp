@@ -16,7 +16,7 @@ public:
 
   const mesh::Mesh<Dim>& mesh() const { return slab_ ? slab_->mesh() : imported_; }
   bool grows() const { return slab_.has_value() && grows_; }
-  /// @pre built_in() is there
+  /// @pre built_in() is not null
   mesh::SlabMesh<Dim>& slab() { return *slab_; }
   const mesh::SlabMesh<Dim>* built_in() const { return slab_ ? &*slab_ : nullptr; }
 

@@ -46,7 +46,8 @@ void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
       side_temperature<Dim>(source.mesh, temperature, source.metal_level - c.cooling.water.from);
 }
 
-/// A monitor above the metal level is not poured yet: it has neither displacement nor temperature.
+/// A monitor above the metal level is not in the metal yet: it has neither displacement nor
+/// temperature.
 template <int Dim>
 void report_monitors(const ReportSource<Dim>& source, results::StepReport& r) {
   const RunState<Dim>& state = source.state;

@@ -9,7 +9,7 @@
 
 namespace dccast::casting {
 
-/// A step that was accepted, and where the run is after it.
+/// Input of report_of(): an accepted step and the state of the run after it.
 template <int Dim>
 struct ReportSource {
   const Case& casting_case;
@@ -17,13 +17,13 @@ struct ReportSource {
   const RunState<Dim>& state;
   const Attempt& accepted;
   double metal_level;  ///< [m]
-  double face_length;  ///< what heat is divided by: [m], of a billet [m/rad], of a quarter slab [1]
+  double face_length;  ///< heat is divided by it: [m], billet [m/rad], quarter slab [1]
   const CastingSchedule& schedule;
 };
 
-/// What a step reports of its course, its heat and its monitors; of the mechanics only what the
-/// solvers counted.
-/// @param failed_attempts  before the accepted one
+/// The report of a step: progress, heat and monitors; of the mechanics only the counters of the
+/// solvers.
+/// @param failed_attempts  number of attempts before the accepted one
 template <int Dim>
 results::StepReport report_of(const ReportSource<Dim>& source, int failed_attempts);
 

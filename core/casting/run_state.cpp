@@ -11,7 +11,7 @@ namespace {
 
 using restart::Sections;
 
-/// Puts fields into sections, each under its name.
+/// Stores fields in sections, each under its name.
 struct FieldWriter {
   Sections& sections;
 
@@ -33,8 +33,8 @@ struct FieldWriter {
   }
 };
 
-/// Takes them from sections. Throws std::out_of_range for a section that is missing or whose values
-/// are no flags or no whole tensors.
+/// Reads them from sections. Throws std::out_of_range if a section is missing or its values are not
+/// flags or not complete tensors.
 struct FieldReader {
   const Sections& sections;
 
@@ -48,7 +48,7 @@ struct FieldReader {
     const Sections::Integers& values = sections.integers(name);
     for (const std::int64_t value : values)
       if (value != 0 && value != 1)
-        throw std::out_of_range("'" + std::string(name) + "' has more than 0 and 1");
+        throw std::out_of_range("'" + std::string(name) + "' has values other than 0 and 1");
     flags.assign(values.begin(), values.end());
   }
   template <int Dim>
@@ -56,7 +56,7 @@ struct FieldReader {
     constexpr std::size_t components = SymmetricTensor<Dim>::components;
     const Sections::Reals& values = sections.reals(name);
     if (values.size() % components != 0)
-      throw std::out_of_range("'" + std::string(name) + "' is no whole tensors");
+      throw std::out_of_range("'" + std::string(name) + "' has incomplete tensors");
     tensors.resize(values.size() / components);
     for (std::size_t i = 0; i < values.size(); ++i)
       tensors[i / components][i % components] = values[i];
@@ -79,7 +79,7 @@ void for_slab_fields(Slab& slab, const Use& use) {
   use("slab/reaction_n_per_m", slab.reaction);
 }
 
-/// The same for a run, without what judges it and how it failed.
+/// The same for a run, without validity, plausibility and failures.
 template <class State, class Use>
 void for_fields(State& state, const Use& use) {
   use("step", state.step);

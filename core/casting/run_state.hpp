@@ -12,18 +12,18 @@
 
 namespace dccast::casting {
 
-/// Everything a run carries from one step to the next: what a rejected step puts back and what a
-/// checkpoint keeps. Whatever is not in here must follow from it, or a resumed run would differ.
+/// The complete state that a run carries from one step to the next. A rejected step restores it and
+/// a checkpoint stores it. Anything else must follow from it, or a resumed run would differ.
 template <int Dim>
 struct RunState {
-  std::int64_t step = 0;            ///< accepted steps
+  std::int64_t step = 0;            ///< number of accepted steps
   double time = 0.0;                ///< [s]
   double cast_length = 0.0;         ///< [m]
   double next_frame = 0.0;          ///< [s]
-  double step_limit = 0.0;          ///< of the step control [s]
-  double solver_seconds = 0.0;      ///< [s] of computing so far
-  double process_seconds = 0.0;     ///< [s] of all threads so far
-  RunFailures failures;             ///< of the steps so far that let the run go on
+  double step_limit = 0.0;          ///< of the step control [s], see StepControl::limit()
+  double solver_seconds = 0.0;      ///< [s] computing time of the run so far
+  double process_seconds = 0.0;     ///< [s] processor time of all threads so far
+  RunFailures failures;             ///< those so far that did not end the run
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
@@ -31,11 +31,11 @@ struct RunState {
   PlausibilityState plausibility;
 };
 
-/// A state as the sections of a checkpoint, and back. The lengths of the arrays remain to be held
-/// against the mesh: misfit() of state_fit.hpp.
+/// Converts a state to the sections of a checkpoint, and back. Whether the arrays fit the mesh is
+/// checked separately: misfit() of state_fit.hpp.
 template <int Dim>
 restart::Sections to_sections(const RunState<Dim>& state);
-/// @throws std::out_of_range  a section is missing or not what it should be
+/// @throws std::out_of_range  a section is missing or has the wrong type
 template <int Dim>
 RunState<Dim> state_of(const restart::Sections& sections);
 

@@ -19,8 +19,9 @@ namespace dccast::casting {
 
 namespace {
 
-// Bounds of a run's own checks. Energy: the heat step solves to 1e-11. Support: what the mechanical
-// residual may leave of the weight. Contact: gaps against 1 mm, forces against the weight.
+// Bounds of the checks of a run. Energy: the heat step solves to 1e-11. Support: share of the
+// weight that the mechanical residual may leave unsupported. Contact: gaps relative to 1 mm, forces
+// to the weight.
 constexpr double energy_bound = 1e-8;
 constexpr double support_bound = 1e-2;
 constexpr double contact_bound = 1e-3;
@@ -47,7 +48,7 @@ results::RunHeader header_of(const Case& c) {
   return header;
 }
 
-/// What is wrong with a step by the run's own checks; empty when nothing is.
+/// The check that a step violates; empty if there is none.
 std::string failed_check(const results::StepReport& r) {
   char text[200] = "";
   if (!(std::abs(r.energy_balance_error) <= energy_bound)) {
@@ -83,7 +84,7 @@ RunFailure failure_of(const results::ValidityLoss& loss, double time_step) {
   return {failure_kind(loss.kind).value(), loss.message, loss.time, time_step, loss.place, {}};
 }
 
-/// Decides when a checkpoint is due: by steps, or by the wall clock.
+/// Decides when a checkpoint is due: by number of steps or by wall time.
 class CheckpointClock {
 public:
   explicit CheckpointClock(const CheckpointPolicy& policy) : policy_(policy) {}
@@ -126,7 +127,7 @@ public:
   }
 
 private:
-  /// @return the outcome when the run is not to begin
+  /// @return the outcome if the run must not begin
   std::optional<RunOutcome> begin() {
     if (directory_.resume) {
       if (auto refused = resume()) return refused;
@@ -137,7 +138,7 @@ private:
 
   void begin_anew() {
     if (!directory_.keeps_nothing) {
-      std::filesystem::remove(checkpoint());  // it would be of another run than the journal
+      std::filesystem::remove(checkpoint());  // it would not belong to the same run as the journal
       writer_.emplace(results::ResultWriter::create(files_, header_));
     }
     store_frame();
@@ -157,11 +158,13 @@ private:
       return refused(stored.reason);
     const std::string reason = stored.content ? go_on_from(stored) : stored.reason;
     if (!reason.empty())
-      observer_.on_message("no checkpoint to go on from (" + reason + "): the run starts over");
+      observer_.on_message("no checkpoint to continue from (" + reason +
+                           "): the run starts from the beginning");
     return std::nullopt;
   }
 
-  /// @return why not, where the journal does not reach the state or the state does not fit the run
+  /// @return empty if resumed; else the reason: the journal ends before the state, or the state
+  ///         does not fit the run
   std::string go_on_from(const StoredRun& stored) {
     auto resumed = results::ResultWriter::resume(files_, stored.step, stored.journal_records);
     if (!resumed.writer) return resumed.reason;
@@ -180,17 +183,17 @@ private:
     });
   }
 
-  /// The checkpoint stays where the run is to wait.
+  /// The checkpoint is kept if the run is to wait.
   RunOutcome refused(const std::string& reason) {
     const bool fails = directory_.other_version == OtherVersion::fail;
     if (fails) remove_files();
     RunFailure failure;
     failure.kind = FailureKind::other_version;
-    failure.message = "no checkpoint to go on from (" + reason + ")";
+    failure.message = "no checkpoint to continue from (" + reason + ")";
     return {fails ? RunEnd::failed : RunEnd::other_version, {failure}};
   }
 
-  /// Stores and reports a step. @return the outcome when the run ends here by order
+  /// Stores and reports a step. @return the outcome if the observer ends the run here
   std::optional<RunOutcome> after(const results::StepReport& report) {
     if (writer_) writer_->append(report);
     if (std::string fault = failed_check(report); !fault.empty())
@@ -208,7 +211,7 @@ private:
     return RunOutcome{RunEnd::stopped, {}};
   }
 
-  /// In the step that loses it.
+  /// Reports the loss of validity in the step in which it occurs.
   void note_lost_validity(const results::StepReport& report) {
     const auto& lost = run_->validity_lost();
     if (!lost || lost->time != report.time) return;
@@ -216,13 +219,13 @@ private:
     observer_.on_validity_lost(*lost);
   }
 
-  /// Those that the observer has not been told yet.
+  /// Reports the findings that the observer has not received yet.
   void tell_findings() {
     const std::vector<results::Finding>& found = run_->findings();
     while (findings_told_ < found.size()) observer_.on_finding(found[findings_told_++]);
   }
 
-  /// Whether a failure of a step has ended the run before its time.
+  /// Whether a failure of a step has ended the run early.
   bool over() const { return std::ranges::any_of(run_->failures(), ends_run, &RunFailure::kind); }
 
   void write_checkpoint() {
@@ -249,16 +252,16 @@ private:
     return {RunEnd::cancelled, {}};
   }
 
-  /// The files stay: once the disk can be written again, the run goes on from them.
+  /// The files are kept: the run continues from them once the disk can be written again.
   RunOutcome with_storage_failure(const std::system_error& error) {
     run_->fail({FailureKind::storage, error.what(), run_->time(), 0.0, {}, {}});
     return {RunEnd::failed, run_->failures()};
   }
 
-  /// What only a resumption needs.
+  /// Removes the files that only a resumption needs.
   void remove_files() {
     if (directory_.keeps_nothing) return;
-    std::error_code ignored;  // a file that stays does no harm
+    std::error_code ignored;  // a remaining file does no harm
     std::filesystem::remove(checkpoint(), ignored);
     std::filesystem::remove(files_.journal, ignored);
   }

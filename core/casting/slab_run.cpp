@@ -18,7 +18,7 @@ namespace {
 
 constexpr double same_time = 1e-9;  // [s]
 
-/// Of this thread, or of all threads of the process.
+/// Processor time of this thread, or of all threads of the process [s].
 double seconds_of(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
@@ -47,7 +47,8 @@ mechanics::Options options_of(const Case& c) {
   return options;
 }
 
-/// How far a block with a profile lies below each bottom node [m]; empty for a flat one.
+/// (bottom node) initial distance of a block with a profile below the slab [m]; empty for a flat
+/// block.
 template <int Dim>
 std::vector<double> initial_gap(const thermal::BottomBlock& block, const mesh::Mesh<Dim>& mesh,
                                 const std::vector<int>& bottom_nodes) {
@@ -93,7 +94,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
   state_.plausibility.raised = findings_of_case(c);
 }
 
-/// Of all threads of the run [s].
+/// Processor time of all threads of the run [s].
 template <int Dim>
 double SlabRun<Dim>::processor_seconds() const {
   return seconds_of(CLOCK_THREAD_CPUTIME_ID) + team_.processor_seconds();
@@ -189,7 +190,7 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   Attempt tried;
   tried.time_step = dt;
   const double end = state_.time + dt;
-  // The mechanics begins at its start time with the shell of that moment.
+  // The mechanics begins at its start time with the shell that exists then.
   const bool moves = case_.mechanics.enabled && state_.time >= case_.mechanics.start - same_time;
   if (moves && !state_.slab.started) mechanics_.start(state_.slab, state_.heat.temperature);
 
@@ -221,7 +222,7 @@ std::vector<double> SlabRun<Dim>::bottom_gap() const {
   return gap;
 }
 
-/// Vertical displacement by node, where cooling zones are to be met at the deformed height.
+/// (node) vertical displacement [m], if cooling zones act on the deformed side.
 template <int Dim>
 std::vector<double> SlabRun<Dim>::side_rise() const {
   std::vector<double> rise;
@@ -315,7 +316,8 @@ Extreme SlabRun<Dim>::liquid_pressure_error() const {
   return {checks.liquid_pressure_error, centroid(mesh(), checks.worst_liquid)};
 }
 
-/// Elements of the row that stretches with the metal level; none once the metal stands.
+/// Number of elements in the row that stretches with the metal level; zero if the level no longer
+/// rises.
 template <int Dim>
 int SlabRun<Dim>::growing_elements() const {
   return mesh_.grows() ? mesh_.built_in()->elements_per_row() : 0;

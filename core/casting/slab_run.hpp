@@ -21,20 +21,21 @@
 
 namespace dccast::casting {
 
-/// Where a step begins that heat and mechanics take in several rounds.
+/// Initial state of a step that iterates between heat and mechanics.
 template <int Dim>
 struct StepStart {
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
 };
 
-/// A casting in the dimension of its section: growth, heat step, mechanical step, gap back to the
-/// heat of the next (paper sections 2.1 and 2.2 alternate).
+/// A casting in the dimension of its section. Each step grows the mesh, solves heat, then
+/// mechanics; the gap found feeds back to the heat of the next step (paper sections 2.1 and 2.2
+/// alternate).
 template <int Dim>
 class SlabRun : public CastingRun {
 public:
-  /// @param threads  that share the work of a solid; a section takes one. The results do not depend
-  ///                 on it
+  /// @param threads  number of threads for a solid; a 2D section uses one. The results do not
+  ///                 depend on it
   /// @throws InvalidCase  a file of the case cannot be read
   explicit SlabRun(const Case& casting_case, int threads = 1);
 
@@ -54,23 +55,26 @@ public:
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
-  /// Where the seconds went, of the heat [s] and of the mechanics.
+  /// Computing time of the heat [s] and of the mechanics.
   double heat_seconds() const { return heat_seconds_; }
   const mechanics::CostSplit& mechanics_cost() const { return mechanics_.cost(); }
-  /// Nodes of a row of the built-in mesh; 0 for an imported one.
+  /// Nodes per row of the built-in mesh; 0 for an imported one.
   int growth_row() const;
 
 private:
+  /// Processor time of the calling thread and of the team so far [s].
   double processor_seconds() const;
   void go_back_to(const RunState<Dim>& state);
+  /// @param dt  time step [s]
   Attempt attempt(double dt);
+  /// Grows the mesh to a cast length [m] with metal of a temperature [°C]. @return whether it grew
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
   bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
   bool step_mechanics(Attempt& tried);
-  std::vector<double> bottom_gap() const;
-  std::vector<double> side_rise() const;
-  double metal_level() const;
+  std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
+  std::vector<double> side_rise() const;   ///< (node) [m]
+  double metal_level() const;              ///< [m]
   results::StepReport report(const Attempt& accepted, int failed_attempts);
   void report_mechanics(results::StepReport& report);
   void judge_plausibility(results::StepReport& report);
@@ -85,12 +89,13 @@ private:
   HeatSource heat_;
   mechanics::SlabMechanics<Dim> mechanics_;
   double initial_level_;  ///< [m]
-  /// That heat and forces of a step stand for: 1 m, of a billet [m/rad], of a quarter slab itself.
+  /// Heat and forces of a step are per this length: 1 m in plane strain, of a billet [m/rad], of a
+  /// quarter slab 1 (the totals) [1].
   double face_length_;
   bool has_profile_;  ///< the block is not flat
   ValidityJudge<Dim> validity_;
   RunState<Dim> state_;
-  double heat_seconds_ = 0.0;  ///< [s] of the processor, steps and growth
+  double heat_seconds_ = 0.0;  ///< [s] processor time of heat steps and growth
 };
 
 extern template class SlabRun<2>;

@@ -1,4 +1,4 @@
-// How a run follows its mesh: rows that are put in, rows that are merged.
+// Updates of a run after changes of its mesh: inserted rows and merged rows.
 #include <utility>
 
 #include "core/base/stopwatch.hpp"

@@ -4,9 +4,9 @@
 
 namespace dccast::casting {
 
-/// What computes a run: program version, compiler, instruction set of the factorisation, layout of a
-/// checkpoint and a digest of the sources of core/. Two programs of one identity go on from a state to
-/// the same results, bit for bit; a checkpoint of any other is not taken.
+/// Identifies the solver: program version, compiler, instruction set of the factorisation,
+/// checkpoint format and a digest of the sources of core/. Programs with the same identity continue
+/// from a state to bit-identical results; a checkpoint with another identity is not accepted.
 const std::string& solver_identity();
 
 }  // namespace dccast::casting

@@ -26,7 +26,7 @@ public:
   }
   void require_finite(const std::vector<double>& array, const std::string& name) {
     require(std::ranges::all_of(array, [](double v) { return std::isfinite(v); }),
-            name + " has values that are no numbers");
+            name + " has values that are not finite");
   }
   void require_reals(const std::vector<double>& array, std::size_t size, const std::string& name) {
     require_size(array, size, name);
@@ -38,7 +38,7 @@ public:
     require_size(array, size, name);
     for (const auto& tensor : array)
       require(std::ranges::all_of(tensor.value, [](double v) { return std::isfinite(v); }),
-              name + " has values that are no numbers");
+              name + " has values that are not finite");
   }
   const std::string& first() const { return first_; }
 
@@ -46,7 +46,7 @@ private:
   std::string first_;
 };
 
-/// Sizes that a mesh asks of the arrays of a state.
+/// Sizes of the arrays of a state required by a mesh.
 struct Shape {
   std::size_t nodes, elements, points, bottom_nodes;
 };
@@ -58,7 +58,7 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   // Empty before the first step, and where the temperature is prescribed.
   if (!heat.enthalpy_rate.empty())
     reasons.require_reals(heat.enthalpy_rate, shape.nodes, "enthalpy rate");
-  // Empty before the first step, and where no water follows its flow.
+  // Empty before the first step, and without `boiling_follows_flow`.
   if (!heat.wetted.empty()) reasons.require_size(heat.wetted, shape.nodes, "wetted nodes");
 }
 
@@ -73,7 +73,7 @@ void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons
   reasons.require_reals(slab.pressure, shape.points, "pressure");
   reasons.require_size(slab.contact, shape.bottom_nodes, "contact");
   reasons.require_reals(slab.reaction, shape.bottom_nodes, "reaction");
-  // Empty before the first step, and with every algorithm but sbm.
+  // Empty before the first step, and with any algorithm except sbm.
   if (!slab.contact_multiplier.empty())
     reasons.require_reals(slab.contact_multiplier, shape.bottom_nodes, "contact multiplier");
 }
@@ -88,7 +88,7 @@ void fit_course(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& r
                   "the time of its next frame is outside the run");
   reasons.require(state.step_limit >= run.casting_case.time.minimum_step,
                   "its time step is too small");
-  reasons.require(std::isfinite(state.cast_length), "its cast length is no number");
+  reasons.require(std::isfinite(state.cast_length), "its cast length is not finite");
 }
 
 template <int Dim>
@@ -96,7 +96,7 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   const auto& heights = state.row_heights;
   const mesh::SlabMesh<Dim>* slab = run.mesh.built_in();
   if (slab == nullptr) {
-    reasons.require(heights.empty(), "it has rows, and the mesh none");
+    reasons.require(heights.empty(), "it has rows, but the mesh has none");
     return;
   }
   reasons.require_finite(heights, "row heights");
@@ -104,10 +104,11 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
   if (!reasons.first().empty()) return;
   const double level = run.initial_level + (run.mesh.grows() ? state.cast_length : 0.0);
-  reasons.require(std::abs(heights.back() - level) <= same_height, "its rows end off its level");
+  reasons.require(std::abs(heights.back() - level) <= same_height,
+                  "its rows do not end at its metal level");
 }
 
-/// Of the mesh that the rows of a state make.
+/// Checks against the mesh given by the rows of a state.
 template <int Dim>
 Shape shape_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
   const mesh::Mesh<Dim>& mesh = run.mesh.mesh();

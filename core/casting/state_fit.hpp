@@ -10,20 +10,20 @@
 
 namespace dccast::casting {
 
-/// What a state read from a checkpoint is held against.
+/// The run against which a state read from a checkpoint is checked.
 template <int Dim>
 struct RunShape {
   const Case& casting_case;
   const CastingSchedule& schedule;
   const RunMesh<Dim>& mesh;
   double initial_level = 0.0;  ///< [m]
-  std::size_t points = 0;      ///< of an element
+  std::size_t points = 0;      ///< integration points per element
   std::size_t bottom_nodes = 0;
 };
 
-/// Why a state cannot be of a run: an array that does not fit the mesh, a time outside the case;
-/// empty when it can. A checksum finds damage; this finds what a checksum cannot, so that a wrong
-/// length never becomes a wrong address.
+/// Why a state does not belong to a run: an array does not fit the mesh, or a time lies outside the
+/// case; empty if it does belong. A checksum only finds damage; this check keeps an array of the
+/// wrong length from being read out of bounds.
 template <int Dim>
 std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run);
 

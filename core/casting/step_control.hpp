@@ -2,17 +2,17 @@
 
 namespace dccast::casting {
 
-/// Chooses time steps: what the case asks for, less after a step that did not converge, growing
-/// back when steps succeed.
+/// Chooses time steps: the step the case asks for, a smaller one after a step that did not
+/// converge, growing back as steps succeed.
 class StepControl {
 public:
-  /// @param smallest  [s] below it the run has failed
+  /// @param smallest  [s] the run fails below this step
   explicit StepControl(double smallest) : smallest_(smallest) {}
 
-  /// Step to try [s]. @param wanted  what the case asks for [s]
+  /// Step to try [s]. @param wanted  step the case asks for [s]
   double choose(double wanted) const { return wanted < limit_ ? wanted : limit_; }
   void accepted();
-  /// @param step  [s] that did not converge @return false when there is no smaller step to try
+  /// @param step  [s] step that did not converge @return false if no smaller step may be tried
   bool rejected(double step);
 
   double limit() const { return limit_; }         ///< [s] for the checkpoint

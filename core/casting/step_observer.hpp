@@ -8,28 +8,30 @@
 
 namespace dccast::casting {
 
-/// What the run does after a step.
+/// Answer of an observer: what the run does after a step.
 enum class Order {
   go_on,
-  stop_at_checkpoint,  ///< write a checkpoint and leave; the run can be resumed
-  cancel,              ///< leave
+  stop_at_checkpoint,  ///< write a checkpoint and stop; the run can be resumed
+  cancel,              ///< stop without a checkpoint
 };
 
-/// Sees every accepted step and decides whether the run goes on. Called from the thread of the run.
+/// Receives every accepted step and decides whether the run continues. Called from the thread of
+/// the run.
 class StepObserver {
 public:
   virtual ~StepObserver() = default;
   virtual Order on_step(const results::StepReport& report) = 0;
-  /// A step up to the checkpoint, whose report was lost on its way:
-  /// RunDirectory::last_reported_step. Comes before on_resumed(), is exact, and is stored already.
+  /// A step before the checkpoint whose report did not reach the observer, see
+  /// RunDirectory::last_reported_step. Called before on_resumed(). The report is exact and already
+  /// stored.
   virtual void on_missed_step(const results::StepReport&) {}
-  /// The run went on from a checkpoint; steps after `step`, at `time` [s], are reported (again).
+  /// The run continues from a checkpoint: steps after `step`, at `time` [s], are reported (again).
   virtual void on_resumed(std::int64_t step, double time) = 0;
-  /// The model is no longer valid: the step reported next and all later ones are marked. Called
-  /// once, and again after a resumption. The marks are in the steps too.
+  /// The model is no longer valid: the next reported step and all later ones are marked. Called
+  /// once, and again after a resumption. The step reports carry the mark too.
   virtual void on_validity_lost(const results::ValidityLoss&) {}
-  /// Something about the casting that an engineer should know: each code once, those of the case
-  /// before the first step, those of a step before its report. All again after a resumption.
+  /// A finding about the casting. Each code comes once: findings of the case before the first step,
+  /// findings of a step before its report. All are repeated after a resumption.
   virtual void on_finding(const results::Finding&) {}
   virtual void on_message(std::string_view text) = 0;
 };

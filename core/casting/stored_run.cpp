@@ -25,11 +25,11 @@ StoredRun of_other_version(const std::string& whose) {
 
 /// @throws std::out_of_range  a section is missing
 StoredRun taken(const Sections& s, const CheckpointOrigin& origin) {
-  if (!s.has("solver")) return of_other_version("one that did not name itself");
+  if (!s.has("solver")) return of_other_version("one without an identity");
   if (s.text("solver") != origin.solver)
     return of_other_version(s.text("solver") + "; this is " + origin.solver);
   if (s.text("case") != origin.case_json) return none("it is of another case");
-  if (!s.has(results::journal_records)) return none("it does not say how far the journal went");
+  if (!s.has(results::journal_records)) return none("it does not say how long the journal was");
   StoredRun stored;
   stored.content = s;
   stored.step = s.integer("step");

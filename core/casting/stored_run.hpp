@@ -15,17 +15,17 @@ struct CheckpointOrigin {
   std::string case_json;  ///< as in the results
 };
 
-/// A checkpoint of this solver and this case, or why there is none. Whether its state fits the run
-/// is for CastingRun::restore() to say.
+/// A checkpoint of this solver and this case, or the reason why there is none. Whether its state
+/// fits the run is checked by CastingRun::restore().
 struct StoredRun {
   std::optional<restart::Sections> content;
-  std::string reason;                ///< in words; empty only with a content
-  bool other_version = false;        ///< the reason is that another solver wrote it
+  std::string reason;                ///< why there is no content; empty if there is
+  bool other_version = false;        ///< the reason: another version of the solver wrote it
   std::int64_t step = 0;             ///< accepted steps
-  std::int64_t journal_records = 0;  ///< that the journal held, steps and frames
+  std::int64_t journal_records = 0;  ///< steps and frames in the journal at the checkpoint
 };
 
-/// Signs the state of a run, for read_stored_run() to know it again.
+/// Adds the origin to the state of a run; read_stored_run() checks it.
 void sign(restart::Sections& state, const CheckpointOrigin& origin);
 
 /// @throws storage::StorageError  the file is there but cannot be read

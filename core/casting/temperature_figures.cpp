@@ -36,7 +36,7 @@ std::vector<int> middle_of(const mesh::Mesh<Dim>& mesh) {
   return nodes;
 }
 
-/// The largest value where an edge of the sides crosses a height that lies between their ends.
+/// The largest value at the points where edges of the sides cross a height within their range.
 template <int Dim>
 double largest_crossing(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                         double height) {
@@ -59,7 +59,7 @@ double largest_crossing(const mesh::Mesh<Dim>& mesh, std::span<const double> tem
   return largest;
 }
 
-/// The largest of the nodes at one height.
+/// The largest value of the nodes at one height.
 template <int Dim>
 double largest_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                   std::span<const int> nodes, double height) {

@@ -7,7 +7,9 @@ namespace dccast::fem {
 
 /// An element family is a struct with its dimension, its numbers of nodes and quadrature points,
 /// the points and weights on the reference cell, and the shape functions there. Everything else
-/// (mean gradients, assembly, material) is written once over these.
+/// (mean gradients, assembly, material) is templated on these.
+///
+/// Units: reference coordinates, weights on the reference cell and shape functions [1].
 
 /// Linear triangle, one point: the paper's element (section 4.1).
 struct P1Triangle {
@@ -96,23 +98,24 @@ struct Q1 {
 using Q1Quadrilateral = Q1<2>;
 using Q1Hexahedron = Q1<3>;
 
-/// The bilinear quadrilateral with an assumed strain, so that it locks neither in volume nor in
-/// bending (Belytschko and Bindeman 1991, element OI, here on the covariant axes of the cell). The
-/// strain is its mean over the element and two bending modes: a stretch along one axis of the cell
-/// that is linear across it, with the opposite strain across, which keeps the volume, and without
-/// shear. Q1 makes a shear of such a bending that is the larger the longer the cell is.
+/// The bilinear quadrilateral with assumed strain, which avoids both volumetric and shear locking
+/// (Belytschko and Bindeman 1991, element OI, here on the covariant axes of the cell). The strain
+/// is the sum of its mean over the element and two bending modes: a stretch along one axis of the
+/// cell that varies linearly across it, with the opposite transverse strain, which preserves the
+/// volume, and no shear. In bending, Q1 has a parasitic shear that grows with the aspect ratio of
+/// the cell.
 struct BendingQuadrilateral : Q1Quadrilateral {};
 
-/// The trilinear hexahedron with an assumed strain, the same idea in three dimensions. Beside its
-/// mean the strain has what three plates have, one across each axis of the cell: stretches and
-/// shear in the plane of the other two axes, linear across, with the opposite strain across, and no
-/// shear across. Three stretches that are bilinear complete it, so that no deformation is without
-/// energy. docs/elements.md says why.
+/// The trilinear hexahedron with assumed strain: the same idea in three dimensions. Besides its
+/// mean, the strain has the bending and twisting modes of three plates, one normal to each axis of
+/// the cell: stretches and shear in the plane of the other two axes, linear through the thickness,
+/// with the opposite strain through the thickness and no transverse shear. Three bilinear stretches
+/// complete it, so that there are no zero-energy modes. docs/elements.md explains the choice.
 struct BendingHexahedron : Q1Hexahedron {};
 
-/// A plane element turned about the axis where coordinate 0, then the radius, is zero. Its
-/// integrals carry the radius and leave 2 pi out: forces are per radian. A displacement away from
-/// the axis makes a hoop strain, the zz component.
+/// A plane element rotated about the axis where coordinate 0, the radius, is zero. Its integrals
+/// include the radius but not 2 pi: forces are per radian. A radial displacement causes a hoop
+/// strain, the zz component.
 template <class Plane>
 struct Axisymmetric : Plane {};
 
@@ -125,7 +128,8 @@ inline constexpr bool is_axisymmetric = false;
 template <class Plane>
 inline constexpr bool is_axisymmetric<Axisymmetric<Plane>> = true;
 
-/// The strain of the element is its mean and bending modes: see BendingQuadrilateral.
+/// Whether the strain of the element consists of its mean and bending modes, see
+/// BendingQuadrilateral.
 template <class Element>
 inline constexpr bool has_bending_modes = false;
 template <>

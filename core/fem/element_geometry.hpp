@@ -14,8 +14,8 @@
 
 namespace dccast::fem {
 
-/// What a point of an axisymmetric element needs besides: the hoop strain of a unit displacement of
-/// each node away from the axis, its shape function over the radius [1/m]. Nothing in other
+/// Additional data of a point of an axisymmetric element: the hoop strain per unit radial
+/// displacement of each node, its shape function divided by the radius [1/m]. Empty for other
 /// elements.
 template <class Element, class Number, bool = is_axisymmetric<Element>>
 struct HoopGradient {};
@@ -29,11 +29,11 @@ template <class Element, class Number, bool = has_bending_modes<Element>>
 struct PointStrain {
   std::array<std::array<Number, Element::dimension>, Element::nodes> gradient;  ///< [1/m] by node
 };
-/// Or by bending modes: their levers at a point.
+/// Or by bending modes: the values of their levers at a point.
 template <class Element, class Number>
 struct PointStrain<Element, Number, true> {
-  /// Reference coordinates across the first axis of the cell and across the second, each less its
-  /// volume mean [1].
+  /// Reference coordinates transverse to the first and to the second axis of the cell, each minus
+  /// its volume mean [1].
   std::array<Number, 2> lever;
 };
 template <class Number>
@@ -41,27 +41,28 @@ struct PointStrain<BendingHexahedron, Number, true> {
   std::array<Number, SolidBending::levers> lever;  ///< @see SolidBending::lever [1]
 };
 
-/// A bending mode of an element: a strain that is linear across an axis of the cell. At a point it
-/// is lever times amplitude times strain.
+/// A bending mode of an element: a strain that varies linearly across an axis of the cell. At a
+/// point it is lever times amplitude times strain.
 template <class Number>
 struct BendingMode {
-  std::array<std::array<Number, 2>, 4> amplitude;  ///< of a unit displacement of each node [1/m]
-  SymmetricTensor<2, Number> strain;  ///< a stretch and the opposite across the axis [1]
+  std::array<std::array<Number, 2>, 4> amplitude;  ///< per unit displacement of each node [1/m]
+  SymmetricTensor<2, Number> strain;  ///< a stretch with the opposite transverse strain [1]
 };
 template <class Element, class Number, bool = has_bending_modes<Element>>
 struct BendingModes {};
 template <class Element, class Number>
 struct BendingModes<Element, Number, true> {
-  /// Stretch along the first axis and along the second; axisymmetric: also around, across either.
+  /// Stretch along the first and along the second axis; axisymmetric: also hoop stretches that vary
+  /// across either axis.
   std::array<BendingMode<Number>, is_axisymmetric<Element> ? 4 : 2> bending;
-  /// Which lever of a point a mode has.
+  /// Index of the lever of a mode.
   static constexpr std::size_t lever_of(std::size_t mode) { return mode % 2; }
 };
 template <class Number>
 struct BendingModes<BendingHexahedron, Number, true> {
   SolidBendingModes<Number> bending;
 };
-/// Of an axisymmetric element with bending modes, the mean of the hoop gradient, apart from the
+/// For an axisymmetric element with bending modes: the mean of the hoop gradient, separate from the
 /// mean gradient.
 template <class Element, class Number, bool = is_axisymmetric<Element>&& has_bending_modes<Element>>
 struct MeanHoop {};
@@ -70,7 +71,8 @@ struct MeanHoop<Element, Number, true> {
   std::array<Number, Element::nodes> mean_hoop;  ///< [1/m] by node
 };
 
-/// An element as mechanics sees it, or with Lanes as Number several of them: nothing but numbers.
+/// The geometry of an element as needed by mechanics, or of several with Lanes as Number: plain
+/// numbers only.
 template <class Element, class Number = double>
 struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
   struct Point : HoopGradient<Element, Number>, PointStrain<Element, Number> {
@@ -81,15 +83,16 @@ struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
       std::array<std::array<Number, Element::dimension>, Element::nodes>;  ///< [1/m] by node
 
   std::array<Point, Element::points> point;
-  /// Volume mean over the element of what a displacement dilates, for the B-bar dilatation: the
-  /// gradient, across the axis with the hoop gradient if axisymmetric.
+  /// Volume mean of the derivative of the dilatation by the nodal displacements, for the B-bar
+  /// dilatation [1/m]: the gradient, plus the hoop gradient in the radial direction if
+  /// axisymmetric.
   Gradients mean_gradient;
   Number volume;  ///< [m^Dim], axisymmetric: [m3/rad]
 };
 
 /// Gradients of the shape functions and weights at every quadrature point of a mesh, so that
-/// assembly streams through memory and never touches coordinates. Elements that follow one another
-/// share the lanes of a register: register_lanes() of them make a group.
+/// assembly streams through memory and never reads coordinates. Consecutive elements share the
+/// lanes of a register: register_lanes() of them form a group.
 template <class Element>
 class ElementGeometry {
 public:
@@ -131,8 +134,9 @@ public:
     }
     return gradient;
   }
+  /// [m^Dim], axisymmetric: [m3/rad]
   double volume(int e) const { return lane_of(std::size_t(e))[(numbers - 1) * lanes()]; }
-  /// A group of elements; the last one of a mesh is filled up with its last element.
+  /// A group of elements; the last group of a mesh is padded with its last element.
   /// @tparam Count  register_lanes() @param first  number of its first element
   template <int Count>
   const ElementCell<Element, Lanes<Count>>& group(std::size_t first) const {
@@ -144,13 +148,14 @@ public:
 private:
   static constexpr std::size_t numbers = sizeof(Cell) / sizeof(double), line_size = 8;
   struct alignas(64) Line {
-    double number[line_size];
+    double number[line_size];  ///< members of cells, each in its unit
   };
 
   static std::size_t lanes() { return std::size_t(register_lanes()); }
   static std::size_t place_of(std::size_t e) {
     return e / lanes() * lanes() * numbers + e % lanes();
   }
+  /// First number of an element, in the unit of the first member of its cell.
   const double* lane_of(std::size_t e) const {
     return reinterpret_cast<const double*>(line_.data()) + place_of(e);
   }
@@ -216,15 +221,15 @@ private:
     }
   }
 
-  /// Axes of the cell at its centre, g_1 = dx/d xi and g_2 = dx/d eta, and what of a displacement
-  /// is neither a translation nor a uniform gradient: q xi eta with q the sum of gamma_i u_i
-  /// (Flanagan and Belytschko 1981). Along g_1 it is a strain g_1.q / |g_1|^2 eta, along g_2 the
-  /// same with xi.
+  /// Axes of the cell at its centre, g_1 = dx/d xi and g_2 = dx/d eta, and the hourglass part of
+  /// the displacement, which is neither a translation nor a uniform gradient: q xi eta with q the
+  /// sum of gamma_i u_i (Flanagan and Belytschko 1981). It causes a strain g_1.q / |g_1|^2 eta
+  /// along g_1, and the same with xi along g_2.
   static void add_bending_modes(const mesh::Mesh<2>& mesh, const int* node, Cell& cell) {
     const auto reference = Element::shape_gradient({0.0, 0.0});
     Eigen::Matrix2d axes = Eigen::Matrix2d::Zero();  // columns g_1 and g_2
     Eigen::Vector2d warp =
-        Eigen::Vector2d::Zero();  // of the cell itself: x has the part warp xi eta
+        Eigen::Vector2d::Zero();  // hourglass part of the coordinates: x contains warp xi eta
     std::array<double, 4> hourglass;
     for (std::size_t i = 0; i < 4; ++i) {
       hourglass[i] = 4.0 * reference[i][0] * reference[i][1];
@@ -255,7 +260,7 @@ private:
   static void set_levers(Cell& cell) {
     std::array<double, 2> mean{};
     for (std::size_t q = 0; q < std::size_t(points); ++q) {
-      // Across the first axis runs the second coordinate.
+      // The second coordinate varies across the first axis.
       cell.point[q].lever = {Element::point[q][1], Element::point[q][0]};
       for (std::size_t m = 0; m < 2; ++m) {
         mean[m] += cell.point[q].weight * cell.point[q].lever[m] / cell.volume;
@@ -266,7 +271,8 @@ private:
     }
   }
 
-  /// The hoop strain varies across an axis by what its points say of it. The mean of it stays.
+  /// Adds a mode with the variation of the hoop strain across an axis, taken from its values at the
+  /// points. Its mean is unchanged.
   static void add_hoop_mode(Cell& cell, std::size_t lever) {
     BendingMode<double>& mode = cell.bending[2 + lever];
     mode.amplitude = {};
@@ -295,7 +301,7 @@ private:
   }
 
   int elements_ = 0;
-  std::vector<Line> line_;  ///< (group of elements, number of a cell, lane)
+  std::vector<Line> line_;  ///< (group of elements, number within a cell, lane)
 };
 
 }  // namespace dccast::fem

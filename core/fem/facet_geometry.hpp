@@ -10,8 +10,8 @@
 
 namespace dccast::fem {
 
-/// By node of a facet: two of an edge; three or four of a face, of which a triangle leaves the last
-/// zero.
+/// Integrals by node of a facet [m^(Dim-1)], axisymmetric [m2/rad]: two for an edge, four for a
+/// face; the last one of a triangle is zero.
 template <int Dim>
 using FacetShares = std::array<double, Dim == 2 ? 2 : 4>;
 
@@ -36,7 +36,7 @@ inline Eigen::Vector3d corner_of(const mesh::Mesh<3>& mesh, const mesh::Facet<3>
   return Eigen::Map<const Eigen::Vector3d>(mesh.point(facet.node[i]));
 }
 
-/// Vector of twice the area of a triangle, along its normal [m2].
+/// Normal vector of a triangle with twice its area as length [m2].
 inline Eigen::Vector3d doubled_area(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet) {
   const Eigen::Vector3d a = corner_of(mesh, facet, 0);
   return (corner_of(mesh, facet, 1) - a).cross(corner_of(mesh, facet, 2) - a);
@@ -44,7 +44,7 @@ inline Eigen::Vector3d doubled_area(const mesh::Mesh<3>& mesh, const mesh::Facet
 }  // namespace detail
 
 /// Integrals of the shape functions of a triangle or of a quadrilateral, which need not be plane
-/// [m2]: of the latter by 2 x 2 Gauss points.
+/// [m2]; the latter by 2 x 2 Gauss points.
 inline FacetShares<3> facet_shares(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet) {
   if (facet.nodes == 3) {
     const double third = detail::doubled_area(mesh, facet).norm() / 6.0;

@@ -13,39 +13,43 @@
 
 namespace dccast::fem {
 
-/// A facet is cut into pieces where a quantity that is given at its nodes passes certain levels,
-/// and the shape functions are integrated over every piece. The pieces make up the facet exactly
-/// and change continuously with every level.
+/// A facet is cut into pieces where a nodal quantity passes given levels, and the shape functions
+/// are integrated over every piece. The pieces cover the facet exactly and change continuously with
+/// every level.
+///
+/// Units: levels in any unit; reference coordinates, weights on the reference cell and shares of
+/// corners [1].
 
 /// A piece of an edge between two levels.
 struct EdgePiece {
-  /// By Gauss point: two are exact to the third power, which is what a shape function, a radius and
-  /// a quantity linear along the edge make together.
+  /// Level by Gauss point. Two points are exact up to cubic polynomials: the product of a shape
+  /// function, the radius and a quantity that is linear along the edge.
   std::array<double, 2> level;
   std::array<std::array<double, 2>, 2>
       weight;           ///< by node, by Gauss point [m], axisymmetric [m2/rad]
-  double middle_level;  ///< in the unit of the levels
+  double middle_level;  ///< [unit of the levels]
 };
 
 /// A piece of a face between two levels.
 struct FacePiece {
   std::array<double, 4> weight;  ///< integral of the shape function, by node [m2]
-  /// Mean level under each shape function: what a law that is linear in the level must be given.
+  /// Mean level weighted by each shape function: evaluated there, a law linear in the level is
+  /// integrated exactly.
   std::array<double, 4> level;
   double area;          ///< [m2]
-  double middle_level;  ///< mean of the piece, in the unit of the levels
+  double middle_level;  ///< mean over the piece [unit of the levels]
 };
 
-/// An edge as its two ends; xi runs from 0 at the first to 1 at the second.
+/// An edge with the reference coordinate xi from 0 at its first node to 1 at its second.
 class EdgeCut {
 public:
-  /// @param level   of the two nodes, by which the edge is cut
-  /// @param radius  of the two nodes [m]; {1, 1} but in an axisymmetric section
+  /// @param level   at the two nodes, by which the edge is cut
+  /// @param radius  at the two nodes [m]; {1, 1} unless the section is axisymmetric
   /// @param length  [m]
   EdgeCut(double length, std::array<double, 2> level, std::array<double, 2> radius)
       : length_(length), level_(level), radius_(radius) {}
 
-  /// Calls `use(EdgePiece)` for every piece. @param levels  in rising order
+  /// Calls `use(EdgePiece)` for every piece. @param levels  in ascending order
   template <class Use>
   void for_each_piece(std::span<const double> levels, const Use& use) const {
     const double rise = level_[1] - level_[0];
@@ -89,8 +93,8 @@ private:
 };
 
 /// A triangle or a quadrilateral, which need not be plane. Cut lines are straight in the reference
-/// coordinates of a triangle; a quadrilateral is cut as its two halves. On an upright rectangle
-/// they are the true lines of equal height.
+/// coordinates of a triangle; a quadrilateral is cut as two triangles. On a vertical rectangle they
+/// are exact lines of equal height.
 class FaceCut {
 public:
   FaceCut(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet, std::array<double, 4> level)
@@ -99,7 +103,7 @@ public:
       corner_[i] = Eigen::Map<const Eigen::Vector3d>(mesh.point(facet.node[i]));
   }
 
-  /// Calls `use(FacePiece)` for every piece. @param levels  in rising order
+  /// Calls `use(FacePiece)` for every piece. @param levels  in ascending order
   template <class Use>
   void for_each_piece(std::span<const double> levels, const Use& use) const {
     const auto [low, high] = std::minmax_element(level_.begin(), level_.begin() + nodes_);
@@ -157,8 +161,8 @@ private:
     return kept;
   }
 
-  /// Seven points, exact to the fifth power (Radon 1948): shape function, Jacobian and level of a
-  /// plane quadrilateral make no more.
+  /// Seven points, exact up to polynomials of degree five (Radon 1948): enough for the product of
+  /// shape function, Jacobian and level of a plane quadrilateral.
   struct Radon {
     double weight;
     std::array<double, 3> share;  ///< of the corners

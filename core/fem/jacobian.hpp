@@ -12,7 +12,7 @@ namespace dccast::fem {
 template <int Dim>
 class Jacobian {
 public:
-  /// @param reference  derivatives of the shape functions there, by node
+  /// @param reference  (node) derivatives of the shape functions by the reference coordinates [1]
   template <std::size_t Nodes>
   Jacobian(const mesh::Mesh<Dim>& mesh, const int* node,
            const std::array<std::array<double, Dim>, Nodes>& reference) {
@@ -25,15 +25,15 @@ public:
     set_cofactors();
   }
 
-  /// [m^Dim], positive in a mesh with its elements positively oriented.
+  /// [m^Dim], positive if the element is positively oriented.
   double determinant() const {
     double sum = derivative_[0][0] * cofactor_[0][0];
     for (std::size_t b = 1; b < Dim; ++b) sum += derivative_[0][b] * cofactor_[0][b];
     return sum;
   }
 
-  /// Gradient in space [1/m] of a function of this reference gradient. @param inverse  1 /
-  /// determinant
+  /// Spatial gradient [1/m] of a function. @param reference  its gradient by the reference
+  /// coordinates [1] @param inverse  1 / determinant() [m^-Dim]
   std::array<double, Dim> gradient(const std::array<double, Dim>& reference, double inverse) const {
     std::array<double, Dim> g;
     for (std::size_t a = 0; a < Dim; ++a) {
@@ -64,7 +64,7 @@ private:
   std::array<std::array<double, Dim>, Dim> cofactor_;      ///< [m^(Dim-1)]
 };
 
-/// Reference coordinates of the nodes of an element.
+/// Reference coordinates of the nodes of an element [1].
 template <class Element>
 constexpr std::array<std::array<double, Element::dimension>, Element::nodes> reference_corners() {
   constexpr std::size_t dim = Element::dimension, nodes = Element::nodes;

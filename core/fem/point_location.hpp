@@ -9,24 +9,25 @@
 
 namespace dccast::fem {
 
-/// A point inside an element: its shape functions there.
+/// A point inside an element, with the values of its shape functions.
 struct Place {
   int element = -1;
-  std::array<double, 8> shape{};  ///< [1] of the element's nodes, as many as it has
+  std::array<double, 8> shape{};  ///< (node of the element) [1]
 };
 
-/// Element and shape functions at a point of a mesh of linear triangles or tetrahedra, or of
-/// bilinear quadrilaterals or trilinear hexahedra.
+/// Locates a point in a mesh of linear triangles or tetrahedra, or of bilinear quadrilaterals or
+/// trilinear hexahedra.
 /// @param point  [m] in the undeformed slab
-/// @return       the first element that has the point, its boundary included; nothing outside
+/// @return       the first element that contains the point, boundary included; empty outside the
+///               mesh
 template <int Dim>
 std::optional<Place> locate(const mesh::Mesh<Dim>& mesh,
                             const std::array<double, std::size_t(Dim)>& point);
 
-/// A nodal field interpolated at a place, in the unit of the field.
-/// @param values      (node, components)
-/// @param components  of a value
-/// @param component   which of them
+/// Interpolates one component of a nodal field at a place [unit of the field].
+/// @param values      (node, components) [unit of the field]
+/// @param components  number of components per node
+/// @param component   index of the component
 template <int Dim>
 double interpolate(const mesh::Mesh<Dim>& mesh, const Place& place, std::span<const double> values,
                    int components = 1, int component = 0) {

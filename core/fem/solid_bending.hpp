@@ -11,12 +11,14 @@ namespace dccast::fem {
 
 /// The bending modes of a BendingHexahedron.
 ///
-/// What of a displacement is neither a translation nor a uniform gradient is, with r, s, t the
-/// reference coordinates, q0 st + q1 rt + q2 rs + q3 rst (Flanagan and Belytschko 1981). Across
-/// axis c of the cell, the gradient of it has a part linear in the coordinate c: that of a plate in
-/// the plane of the other two axes, which is kept as far as it lies in that plane, with the
-/// opposite of its trace along the normal. Of q3 the stretch along each axis is kept, half of its
-/// opposite along each direction across. All modes keep the volume.
+/// The part of the displacement that is neither a translation nor a uniform gradient is, with r, s,
+/// t the reference coordinates, q0 st + q1 rt + q2 rs + q3 rst (Flanagan and Belytschko 1981). Its
+/// gradient has a part that is linear in the coordinate of axis c: the bending and twisting of a
+/// plate normal to c. The components in the plane of the plate are kept; the strain along the
+/// normal is the negative of their trace. Of q3 the stretch along each axis is kept, with minus
+/// half of it along both transverse directions. All modes preserve the volume.
+///
+/// Units: reference coordinates and levers [1].
 /// @tparam Number  double, or Lanes for the modes of several elements
 template <class Number>
 struct SolidBendingModes {
@@ -24,25 +26,25 @@ struct SolidBendingModes {
 
   /// Weights of the nodes in q0 to q3 [1].
   std::array<std::array<Number, nodes>, warps> warp;
-  /// A mode is at a point lever times amplitude times strain. Modes 3 c to 3 c + 2 are those of the
-  /// plate across axis c, modes 9 to 11 the bilinear stretches.
+  /// At a point the strain of a mode is lever times amplitude times strain. Modes 3 c to 3 c + 2
+  /// are those of the plate normal to axis c, modes 9 to 11 the bilinear stretches.
   struct Mode {
     SymmetricTensor<3, Number> strain;  ///< trace-free [1]
-    /// Amplitude = sum over the two warps_of() the mode of share . q [1/m]
+    /// Amplitude = sum of share . q over the two warps_of() the mode [1/m].
     std::array<std::array<Number, 3>, 2> share;
   };
   std::array<Mode, modes> mode;
 
-  /// The warps a mode is made of: of a plate those across the other two axes.
+  /// The warps that contribute to a mode: for a plate those of the other two axes.
   static constexpr std::array<std::size_t, 2> warps_of(std::size_t mode) {
     if (mode >= 9) return {3, 3};
     return {(mode / 3 + 2) % 3, (mode / 3 + 1) % 3};
   }
-  /// Lever of a mode: the coordinate across the plate, or the product of the two coordinates across
-  /// the stretch.
+  /// Index of the lever of a mode: the coordinate normal to the plate, or the product of the two
+  /// coordinates transverse to the stretch.
   static constexpr std::size_t lever_of(std::size_t mode) { return mode < 9 ? mode / 3 : mode - 6; }
-  /// The levers at a point of the reference cell, to be reduced by their volume means: r, s, t, st,
-  /// rt, rs.
+  /// The levers at a point of the reference cell, r, s, t, st, rt, rs, before their volume means
+  /// are subtracted.
   static std::array<double, levers> lever(const std::array<double, 3>& p) {
     return {p[0], p[1], p[2], p[1] * p[2], p[0] * p[2], p[0] * p[1]};
   }

@@ -8,8 +8,8 @@
 
 namespace dccast::fem {
 
-/// Calls `use.operator()<Element>()` with the element of a section. Who needs the element as a type
-/// comes through here.
+/// Calls `use.operator()<Element>()` with the element type of a section. This is the only place
+/// where the element of a case is turned into a type.
 template <class Use>
 decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section, Use&& use) {
   const bool round = section == mesh::SectionKind::axisymmetric;
@@ -27,13 +27,16 @@ decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section
   throw std::logic_error("with_element: an element without a type");
 }
 
-/// The same with the elements of a solid: of tetrahedra or hexahedra.
+/// The same for the elements of a solid: tetrahedra or hexahedra.
 template <class Use>
 decltype(auto) with_solid_element(mesh::ElementKind element, Use&& use) {
   switch (element) {
-    case mesh::ElementKind::p1: return use.template operator()<P1Tetrahedron>();
-    case mesh::ElementKind::q1: return use.template operator()<Q1Hexahedron>();
-    case mesh::ElementKind::q1_bending: return use.template operator()<BendingHexahedron>();
+    case mesh::ElementKind::p1:
+      return use.template operator()<P1Tetrahedron>();
+    case mesh::ElementKind::q1:
+      return use.template operator()<Q1Hexahedron>();
+    case mesh::ElementKind::q1_bending:
+      return use.template operator()<BendingHexahedron>();
   }
   throw std::logic_error("with_solid_element: an element without a type");
 }

@@ -20,7 +20,8 @@ constexpr hsize_t chunk_values = 1 << 17;
 /// 4).
 constexpr unsigned deflate_level = 1;
 
-/// The library's account of the last failure: the innermost message, and the system's error number.
+/// The cause of the last failure as reported by the library: the innermost message and the system
+/// error number.
 struct LibraryError {
   std::string message;
   int system_code = EIO;
@@ -28,7 +29,7 @@ struct LibraryError {
 
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
   auto& error = *static_cast<LibraryError*>(into);
-  // What follows repeats time, file and buffer; the error number is given by its own name.
+  // The rest repeats time, file and buffer; the error number is reported separately.
   if (depth == 0)
     error.message = std::string(entry->desc).substr(0, std::string(entry->desc).find(": time ="));
   // The library hands errno over as text only.
@@ -45,8 +46,8 @@ LibraryError last_error() {
   return error;
 }
 
-/// The library prints every failure to stderr otherwise, also those that are handled. The setting
-/// belongs to the thread.
+/// Otherwise the library prints every failure to stderr, even those that are handled. The setting
+/// is per thread.
 void be_quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

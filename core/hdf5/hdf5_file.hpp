@@ -8,11 +8,12 @@
 #include <utility>
 #include <vector>
 
-/// The C library of HDF5 wrapped once: identifiers that close themselves, and failures as
-/// storage::StorageError with file, object and the library's own cause. Only this room includes it.
+/// Wrapper of the HDF5 C library: identifiers that close themselves, and failures as
+/// storage::StorageError with file, object and the cause reported by the library. Only this room
+/// includes the library.
 namespace dccast::hdf5 {
 
-/// An identifier with the function that gives it back.
+/// An HDF5 identifier with the function that closes it.
 class Handle {
 public:
   using Close = herr_t (*)(hid_t);
@@ -29,7 +30,7 @@ public:
     if (id_ >= 0) close_(id_);
   }
   hid_t get() const { return id_; }
-  /// Closes now. @return what the library answered: negative where data could not be written
+  /// Closes the identifier. @return the library's result: negative if data could not be written
   herr_t close() { return close_(std::exchange(id_, H5I_INVALID_HID)); }
 
 private:
@@ -42,18 +43,20 @@ using Shape = std::vector<hsize_t>;
 /// Number of values in an array of that shape.
 std::size_t count_of(const Shape& shape);
 
-/// A file of which every object is addressed by its absolute path inside it.
+/// An HDF5 file. Objects are addressed by their absolute path in the file.
 class File {
 public:
-  /// Over an older file. Versions of the format are bounded to what HDF5 1.8 reads.
+  /// Creates a file, overwriting an existing one. The format can be read by HDF5 1.8.
   /// @throws storage::StorageError
   static File create(const std::filesystem::path& path);
-  /// For reading. @throws storage::StorageError  not there, not HDF5, damaged
+  /// Opens a file for reading. @throws storage::StorageError  missing, not HDF5, or damaged
   static File open(const std::filesystem::path& path);
 
   void create_group(const std::string& object);
-  /// @param shape  rows first; large arrays are chunked, deflated and get a checksum
-  /// @param unit, meaning  of the values, become the attributes `unit` and `meaning`
+  /// Writes a dataset.
+  /// @param shape          row-major; large arrays are chunked, compressed and get a checksum
+  /// @param values         [`unit`]
+  /// @param unit, meaning  stored as the attributes `unit` and `meaning`
   void write(const std::string& object, const Shape& shape, const double* values, const char* unit,
              const char* meaning);
   void write(const std::string& object, const Shape& shape, const std::int32_t* values,
@@ -63,24 +66,27 @@ public:
   /// A one-dimensional dataset of UTF-8 strings, or a scalar one.
   void write_texts(const std::string& object, const std::vector<std::string>& texts,
                    const char* meaning);
-  /// An array of them. @param texts  flat, the last index runs fastest
+  /// An array of UTF-8 strings. @param texts  flat with the last index fastest
   void write_texts(const std::string& object, const Shape& shape,
                    const std::vector<std::string>& texts, const char* meaning);
   void write_text(const std::string& object, const std::string& text, const char* meaning);
+  /// Attributes have no unit of their own; their names end in it, e.g. `time_s` [s].
   void write_attribute(const std::string& object, const char* name, double value);
   void write_attribute(const std::string& object, const char* name, std::int64_t value);
   void write_attribute(const std::string& object, const char* name, const std::string& value);
 
   bool has(const std::string& object) const;
   Shape shape_of(const std::string& object) const;
+  /// @return [unit of the dataset]
   std::vector<double> read_reals(const std::string& object) const;
   std::vector<std::int64_t> read_integers(const std::string& object) const;
   std::vector<std::string> read_texts(const std::string& object) const;
+  /// @return [unit in the name of the attribute]
   double real_attribute(const std::string& object, const char* name) const;
   std::int64_t integer_attribute(const std::string& object, const char* name) const;
   std::string text_attribute(const std::string& object, const char* name) const;
 
-  /// Hands everything to the system and closes. @throws storage::StorageError  also on a full disk
+  /// Flushes and closes the file. @throws storage::StorageError  also if the disk is full
   void close();
   const std::filesystem::path& path() const { return path_; }
 
@@ -90,7 +96,7 @@ private:
                    hid_t memory_type, const void* values, const char* unit, const char* meaning);
   void write_strings(const std::string& object, const Handle& space, const char* const* texts,
                      const char* meaning);
-  /// @param target  the object itself, open; its path serves the messages
+  /// @param target  the open object @param object  its path, for messages
   void put_attribute(const Handle& target, const std::string& object, const char* name, hid_t type,
                      const void* value);
   void put_attribute(const Handle& target, const std::string& object, const char* name,
@@ -98,7 +104,7 @@ private:
   Handle open_object(const std::string& object) const;
   Handle open_attribute(const std::string& object, const char* name) const;
   void read_array(const std::string& object, hid_t memory_type, void* values) const;
-  /// @throws storage::StorageError  where `answer` is negative
+  /// @throws storage::StorageError  `answer` is negative
   template <class Answer>
   Answer checked(Answer answer, const std::string& object, const char* what) const;
 

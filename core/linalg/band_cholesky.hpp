@@ -9,43 +9,45 @@
 
 namespace dccast::linalg {
 
-/// Place and size of a band factor, before any number is computed.
+/// Structure and size of a band factor, known before any number is computed.
 struct BandShape {
   std::vector<int> first;          ///< (row of tiles) first column of tiles, never decreasing
-  std::vector<int> last;           ///< (column of tiles) last row that reaches it
-  std::vector<std::size_t> start;  ///< (row of tiles + 1) place of its first tile
+  std::vector<int> last;           ///< (column of tiles) last row that has an entry in it
+  std::vector<std::size_t> start;  ///< (row of tiles + 1) index of its first tile
   double flops = 0.0;              ///< [1] multiplications and additions of a factorisation
 
-  /// @param place  (unknown) its place in the order of elimination
+  /// @param place  (unknown) its position in the order of elimination
   BandShape(const SparsityPattern& pattern, std::span<const int> place);
   BandShape() = default;
   int rows() const { return static_cast<int>(first.size()); }
 };
 
-/// Cholesky factorisation of a symmetric positive definite matrix whose entries stand near the
-/// diagonal, in dense tiles inside the envelope of the rows.
+/// Cholesky factorisation of a symmetric positive definite matrix with entries near the diagonal,
+/// in dense tiles inside the envelope of the rows.
 ///
-/// Made for slab meshes, whose nodes are numbered row by row: no fill leaves the band, and all work
-/// is dense products of 8 x 8 numbers. The kernels are chosen at run time for the processor, so
-/// that the last bits of a solution may differ between processors of different instruction sets;
-/// on one processor they are always the same.
+/// Made for slab meshes, whose nodes are numbered row by row: there is no fill outside the band,
+/// and all work is in dense products of 8 x 8 tiles. The kernels are chosen at run time for the
+/// processor, so the last bits of a solution may differ between processors with different
+/// instruction sets; on one processor they are always the same.
 ///
-/// factorize() and solve() share their work among the team lent to the thread (core/base/team.hpp)
-/// where it is large enough; the bits do not depend on how many there are.
+/// factorize() and solve() divide large work among the team lent to the calling thread
+/// (core/base/team.hpp); the bits do not depend on its size.
 ///
-/// factorize() and solve() allocate nothing. A factorisation starts at the first row whose entries
-/// differ from those of the one before; the factor is the same, bit by bit, as one from the
-/// first row on.
+/// factorize() and solve() do not allocate memory. A factorisation starts at the first row whose
+/// entries have changed since the previous one; the factor is bit-identical to one computed from
+/// the first row.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class BandCholesky {
 public:
   explicit BandCholesky(const TileKernels& kernels = best_tile_kernels()) : kernels_(&kernels) {}
 
-  /// Places for the factor. @param place  (unknown) its place in the order of elimination
+  /// Symbolic analysis. @param place  (unknown) its position in the order of elimination
   void analyze(const SparsityPattern& pattern, std::span<const int> place);
   void analyze(const SparsityPattern& pattern, std::span<const int> place, BandShape shape);
 
-  /// @param values  `pattern.entries()` numbers
-  /// @return false when the matrix is not positive definite; the factor is then unusable
+  /// @param values  (entry of the pattern)
+  /// @return false if the matrix is not positive definite; the factor is then unusable
   bool factorize(std::span<const double> values);
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
@@ -56,9 +58,9 @@ public:
   const BandShape& shape() const { return shape_; }
   /// Numbers in the factor [1].
   double factor_entries() const { return 64.0 * static_cast<double>(tiles()); }
-  /// What factor and places take [byte].
+  /// Memory used by the factor and its structure [byte].
   std::size_t memory_bytes() const;
-  /// Share of the rows that the last factorisation had to compute [1].
+  /// Share of the rows that the last factorisation computed [1].
   double share_computed() const { return share_computed_; }
 
 private:
@@ -72,11 +74,11 @@ private:
 
   const TileKernels* kernels_;
   BandShape shape_;
-  std::vector<int> place_;          ///< (unknown)
-  std::vector<std::size_t> entry_;  ///< (entry of the pattern) its number in the tiles
+  std::vector<int> place_;          ///< (unknown) position in the order of elimination
+  std::vector<std::size_t> entry_;  ///< (entry of the pattern) its index in the tiles
   std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
-  std::vector<double> values_;      ///< (entry of the pattern) of the present factor
-  bool whole_ = false;              ///< the factor is that of `values_`
+  std::vector<double> values_;      ///< (entry of the pattern) matrix of the present factor
+  bool whole_ = false;              ///< the factor is complete and belongs to `values_`
   TileStorage tile_;
   std::vector<TileRow> inverse_;
   std::vector<TileRow> right_;

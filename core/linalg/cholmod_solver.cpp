@@ -16,16 +16,16 @@ namespace {
 // Between 1.5k unknowns, where the simplicial code wins, and 30k, where it loses by 3.
 constexpr int simplicial_up_to = 6000;
 
-/// Keeps BLAS on so many threads, and CHOLMOD on the one that calls. CHOLMOD's supernodal code asks
-/// for four threads by number, which OMP_NUM_THREADS does not lower; where no level of parallel
-/// regions may be active it gets one.
+/// Limits BLAS to a number of threads, and CHOLMOD to the calling one. CHOLMOD's supernodal code
+/// explicitly requests four threads, regardless of OMP_NUM_THREADS; with zero active levels of
+/// parallel regions it gets one.
 void stay_on(int threads) {
   openblas_set_num_threads(threads);
   omp_set_max_active_levels(0);
 }
 
-/// LDL' goes through on an indefinite matrix, and the supernodal code on one with NaN; the diagonal
-/// of the factor tells.
+/// LDL' succeeds on an indefinite matrix, and the supernodal code on one with NaN; the diagonal of
+/// the factor reveals both.
 bool positive_diagonal(const cholmod_factor& factor) {
   const auto* value = static_cast<const double*>(factor.x);
   if (factor.is_super == 0) {

@@ -83,7 +83,7 @@ bool Condensation::factorize_small() {
       }
       small_[r * n + c] = r == c ? entry : entry / small_[c * n + c];
     }
-    // What is left of a released unknown's stiffness; below rounding error it counts as zero.
+    // Remaining stiffness of a released unknown; below rounding error it counts as zero.
     const double pivot = small_[r * n + r];
     const double least = changed_[r].released
                              ? rounding * changed_[r].column[std::size_t(changed_[r].unknown)]

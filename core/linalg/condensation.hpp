@@ -7,26 +7,29 @@
 
 namespace dccast::linalg {
 
-/// Solves with other held unknowns than those a matrix was factorised with, by condensing the
-/// system onto the unknowns that changed (paper section 4.3.1 in today's terms).
+/// Solves a system whose set of held unknowns has changed since the factorisation, by condensing it
+/// onto the changed unknowns (paper section 4.3.1 in modern terms).
 ///
-/// With M the matrix of the factor, f its free unknowns, R unknowns released since and H unknowns
-/// held since,
+/// With M the factorised matrix, f its free unknowns, R the unknowns released since and H the
+/// unknowns held since,
 ///
 ///     | K_ff  K_fR  E_H | | x_f |   | b_f |
 ///     | K_Rf  K_RR   0  | | x_R | = | b_R |,
 ///     | E_H'   0     0  | | l   |   |  0  |
 ///
-/// each change costs one solve with M for its column of W = K_ff^-1 (K_fR, E_H), and the rest is a
-/// small quasi-definite matrix. Any kind of factor will do, and nothing of it is changed. It pays
-/// as long as the changes are few.
+/// each change costs one solve with M for its column of W = K_ff^-1 (K_fR, E_H), and a small
+/// quasi-definite system remains. Any kind of factor can be used and is not modified. The method
+/// pays as long as there are few changes.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class Condensation {
 public:
-  /// @param most_changes  above which change() refuses: four solves cost what a factor does, by
-  ///                      dissection as by the band
+  /// @param most_changes  largest number of changed unknowns that change() accepts: four solves
+  ///                      cost as much as a factorisation, by dissection or by the band
   explicit Condensation(std::size_t most_changes = 4) : most_changes_(most_changes) {}
 
-  /// Starts over. All arguments must outlive the use of this object and stay as they are.
+  /// Starts from a new factor. All arguments must outlive the use of this object and must not
+  /// change.
   /// @param values  entries of K, nothing held
   /// @param solver  holds the factor of K with the unknowns `held` decoupled
   /// @param held    (unknown) not zero where the factor holds an unknown
@@ -34,8 +37,8 @@ public:
              std::span<const char> held);
 
   /// Changes the held unknowns to `held`.
-  /// @return false when they are too many, which costs no solve, or when the matrix of the free
-  ///         unknowns is not positive definite: factorise
+  /// @return false if a new factorisation is needed: there are too many changes, which costs no
+  ///         solve, or the matrix of the free unknowns is not positive definite
   bool change(std::span<const char> held);
 
   std::size_t changes() const { return changed_.size(); }
@@ -45,12 +48,12 @@ public:
   void solve(std::span<const double> b, std::span<double> x);
 
 private:
-  /// An unknown that is held now and was free in the factor, or the other way round.
+  /// An unknown that is held now but free in the factor, or the other way round.
   struct Changed {
     int unknown = -1;
     bool released = false;
-    std::vector<double> column;  ///< K_fR or E_H of the unknown; K_RR of all released ones in R
-    std::vector<double> solved;  ///< K_ff^-1 of it on f, zero elsewhere
+    std::vector<double> column;  ///< column of K_fR or E_H; entries in R: column of K_RR
+    std::vector<double> solved;  ///< K_ff^-1 times the column on f, zero elsewhere
   };
 
   bool few_differ(std::span<const char> held) const;
@@ -66,7 +69,7 @@ private:
   DirectSolver* solver_ = nullptr;
   std::vector<char> base_;        ///< (unknown) held in the factor
   std::vector<char> held_;        ///< (unknown) held now
-  std::vector<Changed> changed_;  ///< the newly held first: their pivots are the negative ones
+  std::vector<Changed> changed_;  ///< newly held unknowns first: their pivots are negative
   std::vector<double> small_;     ///< (changes, changes) L below the diagonal, D on it
   std::vector<double> right_, unit_;
 };

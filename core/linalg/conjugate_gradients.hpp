@@ -12,9 +12,9 @@ namespace dccast::linalg {
 struct CgOutcome {
   enum class End {
     converged,
-    too_many,    ///< the iterations allowed were not enough
-    indefinite,  ///< a direction without stiffness: matrix or preconditioner is not positive
-                 ///< definite
+    too_many,    ///< not converged within the permitted iterations
+    indefinite,  ///< a direction of non-positive curvature: matrix or preconditioner is not
+                 ///< positive definite
   };
   End end = End::converged;
   int iterations = 0;
@@ -22,16 +22,18 @@ struct CgOutcome {
       0.0;  ///< [1] Euclidean norm on the free unknowns, relative to the right-hand side
 };
 
-/// Preconditioned conjugate gradients (Hestenes, Stiefel 1952) in which some unknowns are held at
-/// zero. Held unknowns are masked in every vector, matrix and preconditioner stay as they are: a
-/// preconditioner that was made with other unknowns held stays symmetric and positive definite on
-/// the free ones.
+/// Preconditioned conjugate gradients (Hestenes, Stiefel 1952) with some unknowns held at zero.
+/// Held unknowns are masked in every vector; matrix and preconditioner are not modified: a
+/// preconditioner built for other held unknowns remains symmetric and positive definite on the free
+/// ones.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class ConjugateGradients {
 public:
   /// Approximate solution of K z = r. @param z  not the same storage as `r`
   using Preconditioner = std::function<void(std::span<const double> r, std::span<double> z)>;
   struct Limits {
-    double tolerance = 1e-10;  ///< [1] of CgOutcome::residual
+    double tolerance = 1e-10;  ///< [1] for CgOutcome::residual
     int iterations = 25;
   };
 

@@ -9,24 +9,25 @@
 
 namespace dccast::linalg {
 
-/// Direct solver for symmetric positive definite systems on a fixed pattern: BandCholesky where the
-/// band is narrow enough to win, DissectionCholesky in the plane above, CholmodSolver elsewhere.
-/// docs/factorisation.md has the measurements.
+/// Direct solver for symmetric positive definite systems on a fixed pattern: BandCholesky if the
+/// band is narrow enough for it to be the fastest, DissectionCholesky for larger 2D systems,
+/// CholmodSolver otherwise. docs/factorisation.md has the measurements.
 ///
-/// Analyse once per mesh, factorise as often as the values change, solve as often as needed.
+/// Analyse once per mesh, factorise when the values change, solve as often as needed.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class DirectSolver {
 public:
   /// Symbolic analysis and choice of the method.
   /// @param pattern  must outlive the solver's use of it
   /// @param fronts   sets of unknowns along an edge of the mesh from which an elimination may
-  ///                 start; of these orders and the reversed numbering the one of least work is
-  ///                 taken. From two of them, neither empty, a dissection in the plane counts its
-  ///                 distances
+  ///                 start; of these orders and the reversed numbering the one with the least work
+  ///                 is used. A dissection in 2D measures its distances from two non-empty ones
   /// @throws std::bad_alloc when memory is exhausted
   void analyze(const SparsityPattern& pattern, Geometry geometry = Geometry::plane,
                std::span<const std::vector<int>> fronts = {});
-  /// Numeric factorisation. @param values  `pattern.entries()` numbers
-  /// @return false when the matrix is not positive definite; the factor is then unusable
+  /// Numeric factorisation. @param values  (entry of the pattern)
+  /// @return false if the matrix is not positive definite; the factor is then unusable
   bool factorize(std::span<const double> values);
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
@@ -43,10 +44,10 @@ public:
   long solves() const { return solves_; }
   /// Numbers in the factor [1], after analyze().
   double factor_entries() const;
-  /// What the factor takes [byte], after analyze().
+  /// Memory used by the factor [byte], after analyze().
   std::size_t memory_bytes() const;
-  /// Threads of CHOLMOD's dense products; the band takes those of the team lent to the thread that
-  /// calls. @param threads  at least 1, the default
+  /// Sets the number of threads for CHOLMOD's dense products; the band solver uses the team lent to
+  /// the calling thread. @param threads  at least 1, the default
   void use_threads(int threads) { cholmod_.use_threads(threads); }
 
 private:
@@ -71,12 +72,12 @@ private:
   long solves_ = 0;
 };
 
-/// The measured rule in the plane: whether a band factorisation is faster than one by dissection.
+/// Measured rule for 2D: whether a band factorisation is faster than a dissection.
 bool band_beats_dissection(const BandShape& shape, int unknowns);
 
-/// The measured rule: whether a band factorisation is faster than CHOLMOD's. In the plane it is
-/// asked for one solve a factorisation, of a solid for the twenty of its conjugate gradients.
-/// @param shape  of the band, its order being the best known
+/// Measured rule: whether a band factorisation is faster than CHOLMOD's. In 2D it assumes one solve
+/// per factorisation, for a solid the twenty of its conjugate gradients.
+/// @param shape  of the band in the best order known
 bool band_wins(const BandShape& shape, int unknowns, Geometry geometry, const TileKernels& kernels);
 
 }  // namespace dccast::linalg

@@ -13,38 +13,40 @@ namespace dccast::linalg {
 /// in the order of a nested dissection: each front is dense, and all work is products of 8 x 8
 /// numbers.
 ///
-/// Made for meshes in the plane that are too large for a band: the work of a factorisation grows
-/// with the power 3/2 of the unknowns, not with their square. The kernels are chosen at run time
-/// for the processor; on one processor the last bits are always the same.
+/// Made for 2D meshes that are too large for a band solver: the work of a factorisation grows with
+/// the number of unknowns to the power 3/2, not 2. The kernels are chosen at run time for the
+/// processor; on one processor the last bits are always the same.
 ///
-/// factorize() and solve() allocate nothing.
+/// factorize() and solve() do not allocate memory.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class DissectionCholesky {
 public:
   explicit DissectionCholesky(const TileKernels& kernels = best_tile_kernels())
       : kernels_(&kernels) {}
 
-  /// Places for the factor.
+  /// Symbolic analysis.
   void analyze(const SparsityPattern& pattern, const DissectionTree& tree);
 
-  /// @param values  `pattern.entries()` numbers
-  /// @return false when the matrix is not positive definite; the factor is then unusable
+  /// @param values  (entry of the pattern)
+  /// @return false if the matrix is not positive definite; the factor is then unusable
   bool factorize(std::span<const double> values);
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
   /// Numbers in the factor [1].
   double factor_entries() const;
-  /// What factor and places take [byte].
+  /// Memory used by the factor and its structure [byte].
   std::size_t memory_bytes() const;
 
 private:
   /// A front of the tree as the numerical work sees it.
   struct Part {
     int pivots = 0, boundary = 0;       ///< rows of tiles
-    int unknowns = 0;                   ///< of its own
-    int first_row = 0;                  ///< of its pivots among all rows of tiles
+    int unknowns = 0;                   ///< number of its own unknowns
+    int first_row = 0;                  ///< row of its first pivot among all rows of tiles
     std::size_t panel = 0, update = 0;  ///< first tiles
-    std::size_t stack = 0;              ///< that its update lies on
+    std::size_t stack = 0;              ///< stack on which its update lies
     std::size_t first_entry = 0;        ///< of the matrix, in `source_` and `target_`
     std::size_t first_node = 0;         ///< of its boundary, in `at_` and `in_parent_`
     std::vector<int> children;
@@ -68,8 +70,8 @@ private:
 
   const TileKernels* kernels_;
   int per_node_ = 1;
-  std::vector<Part> part_;      ///< in the order of elimination, and one behind the last
-  std::vector<int> position_;   ///< (unknown) its place among the rows of all pivots
+  std::vector<Part> part_;      ///< in the order of elimination, with an end marker
+  std::vector<int> position_;   ///< (unknown) its position among the rows of all pivots
   std::vector<int> at_;         ///< (node of a boundary) the same of its first unknown
   std::vector<int> in_parent_;  ///< (node of a boundary) row of its first unknown in the parent
   std::vector<int> source_;     ///< entries of the pattern, by front

@@ -86,8 +86,8 @@ private:
     return static_cast<int>(tree_.fronts.size()) - 1;
   }
 
-  /// The line across the longer way that leaves halves of one size; no distance where none has two
-  /// sides.
+  /// The line across the longer direction that gives halves of equal size; without a distance if no
+  /// line separates the nodes.
   Line middle(int first, int end) {
     std::size_t axis = 0;
     std::array<int, axes> low, high;
@@ -115,7 +115,8 @@ private:
   std::vector<int> count_;
 };
 
-/// What the elimination of a front couples: later neighbours, and what its children left.
+/// The nodes coupled by the elimination of a front: its later neighbours, and the boundaries of its
+/// children.
 void find_boundaries(const NodeGraph& graph, DissectionTree& tree) {
   std::vector<int> node_at(tree.place.size()), seen(tree.place.size(), -1);
   for (std::size_t n = 0; n < tree.place.size(); ++n)

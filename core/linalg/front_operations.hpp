@@ -5,7 +5,7 @@
 /// The kernels of a front of a dissection. For tile_kernels.cpp only.
 namespace dccast::linalg::tiles {
 
-/// Rows that go through the columns together: none waits for the tile of another.
+/// Rows that are processed together because they do not depend on each other.
 inline constexpr int rows_together = 4;
 
 /// Columns of the factor in some consecutive rows, given all rows before.
@@ -27,7 +27,7 @@ DCCAST_INLINE bool eliminate_rows(const Front& front, int first, int end) {
   return true;
 }
 
-/// What the pivots give to some consecutive rows of the boundary.
+/// Contribution of the pivots to some consecutive rows of the boundary.
 template <int Lanes>
 DCCAST_INLINE void update_rows(const Front& front, int first, int end) {
   for (int j = 0; j < end; ++j) {

@@ -9,23 +9,23 @@
 
 namespace dccast::linalg {
 
-/// Where the blocks of a symmetric matrix on an extruded mesh stand when they are kept by pairs of
-/// lines: the coupling of two lines that share a cell is one array along the rows for each pair of
-/// unknowns and each of the three rows that meet.
+/// Storage layout of a symmetric matrix on an extruded mesh, by pairs of lines: the coupling of two
+/// lines that share a cell is one array along the rows for each pair of unknowns and each of the
+/// three neighbouring rows.
 ///
-/// Arrays along the rows are `stride` numbers long. Those behind the last row are zero, so that a
-/// loop may read one number before its array and any within the stride.
+/// Arrays along the rows have `stride` numbers; those beyond the last row are zero, so that a loop
+/// may read one number before its array and any number within the stride.
 template <int PerNode>
 class LineLayout {
 public:
   static constexpr int entries = 3 * PerNode * PerNode;  ///< (unknown, unknown, 3 rows)
 
-  /// Where a block starts, and by what its numbers are apart.
+  /// Address of a block.
   struct Place {
-    std::size_t pair = 0;     ///< of the couplings; of a line with itself the line
-    int row = 0;              ///< of the line with the higher number, of one line the upper row
-    int below = 1;            ///< 0, 1, 2: the other row is one lower, the same, one higher
-    bool transposed = false;  ///< the block is kept as its transpose
+    std::size_t pair = 0;  ///< index of the coupling; for a line with itself that of the line
+    int row = 0;    ///< row on the line with the higher number; on a single line the upper row
+    int below = 1;  ///< 0, 1, 2: the other row is one lower, the same, one higher
+    bool transposed = false;  ///< the transpose of the block is stored
     bool one_line = false;
   };
 
@@ -60,7 +60,7 @@ public:
   /// Line with the lower number of a pair.
   int low_line(std::size_t pair) const { return pair_line_[pair]; }
 
-  /// Of the block between node (line, row) and another, whose rows differ by one at most.
+  /// Address of the block between two nodes (line, row) whose rows differ by at most one.
   Place place(int line, int row, int other, int other_row) const {
     if (line == other) {
       const bool upper = row >= other_row;

@@ -7,30 +7,33 @@
 
 namespace dccast::linalg {
 
-/// Gauss-Seidel over the upright lines of an extruded mesh, each solved exactly, in single
-/// precision: as a preconditioner it need not be exact, and half the bytes are half the time.
+/// Line Gauss-Seidel over the vertical lines of an extruded mesh. Each line is solved exactly, in
+/// single precision: a preconditioner need not be exact, and half the memory traffic is half the
+/// time.
 ///
-/// Flat cells couple their nodes upwards more than sideways by the square of their sides' ratio:
-/// errors that vary along a line vanish at once.
+/// In flat cells the vertical coupling is stronger than the horizontal one by the square of the
+/// aspect ratio: errors that vary along a line are removed at once.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 template <int PerNode>
 class LineRelaxation {
 public:
   /// @param layout  must outlive the use of this object
   void start(const LineLayout<PerNode>& layout);
 
-  /// Adds a block of the matrix: of a node, or between two with its transpose on the other side.
+  /// Adds a block of the matrix: of one node, or between two nodes, together with its transpose.
   /// @param block  (unknown of the row, unknown of the column)
   void add(const typename LineLayout<PerNode>::Place& at, const double* block);
-  /// Factorises the lines. @return false when one is not positive definite
+  /// Factorises the lines. @return false if one is not positive definite
   bool factorize();
 
-  /// x = lines in rising order from zero; residual = b - A x.
+  /// Forward sweep from x = 0; residual = b - A x.
   void forward(const std::vector<float>& b, std::vector<float>& x,
                std::vector<float>& residual) const;
-  /// Improves x by the lines in falling order. @param b  overwritten
+  /// Backward sweep, improves x. @param b  overwritten
   void backward(std::vector<float>& b, std::vector<float>& x) const;
 
-  /// Numbers of a vector: guard, then (line, unknown, row along the stride), then guard.
+  /// Length of a vector: guard, then (line, unknown, row along the stride), then guard.
   std::size_t size() const {
     return 2 * guard + std::size_t(layout_->lines() * PerNode) * layout_->stride();
   }
@@ -42,7 +45,7 @@ public:
 private:
   static constexpr std::size_t guard = 16;
   static constexpr int square = PerNode * PerNode;
-  /// Of a node: inverse pivot, and the block below it times the inverse pivot below.
+  /// Factor at a node: inverse pivot, and the block below it times the inverse pivot below.
   struct Step {
     float inverse[square];
     float below[square];

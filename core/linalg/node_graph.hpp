@@ -10,7 +10,7 @@ namespace dccast::linalg {
 /// Neighbours of every node of a matrix, in the order of their numbers.
 class NodeGraph {
 public:
-  /// @param per_node  unknowns that count as a node: those of the pattern, or 1
+  /// @param per_node  number of unknowns per node: that of the pattern, or 1
   NodeGraph(const SparsityPattern& pattern, int per_node)
       : per_node_(per_node), nodes_(pattern.unknowns() / per_node_) {
     start_.assign(std::size_t(nodes_) + 1, 0);
@@ -24,7 +24,8 @@ public:
     const auto add = [&](int of, int other) {
       neighbour_[std::size_t(next[std::size_t(of)]++)] = other;
     };
-    // Lower numbers first: the columns come in rising order, each names itself to its rows.
+    // Lower numbers first: columns come in ascending order, and each is added to the lists of its
+    // rows.
     for_each_pair(pattern, [&](int a, int b) { add(b, a); });
     for_each_pair(pattern, [&](int a, int b) { add(a, b); });
   }

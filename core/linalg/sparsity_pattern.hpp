@@ -6,11 +6,13 @@
 
 namespace dccast::linalg {
 
-/// Where the entries of a symmetric matrix stand: lower triangle, compressed columns, and for each
-/// element the place of each of its entries, so that assembly is one addition per entry.
+/// Sparsity pattern of a symmetric matrix: lower triangle in compressed columns, and for each
+/// element the index of each of its entries, so that assembly is one addition per entry.
 ///
-/// Built once per mesh and extended as the mesh grows; values are kept by the caller as a plain
+/// Built once per mesh and extended as the mesh grows. The caller keeps the values in a plain
 /// vector of `entries()` numbers.
+///
+/// Units: in this room matrix entries, right-hand sides and solutions have the units of the caller.
 class SparsityPattern {
 public:
   SparsityPattern() = default;
@@ -19,9 +21,9 @@ public:
   ///                          ones do not take part
   SparsityPattern(int unknowns, std::span<const int> element_unknown, int per_element);
 
-  /// Takes a mesh that has grown: columns from the least unknown of a new element on are found
-  /// again, those before stay where they are. The same pattern as one built of all elements.
-  /// @param element_unknown  of all elements, those the pattern has first
+  /// Extends the pattern after growth of the mesh: columns from the lowest unknown of a new element
+  /// on are rebuilt, those before it are kept. The result equals a pattern built from all elements.
+  /// @param element_unknown  of all elements, the old ones first
   void extend(int unknowns, std::span<const int> element_unknown);
 
   int unknowns() const { return static_cast<int>(column_start_.size()) - 1; }
@@ -31,15 +33,15 @@ public:
   int unknowns_per_node() const { return unknowns_per_node_; }
   const std::vector<int>& column_start() const { return column_start_; }
   const std::vector<int>& row() const { return row_; }
-  /// First columns of the parts of a product, and the end of the last one. What the columns of a
-  /// part reach is not reached by those of the part after the next, so that the even parts, and
-  /// then the odd ones, can be done at the same time. One part where the matrix is small, wide or
-  /// not of nodes with three unknowns.
+  /// First columns of the parts of a matrix-vector product, and the end of the last part. Two even
+  /// parts never write to the same row, nor do two odd ones, so that all even parts can run
+  /// concurrently, then all odd ones. There is one part only if the matrix is small, has a large
+  /// bandwidth, or does not have three unknowns per node.
   const std::vector<int>& parts() const { return part_; }
-  /// Place of the diagonal entry of an unknown.
+  /// Index of the diagonal entry of an unknown.
   int diagonal(int unknown) const { return column_start_[std::size_t(unknown)]; }
-  /// Places of an element's entries, (per_element, per_element) full and symmetric; -1 where an
-  /// unknown does not take part. An off-diagonal pair shares one place: add it once, for j <= i.
+  /// Indices of an element's entries, (per_element, per_element) full and symmetric; -1 where an
+  /// unknown does not take part. An off-diagonal pair has one index: add it once, for j <= i.
   const int* places(int element) const {
     return place_.data() +
            std::size_t(element) * std::size_t(per_element_) * std::size_t(per_element_);
@@ -59,9 +61,9 @@ private:
   std::vector<int> part_{0, 0};
 };
 
-/// y = A x for a symmetric matrix given by its lower triangle [units are the caller's in all of
-/// this room]; node by node where each has three unknowns, and then shared among the team lent to
-/// the thread. The bits do not depend on it.
+/// y = A x for a symmetric matrix given by its lower triangle. With three unknowns per node it
+/// works node by node and divides the work among the team lent to the calling thread; the bits do
+/// not depend on the size of the team.
 void multiply(const SparsityPattern& pattern, std::span<const double> values,
               std::span<const double> x, std::span<double> y);
 

@@ -7,14 +7,14 @@
 
 namespace dccast::linalg {
 
-/// Order of elimination that sweeps a mesh from one of its edges: level by level of distance in the
-/// graph of the matrix, the neighbours of one unknown after those of the one before
-/// (CuthillMcKee). On a mesh in rows the band is then as wide as a row or a column of nodes.
+/// Order of elimination that sweeps a mesh from one of its edges (Cuthill-McKee): level by level of
+/// distance in the graph of the matrix, and within a level in the order of the neighbours in the
+/// level before. On a mesh in rows the bandwidth is then that of a row or a column of nodes.
 /// @param front  unknowns of the edge, in their order along it
-/// @return (unknown) its place
+/// @return       (unknown) its position
 std::vector<int> sweep_order(const SparsityPattern& pattern, std::span<const int> front);
 
-/// The order of the numbering, backwards: (unknown) its place.
+/// The reversed numbering: (unknown) its position.
 std::vector<int> reversed_order(int unknowns);
 
 }  // namespace dccast::linalg

@@ -13,7 +13,7 @@ namespace {
 
 using namespace tiles;
 
-/// What a factorisation of several members has reached when a pivot was no positive number.
+/// Progress value of a factorisation by several members after a pivot was not positive.
 constexpr int no_factor = std::numeric_limits<int>::max();
 
 /// The tile of the diagonal, given all other tiles of its row; others may then go on with its
@@ -55,7 +55,7 @@ DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x, const BandSh
   constexpr int parts = tile_size / Lanes, chains = Lanes / 2;
   typename Register<Lanes>::type sum[chains][parts] = {};
   const int first = band.first[i];
-  // Its own row before this one, and with it all before that, are done.
+  // The member's own previous row is complete, and with it all rows before that.
   const int late = first > i - share.members + 1 ? first : i - share.members + 1;
   add_products<Lanes>(band.at(i, first), x + first, late - first, sum);
   if (share.forward != nullptr) share.forward->wait_for(i - 1);

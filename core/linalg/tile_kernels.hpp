@@ -9,7 +9,7 @@ namespace dccast::linalg {
 /// Rows and columns of a tile.
 inline constexpr int tile_size = 8;
 
-/// A dense block of the factor by columns: entry (i, k) stands at tile_size * k + i.
+/// A dense block of the factor by columns: entry (i, k) has index tile_size * k + i.
 struct alignas(64) Tile {
   double entry[tile_size * tile_size];
 };
@@ -20,39 +20,43 @@ struct alignas(64) TileRow {
 };
 
 /// A lower triangular matrix in tiles between a monotone envelope and the diagonal: row I of tiles
-/// holds columns first[I] to I, one after another from tile start[I] on.
+/// holds columns first[I] to I, stored consecutively from tile start[I] on.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 struct TileBand {
   Tile* tile = nullptr;
   const std::size_t* start = nullptr;
   const int* first = nullptr;  ///< (row) never decreasing
-  const int* last = nullptr;   ///< (column) last row of tiles that reaches it
+  const int* last = nullptr;   ///< (column) last row of tiles that has an entry in it
   TileRow* inverse = nullptr;  ///< (row) reciprocals of the diagonal of the factor
   int rows = 0;
-  /// Where a solve streams the factor from memory, row by row both ways: room for the sums of so
-  /// many columns as a row reaches, zero before and after. Null where the factor is in the cache.
+  /// Used if a solve streams the factor from memory, row by row in both directions: workspace for
+  /// sums of as many columns as a row has, zero before and after. Null if the factor fits in the
+  /// cache.
   Tile* sums = nullptr;
   int sum_columns = 0;
 
   Tile* at(int row, int column) const { return tile + start[row] + (column - first[row]); }
 };
 
-/// The rows or columns of a band that one member of a team computes: every so many-th. A member
-/// computes them as one alone would, number by number, and waits where it needs those of others.
+/// The rows or columns of a band that one member of a team computes, in round-robin order. A member
+/// does the same arithmetic as a single thread, and waits when it needs the rows of others.
 struct BandShare {
   int member = 0, members = 1;
-  /// Rows that are done: of a factorisation and of the forward half of a solve the last one, of its
-  /// backward half how many from the end. Null for one that is alone.
+  /// Completed rows: the last one for a factorisation and for the forward substitution, the number
+  /// from the end for the backward substitution. Null for a single thread.
   Progress *factorized = nullptr, *forward = nullptr, *backward = nullptr;
 
-  /// Its first row from this one on, and its last one up to this one; the next is `members` away.
+  /// Its first row from this one on, and its last row up to this one; consecutive rows are
+  /// `members` apart.
   int first_from(int row) const { return row + (member + members - row % members) % members; }
   int last_up_to(int row) const { return row - (row + members - member) % members; }
   bool owns(int row) const { return row % members == member; }
 };
 
-/// A front of a dissection: the columns of its pivots in the factor, and what their elimination
-/// leaves of its boundary. Row I of tiles of the panel holds columns 0 to min(I, pivots - 1), one
-/// row after another.
+/// A front of a dissection: the columns of its pivots in the factor, and the Schur complement on
+/// its boundary. Row I of tiles of the panel holds columns 0 to min(I, pivots - 1), stored row by
+/// row.
 struct Front {
   Tile* panel = nullptr;
   Tile* update = nullptr;      ///< lower triangle of the boundary, row by row of tiles
@@ -73,33 +77,34 @@ struct Front {
 /// sets. For the sources of this room only.
 struct TileKernels {
   const char* name;
-  /// Work per unknown below which a band factorisation beats CHOLMOD's: the mean square of the
-  /// height of its columns [1]. Measured in docs/factorisation.md.
+  /// Work per unknown below which a band factorisation is faster than CHOLMOD's: the mean square of
+  /// the height of its columns [1]. Measured, see docs/factorisation.md.
   double flops_per_unknown;
-  /// What a factorisation reaches [1/s]. Measured there too.
+  /// Speed of a factorisation in floating-point operations per second [1/s]. Measured, see
+  /// docs/factorisation.md.
   double flops_per_second;
   /// Replaces the matrix by its Cholesky factor.
-  /// @param from   first row of tiles to compute; those before it hold the factor already
-  /// @param share  its rows
-  /// @return false when a pivot is not a positive number, to one member at least
+  /// @param from   first row of tiles to compute; those before it already hold the factor
+  /// @param share  rows of this member
+  /// @return false if a pivot is not positive; at least one member of the team gets it
   bool (*factorize)(const TileBand& band, int from, const BandShare& share);
-  /// x <- (L L')^-1 x. Several members only where the band has room for sums.
-  /// @param share  its rows on the way forward, its columns on the way back
+  /// x <- (L L')^-1 x. Several members only if the band has workspace for sums.
+  /// @param share  rows of this member in the forward, columns in the backward substitution
   void (*solve)(const TileBand& band, TileRow* x, const BandShare& share);
-  /// Replaces the panel of a front by its columns of the factor and subtracts from the update what
-  /// they give to it. @return false when a pivot is not a positive number
+  /// Replaces the panel of a front by its columns of the factor and subtracts their contribution
+  /// from the update. @return false if a pivot is not positive
   bool (*factorize_front)(const Front& front);
-  /// x <- L^-1 x of the pivots. @param rest  gets what they give to the boundary
+  /// x <- L^-1 x for the pivots. @param rest  receives their contribution to the boundary
   void (*forward_front)(const Front& front, TileRow* x, TileRow* rest);
-  /// x <- (L')^-1 x of the pivots. @param rest  the solution on the boundary
-  /// @param sums  room for as many tiles as there are rows of pivots, zero before and after
+  /// x <- (L')^-1 x for the pivots. @param rest  the solution on the boundary
+  /// @param sums  workspace of as many tiles as there are rows of pivots, zero before and after
   void (*backward_front)(const Front& front, TileRow* x, const TileRow* rest, Tile* sums);
 };
 
-/// Those of the instruction set in use, see instructions().
+/// The kernels for the instruction set in use, see instructions().
 const TileKernels& best_tile_kernels();
 
-/// All that this processor can run, plain C++ first.
+/// All kernels that this processor can run, plain C++ first.
 struct TileKernelList {
   const TileKernels* kernel[3];
   int count;

@@ -7,8 +7,10 @@
 /// Compiled into the kernel that calls it, for its instruction set.
 #define DCCAST_INLINE [[gnu::always_inline]] inline
 
-/// What the kernels on tiles are made of. For the sources of this room only.
-/// @tparam Lanes  numbers in a register of the instruction set
+/// Building blocks of the kernels on tiles. For the sources of this room only.
+/// @tparam Lanes  numbers per register of the instruction set
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 namespace dccast::linalg::tiles {
 
 /// As many rows of a column as a register of the instruction set holds.
@@ -65,7 +67,8 @@ DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& 
   }
 }
 
-/// Cholesky factor of a tile of the diagonal, zero above it. false: a pivot is not positive.
+/// Cholesky factor of a diagonal tile, zero above the diagonal. Returns false if a pivot is not
+/// positive.
 template <int Lanes>
 DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
   for (int k = 0; k < tile_size; ++k) {
@@ -73,7 +76,7 @@ DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
     const double pivot = column[k];
     if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
     const double root = __builtin_sqrt(pivot);
-    inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal do not wait for each other
+    inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal are independent operations
     for (int i = 0; i < k; ++i) column[i] = 0.0;
     for (int p = 0; p < tile_size; p += Lanes) rows_at<Lanes>(column + p) *= inverse.entry[k];
     for (int j = k + 1; j < tile_size; ++j) {
@@ -85,7 +88,7 @@ DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
   return true;
 }
 
-/// Adds the products of consecutive tiles of a row with x to sums that do not wait for each other.
+/// Adds the products of consecutive tiles of a row with x to independent sums.
 template <int Lanes, int Chains>
 DCCAST_INLINE void add_products(const Tile* tile, const TileRow* x, int count,
                                 typename Register<Lanes>::type (&sum)[Chains][tile_size / Lanes]) {
@@ -99,7 +102,7 @@ DCCAST_INLINE void add_products(const Tile* tile, const TileRow* x, int count,
   }
 }
 
-/// x <- x factor^-1 from the left: the forward half of a solution in a tile of the diagonal.
+/// Forward substitution with a diagonal tile.
 DCCAST_INLINE void substitute_forward(const Tile& factor, const TileRow& inverse, TileRow& x) {
   for (int k = 0; k < tile_size; ++k) {
     const double found = x.entry[k] * inverse.entry[k];
@@ -108,7 +111,7 @@ DCCAST_INLINE void substitute_forward(const Tile& factor, const TileRow& inverse
   }
 }
 
-/// The backward half.
+/// Backward substitution with a diagonal tile.
 DCCAST_INLINE void substitute_back(const Tile& factor, const TileRow& inverse, TileRow& x) {
   for (int k = tile_size - 1; k >= 0; --k) {
     x.entry[k] *= inverse.entry[k];
@@ -123,8 +126,9 @@ DCCAST_INLINE void subtract_sums(const Tile& products, TileRow& x) {
   }
 }
 
-/// sums += the products of consecutive tiles of some rows with x, transposed, the last row first;
-/// their columns remain to be added up. Several rows at once read and write the sums once.
+/// sums += the products of the transposed consecutive tiles of some rows with x, the last row
+/// first; the columns of the sums still have to be added up. Processing several rows at once reads
+/// and writes the sums only once.
 /// @param x  one for each row
 template <int Lanes, int Rows>
 DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int count,

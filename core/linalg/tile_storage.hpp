@@ -7,16 +7,17 @@
 
 namespace dccast::linalg {
 
-/// A factor larger than this is not in the cache when a solve comes to it [byte]: measured in
+/// A factor larger than this is no longer in the cache when a solve needs it [byte]. Measured, see
 /// docs/factorisation.md.
 inline constexpr std::size_t cache_bytes = std::size_t(8) << 20;
 
-/// Storage for the tiles of a factor, in huge pages where it is large: a solve goes through all of
-/// it. Not initialised.
+/// Uninitialised storage for the tiles of a factor, in huge pages if it is large: a solve reads all
+/// of it.
 class TileStorage {
 public:
-  /// Room for so many tiles; what was in it is lost if that is more than before. It grows with room
-  /// to spare for a few rows of cells: touching new memory costs more than a factorisation.
+  /// Reserves memory for a number of tiles; the content is lost if the storage has to grow. It
+  /// grows with a reserve for a few rows of cells: touching new memory costs more than a
+  /// factorisation.
   /// @throws std::bad_alloc
   void reserve(std::size_t tiles);
 

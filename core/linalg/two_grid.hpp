@@ -8,26 +8,29 @@
 
 namespace dccast::linalg {
 
-/// Preconditioner of a symmetric positive definite matrix on an extruded mesh of flat cells, in two
-/// grids: Gauss-Seidel over upright lines, and a coarse problem of some of the rows, between which
-/// the others are interpolated along the height.
+/// Two-grid preconditioner of a symmetric positive definite matrix on an extruded mesh of flat
+/// cells: line Gauss-Seidel over vertical lines, and a coarse problem on some of the rows, between
+/// which the others are interpolated.
 ///
-/// The cells of the coarse grid are about as high as wide. What varies faster along the height the
-/// lines remove, whatever it does sideways; what varies slowly the coarse grid has, in all the
-/// detail of the plan, so that a plate or shell bends in it as it does in the matrix. Symmetric and
-/// positive definite: lines in rising order before the coarse problem, in falling order behind it.
+/// The cells of the coarse grid are about as high as wide. Errors that vary faster than that along
+/// the height are removed by the lines, whatever their horizontal variation; slower ones are
+/// represented on the coarse grid, which keeps the full resolution of the plan, so that plates and
+/// shells bend in it as they do in the matrix. Symmetric and positive definite: a forward sweep
+/// before the coarse problem, a backward sweep after it.
+///
+/// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 template <int PerNode>
 class TwoGrid {
 public:
-  /// Grids and analysis of the coarse problem. @param group  [1] height of a coarse row, in least
-  /// heights of a row
+  /// Chooses the coarse grid and analyses its problem. @param group  [1] height of a coarse row,
+  /// relative to the smallest height of a row
   void analyze(const mesh::Extrusion& extruded, double group);
 
   /// @param pattern  of the mesh, unknowns node by node
-  /// @param values   its entries; a held unknown is coupled to no other, or has a diagonal beside
-  ///                 which the coupling is nothing
-  /// @param held     (unknown) not zero where held; the coarse problem does not know these
-  /// @return false when the matrix is found not to be positive definite
+  /// @param values   its entries; held unknowns are uncoupled, or have a diagonal that is dominant
+  ///                 by orders of magnitude
+  /// @param held     (unknown) not zero where held; the coarse problem does not contain these
+  /// @return false if the matrix is found not to be positive definite
   bool factorize(const SparsityPattern& pattern, std::span<const double> values,
                  std::span<const char> held);
 
@@ -35,7 +38,7 @@ public:
   void apply(std::span<const double> r, std::span<double> z);
 
   int coarse_unknowns() const { return coarse_pattern_.unknowns(); }
-  /// What both grids take [byte], after analyze().
+  /// Memory used by both grids [byte], after analyze().
   std::size_t memory_bytes() const;
 
 private:
@@ -43,7 +46,7 @@ private:
   /// A row between two coarse ones.
   struct Between {
     int lower = 0;       ///< coarse row at or below it
-    double upper = 0.0;  ///< [1] share of the one above
+    double upper = 0.0;  ///< [1] weight of the coarse row above
   };
 
   void choose_rows(const mesh::Extrusion& extruded, double group);

@@ -8,14 +8,15 @@
 /// Liquid and solid fraction of a card's mush against temperature [°C], and back.
 namespace dccast::material {
 
-/// [1] by the card's table, or linear between solidus and liquidus.
+/// Liquid fraction [1] from the card's table, or linear between solidus and liquidus.
+/// @param temperature  [°C]
 inline double liquid_fraction_at(const AlloyCard& card, double temperature) {
   if (!card.liquid_fraction.empty()) return card.liquid_fraction(temperature);
   if (card.liquidus <= card.solidus) return temperature < card.liquidus ? 0.0 : 1.0;
   return std::clamp((temperature - card.solidus) / (card.liquidus - card.solidus), 0.0, 1.0);
 }
 
-/// Where the liquid fraction first reaches a value from 0 to 1 [°C].
+/// Temperature at which the liquid fraction first reaches a value [°C]. @param fraction  [1] 0 to 1
 inline double temperature_of_fraction(const AlloyCard& card, double fraction) {
   const Curve& table = card.liquid_fraction;
   if (table.empty() || table.constant())
@@ -33,8 +34,8 @@ inline double solid_fraction_at(const AlloyCard& card, double temperature) {
   return 1.0 - liquid_fraction_at(card, temperature);
 }
 
-/// The coherency temperature that a solid fraction stands for [°C]: 1 is the solidus, 0 the
-/// liquidus.
+/// The coherency temperature that corresponds to a solid fraction [°C]: at 1 the solidus, at 0 the
+/// liquidus. @param solid_fraction  [1]
 inline double coherency_at(const AlloyCard& card, double solid_fraction) {
   return temperature_of_fraction(card, 1.0 - solid_fraction);
 }

@@ -5,11 +5,12 @@
 
 namespace dccast::material {
 
-/// What mechanics asks of an alloy at a temperature [°C].
+/// Mechanical properties of an alloy. Units: temperatures in all functions [°C].
 ///
-/// Outside its range a table of the card is held at its end. Creep, a formula, is held at the liquidus:
-/// Arrhenius' factor would go on growing in metal that is no longer solid, which the paper's law says
-/// nothing of. It shows with `liquid = "solid"` alone; a liquid element has no creep.
+/// Outside their range the tables of the card are constant. Creep is a formula; above the liquidus
+/// its value at the liquidus is used: the Arrhenius factor would keep growing in metal that is no
+/// longer solid, for which the paper's law is not meant. This matters with `liquid = "solid"` only;
+/// a liquid element has no creep.
 class MechanicalProperties {
 public:
   explicit MechanicalProperties(const AlloyCard& card);
@@ -21,11 +22,12 @@ public:
   /// [kg/m3]
   double density(double temperature) const { return card_.density(temperature); }
   double liquid_density() const { return liquid_density_; }  ///< rho_l = rho(T_l) [kg/m3]
-  /// (rho_l / rho(T))^(1/3): the antiderivative of alpha(T), eq. (11). Differences of it are the
-  /// thermal strain between two temperatures, exactly, through the mushy interval as well.
+  /// Thermal stretch (rho_l / rho(T))^(1/3) [1]: the antiderivative of alpha(T), eq. (11). Its
+  /// difference between two temperatures is exactly the thermal strain, also through the mushy
+  /// interval.
   double thermal_stretch(double temperature) const;
   const NortonHoff& creep() const { return creep_; }
-  /// kappa(T) of the creep law, above the liquidus that of the liquidus [Pa^-(q-1)/s].
+  /// kappa(T) of the creep law [Pa^-(q-1)/s]; above the liquidus its value at the liquidus.
   double kappa(double temperature) const;
   double coherency() const { return card_.coherency; }  ///< [°C]
   double liquidus() const { return card_.liquidus; }    ///< [°C]

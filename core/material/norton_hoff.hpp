@@ -19,7 +19,7 @@ struct NortonHoff {
 /// Constants of a card; @see NortonHoffConstants, ReferenceCreep.
 NortonHoff norton_hoff(const AlloyCard& card);
 
-/// |s|^(q-2), the one power of the law [Pa^(q-2)]. @param norm  |s| [Pa] @param exponent  q [1]
+/// |s|^(q-2), the power in the law [Pa^(q-2)]. @param norm  |s| [Pa] @param exponent  q [1]
 double creep_power(double norm, double exponent);
 
 /// Outcome of the scalar equation of the backward-Euler return map.
@@ -36,19 +36,21 @@ struct ReturnMap {
 /// the iterates fall monotonically to it.
 ReturnMap return_map(double trial_norm, double creep, double exponent);
 
-/// The same at several points at once.
+/// The same at several points at once; arguments and units as in return_map().
 template <int Count>
 struct ReturnMaps {
   Lanes<Count> norm;        ///< |s| [Pa]
   Lanes<Count> derivative;  ///< d|s| / d|s_trial|, in (0, 1] [1]
 };
-/// @see return_map; where the exponent is the paper's, 6, without a power.
+/// return_map() of several points at once; for the paper's exponent, 6, without calling pow().
+/// @param trial_norm  [Pa] @param creep  [Pa^-(q-2)] @param exponent  q [1]
 template <int Count>
 ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                               double exponent);
 
 namespace detail {
 
+/// return_map() of each lane: trial_norm [Pa], creep [Pa^-(q-2)], exponent [1].
 template <int Count>
 ReturnMaps<Count> each_by_itself(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                                  double exponent) {
@@ -81,6 +83,7 @@ ReturnMaps<Count> of_fifth_power(const Lanes<Count>& trial_norm, const Lanes<Cou
 
 }  // namespace detail
 
+// trial_norm [Pa], creep [Pa^-(q-2)], exponent [1]
 template <int Count>
 ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                               double exponent) {

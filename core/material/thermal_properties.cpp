@@ -11,7 +11,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Points of the tables closer than this [K] are one point.
+/// Points of the tables closer than this [K] are treated as one point.
 constexpr double same_temperature = 1e-10;
 
 /// A quantity that is linear in t = T - anchor.

@@ -6,7 +6,7 @@
 
 namespace dccast::material {
 
-/// What one enthalpy means for the metal, and how it changes with the enthalpy.
+/// State of the metal at one enthalpy, with its derivatives by the enthalpy.
 struct ThermalState {
   double temperature = 0.0;                 ///< T [°C]
   double kirchhoff = 0.0;                   ///< Theta [W/m]
@@ -19,14 +19,16 @@ struct ThermalState {
 /// Enthalpy, conductivity and liquid fraction of an alloy, paper eq. (1) and (2).
 ///
 /// H(T) is counted from 0 °C, per volume. Density, specific heat, conductivity and melt factor are
-/// linear between their points, so that H and the Kirchhoff function Theta(T) = int k dT are
-/// cubics between them: both are integrated exactly once, when the card is read, and looked up by
+/// linear between their points, so that H and the Kirchhoff function Theta(T) = int k dT are cubics
+/// between them. Both are integrated exactly once, when the card is read, and evaluated by
 /// bisection. Where solidus and liquidus coincide H(T) jumps by rho(T_s) L; T(H), Theta(H) and
 /// fl(H) stay single valued, which is why the heat solver's unknown is H.
 ///
-/// In a mushy interval the liquid fraction follows the card's table, or is linear in T; either way
-/// it runs from 0 to 1, so that all of L is set free. The conductivity is curve(T) times the
-/// melt factor at the liquid fraction (stirring of the melt).
+/// In a mushy interval the liquid fraction follows the card's table, or is linear in T; in both
+/// cases it goes from 0 to 1, so that all of L is released. The conductivity is curve(T) times the
+/// melt factor at the liquid fraction (convection in the melt).
+///
+/// Units: in all functions enthalpy H [J/m3], temperature T [°C], Kirchhoff function Theta [W/m].
 class ThermalProperties {
 public:
   /// @param card  a checked card: curves increasing and positive, solidus not above liquidus
@@ -41,9 +43,9 @@ public:
     return state(enthalpy).liquid_fraction;
   }  ///< [1]
 
-  /// H [J/m3] at T [°C]; at the temperature of an isothermal change that of the liquid.
+  /// H [J/m3] at T [°C]; at the temperature of an isothermal change the enthalpy of the liquid.
   double enthalpy(double temperature) const;
-  /// dH/dT [J/(m3 K)], with the latent heat of a mushy interval; never that of an isothermal
+  /// dH/dT [J/(m3 K)], including the latent heat of a mushy interval, but not that of an isothermal
   /// change.
   double enthalpy_derivative(double temperature) const;
   /// Theta [W/m], zero at 0 °C.
@@ -53,7 +55,7 @@ public:
 
   double solidus() const { return solidus_; }    ///< [°C]
   double liquidus() const { return liquidus_; }  ///< [°C]
-  /// Enthalpy set free between liquid at the liquidus and solid at the solidus [J/m3].
+  /// Enthalpy released between liquid at the liquidus and solid at the solidus [J/m3].
   double solidification_enthalpy() const { return liquidus_enthalpy_ - solidus_enthalpy_; }
   double solidus_enthalpy() const { return solidus_enthalpy_; }    ///< [J/m3] all solid
   double liquidus_enthalpy() const { return liquidus_enthalpy_; }  ///< [J/m3] all liquid
@@ -61,15 +63,15 @@ public:
   double largest_diffusivity() const { return largest_diffusivity_; }
 
 private:
-  /// Between two points of any table: cubics in t = T - anchor. The isothermal change is a segment
-  /// of no width in T.
+  /// Interval between neighbouring points of the tables: cubics in t = T - anchor. The isothermal
+  /// change is a segment of zero width in T.
   struct Segment {
-    double anchor = 0.0;                              ///< [°C]
-    double width = 0.0;                               ///< [K]; infinite at the ends
-    double enthalpy = 0.0;                            ///< [J/m3] at the anchor
-    double kirchhoff = 0.0;                           ///< [W/m] at the anchor
-    double h1 = 0.0, h2 = 0.0, h3 = 0.0;              ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3
-    double k1 = 0.0, k2 = 0.0, k3 = 0.0;              ///< the same for Theta
+    double anchor = 0.0;                  ///< [°C]
+    double width = 0.0;                   ///< [K]; infinite at the ends
+    double enthalpy = 0.0;                ///< [J/m3] at the anchor
+    double kirchhoff = 0.0;               ///< [W/m] at the anchor
+    double h1 = 0.0, h2 = 0.0, h3 = 0.0;  ///< H - H(anchor) = h1 t + h2 t^2 + h3 t^3 [J/m3]
+    double k1 = 0.0, k2 = 0.0, k3 = 0.0;  ///< the same for Theta [W/m]
     double slope_at_start = 0.0, slope_at_end = 0.0;  ///< dT/dH [K m3/J]
     double liquid_fraction = 0.0;                     ///< [1] at the anchor
     double liquid_fraction_slope = 0.0;               ///< [1/K]; [m3/J] in an isothermal change
@@ -94,7 +96,8 @@ private:
   double solidus_enthalpy_ = 0.0;   ///< [J/m3]
   double liquidus_enthalpy_ = 0.0;  ///< [J/m3]
   double largest_diffusivity_ = 0.0;
-  double content_of_last_ = 0.0;    ///< [J/m3] across the last segment; while they are built
+  double content_of_last_ =
+      0.0;  ///< [J/m3] across the last segment; used while the segments are built
   double kirchhoff_of_last_ = 0.0;  ///< [W/m]
   std::vector<Segment> segments_;
   std::vector<double> start_temperature_;  ///< [°C] of each segment but the first

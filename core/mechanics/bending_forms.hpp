@@ -5,7 +5,7 @@
 namespace dccast::mechanics {
 
 /// The forms of an element whose strain is its mean and bending modes (fem::BendingQuadrilateral).
-/// The modes keep the volume, so that the mean dilatation is that of every point.
+/// The modes preserve the volume, so that the mean dilatation holds at every point.
 template <class Element, class Number>
 struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
   using Base = ElementFormsBase<Element, Number>;
@@ -77,7 +77,7 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
       const Number weight = c.point[q].weight, twice_shear = 2.0 * weight * r.shear;
       const Number softening = weight * r.softening;
       std::array<Tensor, unknowns> strain = mean;  // deviators of unit displacements at the point
-      std::array<Number, unknowns> along;          // the stress on them
+      std::array<Number, unknowns> along;          // work of the stress on them
       for (std::size_t n = 0; n < unknowns; ++n) {
         for (std::size_t m = 0; m < modes; ++m) {
           strain[n].add(lever(c, q, m) * c.bending[m].amplitude[n / 2][n % 2], c.bending[m].strain);

@@ -5,14 +5,14 @@
 
 namespace dccast::mechanics {
 
-/// The law of a step problem itself: backward-Euler return map and its consistent tangent
+/// The constitutive law of a step problem: backward-Euler return map and its consistent tangent
 /// (Simo and Taylor 1985; for Norton's law one scalar equation in |s|).
 template <int Dim>
 class ReturnMapLaw {
 public:
   explicit ReturnMapLaw(const StepProblem<Dim>& problem) : problem_(&problem) {}
 
-  /// Of all points of a block, from their trial strain deviators.
+  /// Computes the response at all points of a block from their trial strain deviators.
   void operator()(ElementBlock block, TensorBlock<Dim> trial, ResponseBlock<Dim> response) const {
     const auto shear = of_block(block, problem_->shear), kappa = of_block(block, problem_->kappa);
     with_lanes([&]<int Count>() {

@@ -5,11 +5,11 @@
 namespace dccast::mechanics {
 
 namespace {
-/// Share of a factorisation that costs no more than the solves of a condensation.
+/// Share of a factorisation [1] that costs as much as the solves of a condensation.
 constexpr double cheap_share = 0.1;
-/// Conjugate gradients that need more are slower than a factorisation.
+/// More iterations of conjugate gradients than this are slower than a factorisation.
 constexpr int most_gradients = 25;
-/// Ten times what two grids need: a system that is not solved then is none of a sound step.
+/// Ten times what the two-grid solver usually needs: if it is exceeded, the step itself is unsound.
 constexpr int most_gradients_of_grids = 400;
 }  // namespace
 
@@ -38,7 +38,7 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
     for (std::size_t k = diagonal + 1; k < std::size_t(start[c + 1]); ++k) {
       if (fixed[c] != 0 || fixed[std::size_t(row[k])] != 0) values[k] = 0.0;
     }
-    // Its own diagonal keeps the scale of the neighbourhood, and with it the pivots' scale.
+    // The diagonal keeps its own value, so that the pivots have the scale of their neighbourhood.
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
   held_.assign(fixed.begin(), fixed.end());

@@ -9,62 +9,67 @@
 
 namespace dccast::mechanics {
 
-/// A linear system in which some unknowns are held. The pattern stays as it is: rows and columns of
-/// held unknowns are emptied and their diagonal set to a typical stiffness, so that a change of the
-/// contact set costs no new analysis.
+/// A linear system in which some unknowns are held at given values. The pattern does not change:
+/// rows and columns of held unknowns are zeroed and their diagonal is set to a typical stiffness,
+/// so that a change of the contact set needs no new symbolic analysis.
 ///
-/// In the plane each solution is one by the factor. Of a solid a factorisation costs as much as
-/// many solutions: there the factor is kept for as long as it serves as preconditioner of conjugate
-/// gradients, through changes of the held unknowns and of the stiffness. Where even one factor is
-/// too large the two grids of the workspace take its place: docs/large-solids.md.
+/// In 2D every solution uses the factor directly. In 3D a factorisation costs as much as many
+/// solutions: the factor is kept as preconditioner of conjugate gradients as long as it is good
+/// enough, through changes of the held unknowns and of the stiffness. If even one factor is too
+/// large, the two-grid preconditioner of the workspace replaces it: docs/large-solids.md.
 class ConstrainedSystem {
 public:
   ConstrainedSystem(const linalg::SparsityPattern& pattern, Workspace& work)
       : pattern_(&pattern), work_(&work) {}
 
   /// Factorises `work.stiffness` with the unknowns marked in `fixed` held.
-  /// @param step_of_fixed  what the held unknowns still have to move [m]; its effect on the free
-  /// ones
-  ///                       is kept for the next solve()
-  /// @return false when the reduced matrix is not positive definite
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]; its effect
+  ///                       on the free ones is kept for the next solve()
+  /// @return false if the reduced matrix is not positive definite
   bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
-  /// The same stiffness with other unknowns held: by a factorisation of its last rows where those
-  /// that changed are eliminated last, else by condensation onto them. After a factorize() that
-  /// succeeded, while `work` is not factorised otherwise.
-  /// @return false when that does not pay or the matrix is not positive definite: factorise
+  /// Same stiffness, other held unknowns: refactorises only the last rows if the changed unknowns
+  /// are eliminated last, else condenses the system onto them. @pre factorize() has succeeded and
+  /// the factor in `work` is unchanged since
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
+  /// @return false if a new factorisation is needed: this one would not pay, or the matrix is not
+  ///         positive definite
   bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
-  /// A new stiffness in `work.stiffness` that the factor of an older one preconditions.
-  /// @return false in the plane, where that does not pay: factorise
+  /// Accepts a new stiffness in `work.stiffness`, with the factor of an older one as
+  /// preconditioner.
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
+  /// @return false in 2D, where this does not pay: a new factorisation is needed
   bool renew(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
-  /// direction = solution of K d = -residual on the free unknowns, step_of_fixed on the held ones.
-  /// Factorises anew where conjugate gradients do not get there.
-  /// @param tolerance  [1] of the residual of conjugate gradients, relative
-  /// @return false when the matrix is not positive definite, or two grids did not get there
+  /// Solves K d = -residual on the free unknowns, with d = step_of_fixed on the held ones, and
+  /// stores d in `work.direction`. Refactorises if conjugate gradients do not converge.
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
+  /// @param tolerance      [1] relative residual of conjugate gradients
+  /// @return false if the matrix is not positive definite, or the two-grid solver did not converge
   bool solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
              double tolerance = tight);
 
-  /// Tolerance of a solution that is as good as one by a factor.
+  /// Tolerance of a solution as accurate as a direct one [1].
   static constexpr double tight = 1e-12;
 
 private:
   bool change_solid(std::span<const char> fixed);
-  bool solve_free(std::span<const char> fixed, double tolerance);
-  bool solve_by_two_grid(std::span<const char> fixed, double tolerance);
+  bool solve_free(std::span<const char> fixed, double tolerance);         ///< [1] relative residual
+  bool solve_by_two_grid(std::span<const char> fixed, double tolerance);  ///< [1] relative residual
   bool hold_and_factorize(std::span<const char> fixed);
   bool changes_only_last_rows(std::span<const char> fixed) const;
+  // `stiffness` [force/m], `step_of_fixed` [m].
   void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);
 
   const linalg::SparsityPattern* pattern_;
   Workspace* work_;
   linalg::Condensation condensation_;
   linalg::ConjugateGradients gradients_;
-  std::vector<char> held_;  ///< (unknown) in the factor
+  std::vector<char> held_;  ///< (unknown) not zero where held in the factor
   bool lifting_ = false;
-  bool factor_is_exact_ = false;  ///< of the present stiffness and held unknowns
-  bool renewed_ = false;          ///< the stiffness is no longer that of the factor
+  bool factor_is_exact_ = false;  ///< the factor is that of the present stiffness and held unknowns
+  bool renewed_ = false;          ///< the stiffness has changed since the factorisation
 };
 
 }  // namespace dccast::mechanics

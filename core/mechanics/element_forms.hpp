@@ -9,8 +9,8 @@
 
 namespace dccast::mechanics {
 
-/// What the forms of every element share: nodal vectors and the mean dilatation, from which alone
-/// the pressure follows.
+/// Common part of the forms of every element: nodal vectors and the mean dilatation, which
+/// determines the pressure.
 /// @tparam Number  double, or Lanes for several elements at once
 template <class Element, class Number>
 struct ElementFormsBase {
@@ -38,9 +38,9 @@ struct ElementFormsBase {
 
 /// The forms of one element: strains of a displacement, forces of a stress, stiffness of a tangent.
 ///
-/// The volumetric part uses the mean dilatation of the element (for linear triangles that is the
-/// gradient itself), the deviatoric part the gradient at each point; one code serves P1 and B-bar
-/// elements of both dimensions.
+/// The volumetric part uses the mean dilatation of the element (for linear triangles the gradient
+/// itself), the deviatoric part the gradient at each point. The same code serves P1 and B-bar
+/// elements in 2D and 3D.
 template <class Element, class Number = double, bool = fem::has_bending_modes<Element>>
 struct ElementForms : ElementFormsBase<Element, Number> {
   using Base = ElementFormsBase<Element, Number>;
@@ -52,7 +52,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
   static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
   using Point = typename Cell::Point;
 
-  /// Strain at a point, its trace replaced by the element's mean dilatation.
+  /// Strain at a point, with its trace replaced by the mean dilatation of the element.
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
     Tensor strain = symmetric_gradient(c.point[q], v);
     if constexpr (points > 1) {
@@ -90,7 +90,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
     return force;
   }
 
-  /// Stiffness of the responses at the points and a bulk modulus.
+  /// Stiffness from the responses at the points and a bulk modulus.
   static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     Matrix k{};
     for (std::size_t q = 0; q < points; ++q) {
@@ -133,7 +133,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
   }
 
 private:
-  /// Symmetric gradient without the correction of the trace.
+  /// Symmetric gradient, trace not corrected.
   static Tensor symmetric_gradient(const Point& point, const Vectors& v) {
     Tensor strain;
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -149,8 +149,8 @@ private:
     return strain;
   }
 
-  /// What a displacement dilates at a point: the gradient, across the axis with the hoop strain if
-  /// axisymmetric.
+  /// Derivative of the dilatation at a point by the nodal displacements: the gradient, plus the
+  /// hoop term in the radial direction if axisymmetric.
   static decltype(auto) dilatation_gradient(const Point& point) {
     if constexpr (axisymmetric) {
       typename Cell::Gradients g = point.gradient;

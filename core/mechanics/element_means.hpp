@@ -7,8 +7,8 @@
 
 namespace dccast::mechanics {
 
-/// Mean over the nodes of an element, in the unit of the field.
-/// @param field  (node)
+/// Mean of a field over the nodes of an element [unit of the field].
+/// @param field  (node) [unit of the field]
 template <int Dim>
 double mean_at_nodes(const mesh::Mesh<Dim>& mesh, int element, std::span<const double> field) {
   const int* node = mesh.nodes_of(element);

@@ -5,9 +5,10 @@
 namespace dccast::mechanics {
 
 namespace {
-/// Twice as many of a colour as two threads, so that one that was kept from its work is helped.
+/// Twice as many parts per colour as two threads need, so that others can take over from a delayed
+/// thread.
 constexpr std::size_t most_parts = 16;
-constexpr std::size_t least_parts = 4;  // with fewer there is nothing to share
+constexpr std::size_t least_parts = 4;  // with fewer there is nothing to divide
 }  // namespace
 
 template <int Dim>

@@ -11,10 +11,12 @@
 
 namespace dccast::mechanics {
 
-/// The axes of elements that have turned (corotational kinematics): an element sees the motion of
-/// its nodes less the rotation R of its axes, R^T x - X, which is as small as its strain, and its
-/// nodal forces turn back with R (Felippa and Haugen 2005, without the spin of the axes within a
-/// step). Elements without a rotation pay one comparison.
+/// Rotations of the element axes (corotational kinematics). An element works with the motion of its
+/// nodes without the rotation R of its axes, R^T x - X, which is as small as its strain; its nodal
+/// forces are rotated back with R (Felippa and Haugen 2005, without the spin of the axes within a
+/// step). An element without a rotation costs one comparison.
+///
+/// Units: displacements [m]; forces and element matrices in any unit.
 template <int Dim>
 class ElementRotations {
 public:
@@ -25,12 +27,12 @@ public:
   /// No element has turned. @param elements  of the mesh
   void reset(std::size_t elements) { rotation_.assign(elements, identity()); }
   void set(std::size_t element, const Matrix& rotation) { rotation_[element] = rotation; }
-  bool turn(std::size_t element) const {
+  bool has_rotation(std::size_t element) const {
     return !rotation_.empty() && rotation_[element] != identity();
   }
 
-  /// Displacements of the nodes of an element, as its axes see them. That of its first node is
-  /// taken away from all: a translation strains nothing.
+  /// Transforms the nodal displacements of an element to its rotated axes. The displacement of the
+  /// first node is subtracted from all: a translation causes no strain.
   template <std::size_t Nodes>
   void into_element(std::size_t element, const mesh::Mesh<Dim>& mesh,
                     std::array<Vector, Nodes>& displacement) const {
@@ -53,13 +55,13 @@ public:
     }
   }
 
-  /// Forces on the nodes, along the coordinate axes.
+  /// Transforms nodal forces from the element's axes to the coordinate axes.
   template <std::size_t Nodes>
   void out_of_element(std::size_t element, std::array<Vector, Nodes>& force) const {
     for (Vector& f : force) f = product(rotation_[element], f);
   }
 
-  /// The same of an element matrix given by its lower triangle, row by row.
+  /// The same for an element matrix, given by its lower triangle, row by row.
   template <std::size_t Nodes>
   void out_of_element(std::size_t element, std::array<double, Nodes * Dim * Nodes * Dim>& k) const {
     constexpr std::size_t n = Nodes * dim;

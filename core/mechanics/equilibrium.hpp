@@ -12,8 +12,10 @@
 
 namespace dccast::mechanics {
 
-/// Internal forces and stiffness of a step problem, over one streaming pass through the elements,
-/// which the team lent to the thread shares.
+/// Internal forces and stiffness of a step problem, computed in one streaming pass through the
+/// elements, which the team lent to the calling thread shares.
+///
+/// Units: displacements [m]; forces [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D.
 template <int Dim>
 class Equilibrium {
 public:
@@ -30,11 +32,11 @@ public:
     for_each_block([this](ElementBlock block) { take_inelastic(block); });
   }
 
-  /// residual = internal force - external force at displacement `u`; remembers the response of
-  /// every point for `tangent`. A law is called as law(block, trial strain deviators, responses to
-  /// fill in), or as law(element, point, trial strain deviator) -> PointResponse.
-  /// @return root of the sum of squares of all element forces: the forces that act, before they
-  ///         cancel, against which a residual is small or not
+  /// residual = internal force - external force at displacement `u`; stores the response of every
+  /// point for tangent(). A law is called as law(block, trial strain deviators, responses to fill
+  /// in), or as law(element, point, trial strain deviator) -> PointResponse.
+  /// @return root of the sum of squares of all element forces before they cancel at the nodes: the
+  ///         scale against which a residual is judged
   template <class Law>
   double residual(std::span<const double> u, std::span<double> out, Law&& law) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = -problem_->external_force[i];
@@ -45,7 +47,7 @@ public:
     if constexpr (by_block<Law>) {
       parts().for_each(add_part);
     } else {
-      const Team::Lent none(nullptr);  // such a law keeps what it has found
+      const Team::Lent none(nullptr);  // such a law may have state: call it from one thread only
       parts().for_each(add_part);
     }
     double squares = std::accumulate(squares_of.begin(), squares_of.end(), 0.0);
@@ -57,7 +59,8 @@ public:
     return std::sqrt(squares);
   }
 
-  /// Stiffness at the last residual. @param values  the pattern's entries, overwritten
+  /// Stiffness at the displacement of the last residual().
+  /// @param values  (entry of the pattern) [force/m], overwritten
   void tangent(std::span<double> values) {
     for_each_stretch(values.size(), numbers_worth_a_call, [&](std::size_t first, std::size_t end) {
       std::fill(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(end), 0.0);
@@ -71,7 +74,7 @@ public:
     }
   }
 
-  /// Stress deviator of the last residual [Pa].
+  /// Stress deviator at the displacement of the last residual() [Pa].
   /// @param point  element times the points of an element plus point in it
   Tensor deviator(std::size_t point) const {
     const std::size_t e = point / points_, block = e / elements_in_block;
@@ -81,7 +84,7 @@ public:
     for (std::size_t c = 0; c < Tensor::components; ++c) s[c] = number[c * places_ + place];
     return s;
   }
-  /// The same of all points.
+  /// The same for all points.
   std::vector<Tensor> deviators() const {
     std::vector<Tensor> all(problem_->inelastic.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = deviator(i);
@@ -91,7 +94,7 @@ public:
 private:
   static constexpr std::size_t numbers_worth_a_call = 50'000;  // some 10 us of one thread
 
-  /// What is known of a block on its way through residual().
+  /// Work arrays of a block in residual().
   struct Passing {
     explicit Passing(std::size_t places)
         : deviator(places * Tensor::components), pressure(places) {}
@@ -135,8 +138,8 @@ private:
     const std::size_t number = block.first / elements_in_block;
     return {&response_[number * places_ * ResponseBlock<Dim>::numbers], places_};
   }
-  /// Deviators of the inelastic strains of a block; behind them, by place, the dilatation that
-  /// carries no stress.
+  /// Deviators of the inelastic strains of a block, followed by the stress-free dilatation of each
+  /// place [1].
   double* inelastic_of(ElementBlock block) {
     const std::size_t number = block.first / elements_in_block;
     return &inelastic_[number * places_ * (Tensor::components + 1)];
@@ -155,7 +158,7 @@ private:
     }
   }
 
-  /// From the strains of a block its trial deviators and the pressures at its points.
+  /// Computes trial deviators and pressures at the points of a block from its strains.
   void subtract_inelastic(ElementBlock block, Passing& passing) {
     std::vector<double>& trial = passing.deviator;
     const double* inelastic = inelastic_of(block);
@@ -193,7 +196,7 @@ private:
   std::size_t blocks_;
   std::vector<double> response_;   ///< (block) @see ResponseBlock
   std::vector<double> inelastic_;  ///< (block) @see inelastic_of
-  ElementParts whole_;             ///< where the problem names no parts
+  ElementParts whole_;             ///< used if the problem specifies no parts
 };
 
 /// Mean normal stress of an element at displacement `u` [Pa].

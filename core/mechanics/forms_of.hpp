@@ -11,8 +11,10 @@
 
 namespace dccast::mechanics {
 
-/// The forms of a mesh of one kind of element: gathers from and scatters to the nodes around
-/// ElementForms, which work on as many elements at once as a register has lanes.
+/// The forms of a mesh with one kind of element: gathers nodal values for ElementForms and scatters
+/// their results. ElementForms work on as many elements at once as a register has lanes.
+///
+/// Units: as in MechanicsForms.
 template <class Element>
 class FormsOf final : public MechanicsForms<Element::dimension> {
   static constexpr int dimension = Element::dimension;
@@ -165,13 +167,13 @@ private:
     for (std::size_t i = 0; i < nodes; ++i) {
       for (std::size_t a = 0; a < dim; ++a) v[i][a] = u[std::size_t(node[i]) * dim + a];
     }
-    if (frames_.touch(e)) frames_.to_coordinates(node, v);
+    if (frames_.has_frame(e)) frames_.to_coordinates(node, v);
     return v;
   }
-  /// The same as the element sees them.
+  /// The same in the rotated axes of the element.
   Vectors local(std::size_t e, std::span<const double> u) const {
     Vectors v = nodal(e, u);
-    if (rotations_.turn(e)) rotations_.into_element(e, *mesh_, v);
+    if (rotations_.has_rotation(e)) rotations_.into_element(e, *mesh_, v);
     return v;
   }
   typename Rotations::Matrix mean_displacement_gradient(std::size_t e,
@@ -198,7 +200,7 @@ private:
     return share;
   }
 
-  /// Displacements of the elements of a group; lanes behind the last element repeat it.
+  /// Displacements of a group of elements; lanes beyond the last element repeat it.
   template <int Count>
   auto gather(std::size_t first, std::size_t end, std::span<const double> u) const {
     std::array<Vectors, Count> of_one;
@@ -232,8 +234,8 @@ private:
   }
   void add_force(std::size_t e, Vectors& f, std::span<double> force) const {
     const int* node = nodes_of(e);
-    if (rotations_.turn(e)) rotations_.out_of_element(e, f);
-    if (frames_.touch(e)) frames_.to_frames(node, f);
+    if (rotations_.has_rotation(e)) rotations_.out_of_element(e, f);
+    if (frames_.has_frame(e)) frames_.to_frames(node, f);
     for (std::size_t i = 0; i < nodes; ++i) {
       for (std::size_t a = 0; a < dim; ++a) force[std::size_t(node[i]) * dim + a] += f[i][a];
     }
@@ -255,8 +257,8 @@ private:
   }
   void add_matrix(std::size_t e, Matrix& k, const linalg::SparsityPattern& pattern,
                   std::span<double> values) const {
-    if (rotations_.turn(e)) rotations_.template out_of_element<nodes>(e, k);
-    if (frames_.touch(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
+    if (rotations_.has_rotation(e)) rotations_.template out_of_element<nodes>(e, k);
+    if (frames_.has_frame(e)) frames_.template to_frames<nodes>(nodes_of(e), k);
     const int* place = pattern.places(static_cast<int>(e));
     for (std::size_t r = 0; r < unknowns; ++r) {
       for (std::size_t s = 0; s <= r; ++s) {

@@ -5,10 +5,10 @@
 
 namespace dccast::mechanics {
 
-/// How far the liquid is from the pressure of its depth, along its front with the solid.
+/// Deviation of the liquid's pressure from the metallostatic one along the solidification front.
 struct FrontPressure {
-  double error = 0.0;  ///< [1] root mean square, relative; zero without liquid
-  int worst = -1;      ///< element with the largest share in it; -1 without one
+  double error = 0.0;  ///< [1] root mean square, relative; zero if there is no liquid
+  int worst = -1;      ///< element with the largest contribution; -1 if there is none
 };
 
 /// A liquid at rest.

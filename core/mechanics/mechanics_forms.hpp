@@ -14,15 +14,16 @@
 
 namespace dccast::mechanics {
 
-/// Directions of the unknowns of a node that are not the coordinate axes, so that what holds a body
-/// along an oblique face is one unknown held.
+/// Local directions of the unknowns of a node, so that a support along the normal of an oblique
+/// face holds a single unknown.
 template <int Dim>
 struct NodalFrame {
   int node;
-  std::array<std::array<double, Dim>, Dim> axis;  ///< by unknown, orthogonal unit vectors
+  std::array<std::array<double, Dim>, Dim> axis;  ///< by unknown, orthonormal [1]
 
   using Vector = std::array<double, Dim>;
-  /// Along the coordinate axes, from components along the unknowns.
+  /// Transforms components along the unknowns to components along the coordinate axes [unit of the
+  /// vector].
   Vector to_coordinates(const Vector& along) const {
     Vector v{};
     for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
@@ -30,7 +31,8 @@ struct NodalFrame {
     }
     return v;
   }
-  /// Along the unknowns, from components along the coordinate axes.
+  /// Transforms components along the coordinate axes to components along the unknowns [unit of the
+  /// vector].
   Vector to_frame(const Vector& v) const {
     Vector along{};
     for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
@@ -40,15 +42,17 @@ struct NodalFrame {
   }
 };
 
-/// What the algorithms of mechanics know of the elements of a mesh: strains of a displacement,
-/// forces of a stress, stiffness of a tangent. Forces are per metre in plane strain, per radian in
-/// an axisymmetric section.
+/// The elements of a mesh as the algorithms of mechanics see them: strains of a displacement,
+/// forces of a stress, stiffness of a tangent.
 ///
-/// Displacements and forces are by unknown, Dim of each node: along the coordinate axes, or those
-/// of the frame of the node.
+/// Units: displacements [m]; forces [N/m] in plane strain, [N/rad] in an axisymmetric section, [N]
+/// in a solid.
 ///
-/// Arrays by point hold the points of a block as place_in_block() says, arrays by element its
-/// elements_in_block elements; places without an element may hold anything finite.
+/// Displacements and forces are arrays by unknown, Dim per node: along the coordinate axes, or
+/// along the axes of the node's frame.
+///
+/// Arrays by point are ordered within a block by place_in_block(); arrays by element hold the
+/// elements_in_block elements of a block. Unused places may hold any finite value.
 template <int Dim>
 class MechanicsForms {
 public:
@@ -57,28 +61,29 @@ public:
 
   virtual ~MechanicsForms() = default;
 
-  /// Takes a mesh, which must stay where it is, or its new coordinates.
+  /// Sets the mesh, or updates its coordinates. The mesh must not move in memory.
   /// @param first  first element that is new or has moved
   virtual void update(const Mesh& mesh, std::size_t first = 0) = 0;
-  /// Gives nodes frames of their own; all others have none. They are kept until the next call or a
-  /// mesh with another number of elements.
+  /// Sets the local frames of some nodes; all others have none. They are kept until the next call,
+  /// or until a mesh with another number of elements is set.
   virtual void set_frames(std::span<const NodalFrame<Dim>> frames) = 0;
-  /// Turns the axes of the solid elements with them: from here on an element sees a displacement
-  /// less the rotation that its mean gradient has here, and strains, forces and stiffness are those
-  /// of its own axes. Kept until the next call or update().
-  /// @param displacement  by unknown [m] @param solid  (element) not zero: follows its rotation
+  /// Rotates the axes of the solid elements with the mean displacement gradient of each element.
+  /// From now on the rotation is removed from the displacements of an element, and its strains,
+  /// forces and stiffness refer to its own axes. Kept until the next call or update().
+  /// @param displacement  by unknown [m]
+  /// @param solid         (element) not zero: the axes follow the rotation
   /// @throws std::logic_error of axisymmetric elements
   virtual void set_rotations(std::span<const double> displacement, std::span<const char> solid) = 0;
   virtual std::size_t elements() const = 0;
   virtual std::size_t points() const = 0;  ///< of an element
 
-  /// Deviator of the strain [1] at every point and mean dilatation [1] of every element, of a
-  /// displacement [m].
+  /// Computes the strain deviator [1] at every point and the mean dilatation [1] of every element
+  /// from a displacement [m].
   virtual void strains(ElementBlock block, std::span<const double> displacement,
                        TensorBlock<Dim> deviator, std::span<double> dilatation) const = 0;
   /// Adds the nodal forces of the stress deviators and mean normal stresses at the points [Pa] to
   /// `force` [N/m], axisymmetric [N/rad], of a solid [N].
-  /// @param squares  gets the squares of all element forces added
+  /// @param squares  sum to which the squares of all element forces are added
   virtual void add_forces(ElementBlock block, TensorBlock<Dim> stress,
                           std::span<const double> pressure, std::span<double> force,
                           double& squares) const = 0;
@@ -88,29 +93,29 @@ public:
                              std::span<const double> bulk, const linalg::SparsityPattern& pattern,
                              std::span<double> values) const = 0;
 
-  /// Strain at a point of an element [1], its trace the mean dilatation of the element.
+  /// Strain at a point of an element [1], with the mean dilatation of the element as its trace.
   virtual Tensor strain(std::size_t element, std::size_t point,
                         std::span<const double> displacement) const = 0;
-  /// [1] of a displacement [m]
+  /// Mean dilatation of an element [1] for a displacement [m].
   virtual double mean_dilatation(std::size_t element,
                                  std::span<const double> displacement) const = 0;
 
   virtual double volume(std::size_t element) const = 0;  ///< [m^Dim], axisymmetric: [m3/rad]
-  /// Sum of the squares of the nodal forces of a mean normal stress [Pa] in every element.
+  /// Sum of the squares of the nodal forces caused by a mean normal stress [Pa] in every element.
   virtual double squared_forces(std::span<const double> stress) const = 0;
   /// Subtracts the weight of the elements from the forces, along the last coordinate axis.
   /// @param specific_weight  by element [N/m3]
-  /// @return                 the whole weight
+  /// @return                 total weight
   virtual double subtract_weight(std::span<const double> specific_weight,
                                  std::span<double> force) const = 0;
   /// Integrals of the shape functions of a facet [m^(Dim-1)], axisymmetric: [m2/rad].
   virtual fem::FacetShares<Dim> facet_shares(const mesh::Facet<Dim>& facet) const = 0;
 };
 
-/// The forms of the element of a section.
+/// Creates the forms of a 2D section.
 std::unique_ptr<MechanicsForms<2>> make_mechanics_forms(mesh::ElementKind element,
                                                         mesh::SectionKind section);
-/// The forms of the element of a solid: tetrahedra or hexahedra.
+/// Creates the forms of a solid: tetrahedra or hexahedra.
 std::unique_ptr<MechanicsForms<3>> make_solid_forms(mesh::ElementKind element);
 
 }  // namespace dccast::mechanics

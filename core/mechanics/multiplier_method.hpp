@@ -16,6 +16,12 @@ namespace dccast::mechanics {
 
 /// The Yosida update (56) of one multiplier: q <- (zeta / lambda_p) (1 - 1 / (eta (1 - lambda_p
 /// gamma_p))) with zeta = s + lambda_p q.
+/// @param deviator    s [Pa]
+/// @param multiplier  q [1/s]
+/// @param kappa       [Pa^-(exponent-1)/s]
+/// @param exponent    [1]
+/// @param gamma_p     [1/(Pa s)]
+/// @param lambda_p    [Pa s]
 template <class Tensor>
 Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double kappa,
                      double exponent, double gamma_p, double lambda_p) {
@@ -30,12 +36,13 @@ Tensor yosida_update(const Tensor& deviator, const Tensor& multiplier, double ka
   return zeta;
 }
 
-/// What the paper's three algorithms share: displacement and viscoplastic multiplier q are found in
-/// turn, the first from a linear problem whose matrix does not depend on q.
+/// Common part of the paper's three algorithms: they compute the displacement and the viscoplastic
+/// multiplier q alternately; the matrix of the linear problem for the displacement does not depend
+/// on q.
 ///
-/// With q = H(s) - gamma_p s (eq. 53) the law reads s = 2 mu~ (e - dt q) with
-/// mu~ = mu / (1 + 2 mu gamma_p dt) and the bulk modulus unchanged, which is Lemma 2 in the simpler
-/// form of the same equations.
+/// With q = H(s) - gamma_p s (eq. 53) the law reads s = 2 mu~ (e - dt q) with mu~ = mu / (1 + 2 mu
+/// gamma_p dt) and the bulk modulus unchanged, which is Lemma 2 in the simpler form of the same
+/// equations.
 template <int Dim>
 class MultiplierMethod {
 public:
@@ -56,8 +63,8 @@ public:
         least_acting_(least_acting_force(problem, round_off_, options.tolerance)) {
     unknowns_.deviator.resize(gamma_p_.size());
     for (std::size_t i = 0; i < multiplier_.size(); ++i) {
-      // H(s) - gamma_p s of the step's start, with the parameters of this step: the multiplier of
-      // another gamma_p is another quantity and must be rebased.
+      // H(s) - gamma_p s at the start of the step, with the parameters of this step: the multiplier
+      // depends on gamma_p and has to be recomputed when gamma_p changes.
       multiplier_[i] =
           viscoplastic_strain_rate(problem_, i / problem_.forms->points(), unknowns_.deviator[i]);
       multiplier_[i].add(-gamma_p_[i], unknowns_.deviator[i]);
@@ -65,14 +72,15 @@ public:
   }
 
 protected:
-  static constexpr double increment_delta = 1e-3;  // as in the paper's test T2
+  static constexpr double increment_delta = 1e-3;  // [1] as in the paper's test T2
 
+  /// mu~ [Pa]
   double softened_shear(std::size_t e, std::size_t point) const {
     const double mu = problem_.shear[e];
     return mu / (1.0 + 2.0 * mu * gamma_p_[point] * problem_.dt);
   }
 
-  /// s of a trial deviator with the multiplier as it stands.
+  /// The law s(trial deviator) with the present multiplier.
   auto multiplier_law() {
     return [this](std::size_t e, std::size_t point, const Tensor& trial) {
       return response(e, point, trial);
@@ -90,7 +98,8 @@ protected:
   }
 
   /// SBM2(c) and (e) of one point: stress from the old multiplier, new multiplier from that stress,
-  /// relaxed as Remark 4 says, and the response with the new one for the next residual.
+  /// relaxed as in Remark 4, and the response with the new multiplier for the next residual.
+  /// @param lambda_p  [Pa s]
   PointResponse<Dim> update_multiplier(std::size_t e, std::size_t point, const Tensor& trial,
                                        double lambda_p) {
     const auto old = response(e, point, trial);
@@ -109,9 +118,11 @@ protected:
     return response(e, point, trial);
   }
 
-  /// The paper's stopping test (T2, section 4.3.1) on one component of a multiplier: its last
-  /// change and its distance to the fixed point's map, each below delta max(delta, |value|). It
-  /// knows nothing of balance and stops early; it exists for tables 7 and 8 only.
+  /// The paper's stopping test (T2, section 4.3.1) on one component of a multiplier [1/s]: its last
+  /// change and its distance to the image of the fixed-point map must both be below delta
+  /// max(delta, |value|). The test ignores equilibrium and stops too early; it exists for tables 7
+  /// and 8 only.
+  /// @param before  [1/s] @param now  [1/s] @param mapped  [1/s]
   void test_increment(double before, double now, double mapped) {
     const auto small = [](double difference, double value) {
       return std::abs(difference) < increment_delta * std::max(increment_delta, std::abs(value));
@@ -124,16 +135,16 @@ protected:
     }
   }
 
-  /// Ends a step that passed the increment test: says what its true residual is and keeps the
-  /// stresses of its multipliers.
+  /// Ends a step that passed the increment test: reports its true residual and keeps the stresses
+  /// given by its multipliers.
   void accept_increment(std::span<const char> fixed) {
     outcome_.equilibrium_residual = true_residual(fixed);
     evaluate(multiplier_law());
     outcome_.converged = true;
   }
 
-  /// Runs the iterations of a step whose contact is an active set. One that converges keeps its set
-  /// and its stresses.
+  /// Runs the iterations of a step with an active set for contact. If it converges, the set and the
+  /// stresses are stored.
   template <class Iterate>
   StepOutcome solve_with(StepConstraints<Dim>& constraints, Iterate&& iterate) {
     count_solver_use(work_, outcome_, iterate);
@@ -144,15 +155,16 @@ protected:
     return outcome_;
   }
 
-  /// Evaluates the residual by the law; a law may move multipliers while it is at it.
+  /// Evaluates the residual with a law. The law may update the multipliers at the same time.
   template <class Law>
   void evaluate(Law&& law) {
     acting_ =
         std::max(equilibrium_.residual(unknowns_.displacement, work_.residual, law), least_acting_);
   }
 
-  /// Residual of the step's own law: what a converged step is judged by. Leaves that law's stresses
-  /// in the equilibrium's response and the difference to the multiplier's in the outcome.
+  /// Relative residual [1] with the constitutive law itself, which decides about convergence.
+  /// Leaves the stresses of this law in `equilibrium_` and their difference to those of the
+  /// multiplier in the outcome.
   double true_residual(std::span<const char> fixed) {
     const std::vector<Tensor> own = equilibrium_.deviators();
     evaluate(return_map_law(problem_));
@@ -167,7 +179,7 @@ protected:
     return relative_residual(fixed);
   }
 
-  /// Norm of the residual on the free unknowns against the forces that act.
+  /// Norm of the residual on the free unknowns, relative to the acting forces [1].
   double relative_residual(std::span<const char> fixed) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < work_.residual.size(); ++i) {
@@ -176,11 +188,11 @@ protected:
     return std::sqrt(sum) / acting_;
   }
 
-  /// The contact set by Newton, NBM2(b)(ii). It may move at every iteration, as in the paper's
-  /// loop, but not while the residual is above `from`: far from balance it swings. @return whether
-  /// it moved
+  /// Updates the contact set by Newton's method, NBM2(b)(ii). It may change at every iteration, as
+  /// in the paper's loop, but not while the residual `relative` [1] is above `from` [1]: far from
+  /// equilibrium the set oscillates. @return whether it changed
   bool close_contact(StepConstraints<Dim>& constraints, double relative, double from) {
-    constexpr int free_contact_changes = 8;  // then pairs go one by one
+    constexpr int free_contact_changes = 8;  // afterwards only one pair at a time
     if (relative > from) return false;
     const bool careful = outcome_.contact_changes > free_contact_changes;
     const int changes = constraints.update(unknowns_.displacement, work_.residual, careful);
@@ -188,7 +200,8 @@ protected:
     return changes > 0;
   }
 
-  /// The linear problem (57): matrix of the present parameters, factorised for the held unknowns.
+  /// Assembles and factorises the matrix of the linear problem (57) with the present parameters.
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   bool factorize(ConstrainedSystem& system, std::span<const char> fixed,
                  std::span<const double> step_of_fixed) {
     evaluate(multiplier_law());
@@ -196,7 +209,8 @@ protected:
     return factorized_ = system.factorize(fixed, step_of_fixed);
   }
 
-  /// The same for a contact set that moved: the matrix does not change within a step.
+  /// The same after a change of the contact set; the matrix does not change within a step.
+  /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   bool hold(ConstrainedSystem& system, std::span<const char> fixed,
             std::span<const double> step_of_fixed) {
     if (factorized_ && system.change(fixed, step_of_fixed)) return true;
@@ -216,12 +230,12 @@ protected:
   Workspace& work_;
   StepUnknowns<Dim>& unknowns_;
   Equilibrium<Dim> equilibrium_;
-  std::vector<double> gamma_p_;
+  std::vector<double> gamma_p_;     ///< by point [1/(Pa s)]
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;
-  double round_off_;  ///< [N/m in 2D]
-  double least_acting_;
-  double acting_ = 0.0;
+  double round_off_;     ///< [N/m in 2D]
+  double least_acting_;  ///< [N/m in 2D] least_acting_force() of the problem
+  double acting_ = 0.0;  ///< [N/m in 2D] scale of the last residual
   bool factorized_ = false;
   bool settled_ = false;  ///< every increment since it was set passed the paper's test
 };

@@ -8,8 +8,8 @@ namespace dccast::mechanics {
 namespace {
 
 constexpr double contact_from_residual = 1e-2;
-// Armijo's rule (Bertsekas): the share of the predicted decrease that is asked for, and the
-// smallest step before an iteration is given up.
+// Armijo's rule (Bertsekas): required share of the predicted decrease [1], and smallest step length
+// [1] before an iteration is abandoned.
 constexpr double armijo_share = 1e-2;
 constexpr double armijo_smallest = 1.0 / 1024.0;
 
@@ -75,7 +75,7 @@ private:
     }
   }
 
-  /// The paper's stopping test on the last move of the multipliers.
+  /// The paper's stopping test on the last change of the multipliers.
   bool increments_settled() {
     const std::vector<Tensor> mapped = next_multipliers();
     this->settled_ = true;
@@ -85,7 +85,7 @@ private:
     return this->settled_;
   }
 
-  /// NBM2(b)(i) with the multiplier as it stands; the residual afterwards is round-off.
+  /// NBM2(b)(i) with the present multiplier; the residual afterwards is round-off.
   bool solve_displacement() {
     ++this->outcome_.iterations;
     const auto step = constraints_.step_from(this->unknowns_.displacement);
@@ -98,7 +98,8 @@ private:
     return true;
   }
 
-  /// NBM2(d), relaxed, and unless plain shortened until the distance of q to H(s) falls.
+  /// NBM2(d) with relaxation; unless plain, the step is shortened until the distance of q to H(s)
+  /// decreases.
   bool move_multiplier() {
     this->evaluate(this->multiplier_law());
     before_ = this->multiplier_;
@@ -153,7 +154,7 @@ private:
 
   ConstrainedSystem system_;
   StepConstraints<Dim> constraints_;
-  std::vector<Tensor> before_;  ///< multipliers before their last move [1/s]
+  std::vector<Tensor> before_;  ///< multipliers before their last change [1/s]
   bool refactor_ = true;
 };
 

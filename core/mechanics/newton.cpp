@@ -12,29 +12,29 @@ namespace dccast::mechanics {
 
 namespace {
 
-// The contact set moves only when the forces are roughly in balance: reactions of an unbalanced
-// state say nothing.
+// The contact set is updated only near equilibrium: far from it the reactions are meaningless.
 constexpr double contact_from_residual = 1e-2;
-// The primal-dual set may cycle. After so many changes the step goes on by a feasible descent,
-// which cannot: gaps never become negative, and every change lowers the energy. A bottom face needs
-// more of them than a bottom line, and the descent goes pair by pair: 40 free changes took 29
-// iterations in three dimensions where a descent after 8 took 87.
+// The primal-dual active set may cycle. After this many changes the step switches to a feasible
+// descent, which cannot cycle: gaps never become negative, and every change lowers the energy. A 3D
+// bottom needs more changes than a 2D one, and the descent changes one pair at a time: with 40 free
+// changes a 3D step took 29 iterations, with descent after 8 changes it took 87.
 template <int Dim>
 constexpr int free_contact_changes = Dim == 2 ? 8 : 40;
 constexpr double release_from_residual = 1e-3;
 constexpr int further_iterations = 200;
-// A factor is kept while it still reduces the residual by this much.
+// A factorisation is kept while it still reduces the residual by this ratio.
 constexpr double chord_reduction = 0.25;
-// Of a solid too large for a band every iteration has its own tangent, solved by conjugate
-// gradients as far as this iteration can use it: the forcing terms of Eisenstat and Walker (1996,
-// choice 2).
+// For solids too large for a band solver every iteration has its own tangent, solved by conjugate
+// gradients only as accurately as the iteration can use: the forcing terms of Eisenstat and Walker
+// (1996, choice 2).
 constexpr double loosest_forcing = 1e-1;
 constexpr double forcing_share = 0.9;
-// By two grids, made anew for every tangent: a further iteration costs more than the gradients that
-// save it, and a contact set that follows a looser direction may cycle.
+// The two-grid preconditioner is rebuilt for every tangent: an additional Newton iteration costs
+// more than the conjugate-gradient iterations that avoid it, and with less accurate directions the
+// contact set may cycle.
 constexpr double grids_forcing = 1e-3;
 constexpr int line_search_steps = 12;
-// A step is good enough once the slope along it has come down to this share.
+// The line search accepts a step once the slope along the direction has decreased to this share.
 constexpr double line_search_slope = 0.9;
 
 template <int Dim>
@@ -90,22 +90,22 @@ private:
   /// Chord steps: the factor is kept while it reduces the residual.
   bool find_direction(double relative, double last, bool moved,
                       std::span<const double> step_of_fixed) {
-    // A set that moves near balance keeps the tangent: docs/contact-factorisation.md.
+    // The tangent is kept when the set changes near equilibrium: docs/contact-factorisation.md.
     const bool slow = outcome_.iterations == 1 || (!moved && relative > chord_reduction * last);
     const bool kept = !slow && (!moved || system_.change(constraints_.fixed(), step_of_fixed));
     if (!kept && !factorize(step_of_fixed)) return false;
     return system_.solve(constraints_.fixed(), step_of_fixed);
   }
 
-  /// Where a factorisation costs as much as many solutions. By a band it does not, and chord steps
-  /// are faster: docs/factorisation.md.
+  /// Whether a factorisation costs as much as many solutions. A band factorisation does not, so
+  /// that chord steps are faster: docs/factorisation.md.
   bool keeps_factor() const {
     return work_.two_grid != nullptr || (work_.is_solid && !work_.solver.uses_band());
   }
 
-  /// One factor a step; the tangents after the first are solved with it as preconditioner. Two
-  /// grids are made anew for each: they cost some ten gradients, and those of an older tangent or
-  /// contact set take ten times as many.
+  /// One factorisation per step; later tangents are solved with it as preconditioner. The two-grid
+  /// preconditioner is rebuilt for each tangent: that costs as much as about ten iterations, and
+  /// with one of an older tangent or contact set ten times as many iterations are needed.
   bool find_direction_by_gradients(double relative, double last,
                                    std::span<const double> step_of_fixed) {
     const bool first = outcome_.iterations == 1;
@@ -122,7 +122,7 @@ private:
            system_.solve(constraints_.fixed(), step_of_fixed, forcing(relative, last));
   }
 
-  /// Tolerance of conjugate gradients, no tighter than the step asks for.
+  /// Tolerance of conjugate gradients, not tighter than the step needs.
   double forcing(double relative, double last, double loosest = loosest_forcing) const {
     const double reduction = relative / last;
     const double needed = 0.1 * options_.tolerance / relative;
@@ -184,8 +184,8 @@ private:
     return sum;
   }
 
-  /// Energy line search by secants on the slope, up to a length. @return whether it went all the
-  /// way
+  /// Energy line search by the secant method on the slope, up to a length. @return whether the full
+  /// length was taken
   bool search(double most) {
     const double start = slope();
     advance(most);
@@ -204,16 +204,16 @@ private:
     return false;
   }
 
-  /// Lets the contact set move. @return number of pairs that did
+  /// Updates the contact set. @return number of pairs that changed
   int change_contact(bool full_step) {
     const Stopwatch watch(work_.cost.contact);
     const double relative = relative_residual();
-    // A state in balance is always asked, whatever led to it: it may be the answer.
+    // A state in equilibrium is always checked, however it was reached: it may be the solution.
     const bool balanced = relative <= options_.tolerance;
     int changes = 0;
     if (descending_) {
-      // A pair let go of that the next step pushed back at once had its pull from forces out of
-      // balance: they go first, or the two would alternate forever.
+      // If a released pair is closed again by the next iteration, its tension came from unbalanced
+      // forces: equilibrium is restored first, or release and closing would alternate forever.
       if (relative <= release_from_residual && !pushed_back_) {
         changes = constraints_.release(unknowns_.displacement, work_.residual, one_by_one_);
       }
@@ -247,8 +247,8 @@ private:
   double acting_ = 0.0;
   bool descending_ = false;   ///< the contact set moves by feasible descent
   bool blocked_ = false;      ///< the last step ended at a pair that closed
-  bool pushed_back_ = false;  ///< and had no length
-  bool one_by_one_ = false;   ///< releasing several pairs at once led nowhere
+  bool pushed_back_ = false;  ///< that step had zero length
+  bool one_by_one_ = false;   ///< releasing several pairs at once did not succeed
 };
 
 }  // namespace

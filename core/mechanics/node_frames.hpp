@@ -9,8 +9,10 @@
 
 namespace dccast::mechanics {
 
-/// The frames of some nodes of a mesh, indexed by element: elements without such a node pay one
-/// comparison.
+/// The local frames of some nodes of a mesh, indexed by element: an element without such a node
+/// costs one comparison.
+///
+/// Units: displacements, forces and matrices in any unit.
 template <int Dim>
 class NodeFrames {
 public:
@@ -20,21 +22,23 @@ public:
   void set(const mesh::Mesh<Dim>& mesh, std::span<const Frame> frames) {
     frame_.assign(frames.begin(), frames.end());
     of_node_.clear();
-    touched_.clear();
+    has_frame_.clear();
     if (frame_.empty()) return;
     of_node_.assign(std::size_t(mesh.nodes()), none);
     for (std::size_t f = 0; f < frame_.size(); ++f) {
       of_node_[std::size_t(frame_[f].node)] = static_cast<int>(f);
     }
-    touched_.assign(std::size_t(mesh.elements()), 0);
+    has_frame_.assign(std::size_t(mesh.elements()), 0);
     for (std::size_t i = 0; i < mesh.element_node.size(); ++i) {
       if (frame_of(mesh.element_node[i]) == nullptr) continue;
-      touched_[i / std::size_t(mesh.nodes_per_element)] = 1;
+      has_frame_[i / std::size_t(mesh.nodes_per_element)] = 1;
     }
   }
 
   /// Whether a node of the element has a frame.
-  bool touch(std::size_t element) const { return !touched_.empty() && touched_[element] != 0; }
+  bool has_frame(std::size_t element) const {
+    return !has_frame_.empty() && has_frame_[element] != 0;
+  }
 
   template <std::size_t Nodes>
   void to_coordinates(const int* node, std::array<Vector, Nodes>& v) const {
@@ -49,7 +53,7 @@ public:
     }
   }
 
-  /// Of an element matrix given by its lower triangle, row by row.
+  /// The same for an element matrix, given by its lower triangle, row by row.
   template <std::size_t Nodes>
   void to_frames(const int* node, std::array<double, Nodes * Dim * Nodes * Dim>& k) const {
     constexpr std::size_t n = Nodes * Dim;
@@ -70,7 +74,7 @@ public:
     }
   }
 
-  /// Subtracts a force `by` along the last coordinate axis from those of a node, in their unit.
+  /// Subtracts a force `by` along the last coordinate axis from the force at a node.
   void lower(std::span<double> force, int node, double by) const {
     double* f = &force[std::size_t(node) * Dim];
     if (const Frame* frame = frame_of(node)) {
@@ -89,8 +93,8 @@ private:
   }
 
   std::vector<Frame> frame_;
-  std::vector<int> of_node_;   ///< place of its frame; empty without frames
-  std::vector<char> touched_;  ///< (element); empty without frames
+  std::vector<int> of_node_;     ///< (node) index of its frame; empty without frames
+  std::vector<char> has_frame_;  ///< (element) not zero if a node has a frame; empty without frames
 };
 
 }  // namespace dccast::mechanics

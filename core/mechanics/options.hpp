@@ -6,16 +6,16 @@ namespace dccast::mechanics {
 
 enum class Algorithm { newton, vnbm, sbm, nbm };
 enum class Liquid { prestressed, weak, solid };
-/// How the mould holds a side that is not yet solid: along its normal exactly, or by springs
+/// How the mould supports a side that is not yet solid: exactly along its normal, or by springs
 /// (paper, remark 3).
 enum class Confinement { exact, penalty };
-/// What strain a displacement gives.
+/// The strain measure.
 enum class Kinematics {
-  small_strain,  ///< its symmetric gradient, as in the paper
-  corotational,  ///< the same beside the rotation of each solid element, docs/kinematics.md
+  small_strain,  ///< symmetric gradient of the displacement, as in the paper
+  corotational,  ///< the same after removing the rotation of each solid element, docs/kinematics.md
 };
 
-/// Parameters of the paper's algorithms; section numbers stand in case.proto.
+/// Parameters of the paper's algorithms; case.proto gives the section numbers.
 struct AlgorithmParameters {
   double gamma_p = 1.25e-12;       ///< [1/(Pa s)]
   std::optional<double> lambda_p;  ///< [Pa s]; absent: 1 / (2 gamma_p)
@@ -26,7 +26,7 @@ struct AlgorithmParameters {
   bool increment_test = false;
 };
 
-/// Table `mechanics` of a case, without what only the time loop needs.
+/// Table `mechanics` of a case, without the keys that only the time loop needs.
 struct Options {
   Algorithm algorithm = Algorithm::newton;
   Kinematics kinematics = Kinematics::small_strain;
@@ -39,21 +39,22 @@ struct Options {
   bool confinement = true;
   Confinement confinement_by = Confinement::exact;
   double confinement_stiffness = 1e12;  ///< [Pa/m] of the springs
-  /// A side that the mould has let go of may lean on its wall and not pass it.
+  /// A side released by the mould may lean against the mould wall but not pass through it.
   bool mould_wall = false;
-  double mould_length = 0.0;  ///< [m] of the mould below the metal level, for `mould_wall`
+  double mould_length = 0.0;  ///< [m] mould length below the metal level, for `mould_wall`
   bool contact = true;
-  double tolerance = 1e-8;                ///< [1] residual relative to the forces that act
-  std::optional<int> maximum_iterations;  ///< absent: by algorithm, see iteration_limit()
+  double tolerance = 1e-8;  ///< [1] residual relative to the acting forces
+  std::optional<int>
+      maximum_iterations;  ///< absent: default of the algorithm, see iteration_limit()
   AlgorithmParameters parameters;
-  /// Unknowns of an extruded solid from which newton solves by two grids instead of a factor. No key of
-  /// a case: the measured rule, docs/large-solids.md.
+  /// Number of unknowns of an extruded solid from which `newton` uses the two-grid solver instead
+  /// of a factorisation. Measured; not a key of a case (docs/large-solids.md).
   int two_grids_from_unknowns = 15000;
 };
 
-/// Iterations after which a step counts as not converged. The fixed-point methods need their
-/// hundreds, sbm with the paper's soft gamma_c 33,000 where a pair opens; a Newton step that needs
-/// 60 is lost.
+/// Number of iterations after which a step counts as not converged. The fixed-point methods need
+/// hundreds, sbm with the paper's soft gamma_c up to 33,000 when a pair opens; a Newton step that
+/// needs 60 will not converge.
 inline int iteration_limit(const Options& options) {
   if (options.maximum_iterations) return *options.maximum_iterations;
   switch (options.algorithm) {

@@ -9,8 +9,8 @@
 
 namespace dccast::mechanics {
 
-/// Elements first to end - 1. Work goes by blocks, small enough for the cache, so that a call costs
-/// nothing beside the work.
+/// Elements first to end - 1. Work is done in blocks: small enough for the cache, large enough that
+/// the cost of a call does not matter.
 struct ElementBlock {
   std::size_t first = 0, end = 0;
   std::size_t elements() const { return end - first; }
@@ -18,22 +18,25 @@ struct ElementBlock {
 inline constexpr std::size_t elements_in_block = 64;
 static_assert(elements_in_block % std::size_t(most_lanes) == 0);
 
-/// Where a point of a block stands among its points: what is contiguous are neighbouring elements,
-/// so that formulas work on several at once. A block that is not full has unused places.
+/// Index of a point within a block. Consecutive indices belong to neighbouring elements, so that
+/// formulas work on several elements at once. A partly filled block has unused places.
 /// @param element  within the block
 constexpr std::size_t place_in_block(std::size_t element, std::size_t point) {
   return point * elements_in_block + element;
 }
 
-/// Symmetric tensors at the points of a block, component by component; a view of their numbers.
+/// View of the symmetric tensors at the points of a block, stored component by component, in any
+/// unit.
 template <int Dim>
 class TensorBlock {
 public:
   using Tensor = SymmetricTensor<Dim>;
   /// @param places  elements_in_block times the points of an element
+  /// @param numbers [any unit]
   TensorBlock(double* numbers, std::size_t places) : numbers_(numbers), places_(places) {}
 
   std::size_t points() const { return places_ / elements_in_block; }  ///< of an element
+  /// (place) [unit of the tensors]
   double* component(std::size_t c) const { return numbers_ + c * places_; }
   Tensor at(std::size_t place) const {
     Tensor t;
@@ -43,7 +46,7 @@ public:
   void set(std::size_t place, const Tensor& t) const {
     for (std::size_t c = 0; c < Tensor::components; ++c) component(c)[place] = t[c];
   }
-  /// Of the elements that share a register.
+  /// The tensors of the elements that share a register.
   template <int Count>
   SymmetricTensor<Dim, Lanes<Count>> load(std::size_t place) const {
     SymmetricTensor<Dim, Lanes<Count>> t;
@@ -60,12 +63,12 @@ public:
   }
 
 private:
-  double* numbers_;
+  double* numbers_;  ///< (component, place) [any unit]
   std::size_t places_;
 };
 
-/// What a material law gives at a point: the stress deviator, and the tangent
-/// d s / d e = 2 shear I + softening s (x) s.
+/// Response of a material law at a point: the stress deviator and the tangent d s / d e = 2 shear I
+/// + softening s (x) s.
 template <int Dim, class Number = double>
 struct PointResponse {
   SymmetricTensor<Dim, Number> deviator;  ///< s [Pa]
@@ -73,15 +76,17 @@ struct PointResponse {
   Number softening;                       ///< [1/Pa], not positive
 };
 
-/// What a law gives at the points of a block; a view of its numbers.
+/// View of the responses of a law at the points of a block.
 template <int Dim>
 struct ResponseBlock {
-  static constexpr std::size_t numbers = SymmetricTensor<Dim>::components + 2;  ///< of a point
+  static constexpr std::size_t numbers =
+      SymmetricTensor<Dim>::components + 2;  ///< numbers per point
 
   TensorBlock<Dim> deviator;
-  double* shear;
-  double* softening;
+  double* shear;      ///< (place) [Pa]
+  double* softening;  ///< (place) [1/Pa]
 
+  /// @param first  (component, place) deviators [Pa], then shear [Pa], then softening [1/Pa]
   ResponseBlock(double* first, std::size_t places)
       : deviator(first, places),
         shear(first + SymmetricTensor<Dim>::components * places),
@@ -95,7 +100,7 @@ struct ResponseBlock {
     shear[place] = r.shear;
     softening[place] = r.softening;
   }
-  /// Of the elements that share a register.
+  /// The responses of the elements that share a register.
   template <int Count>
   PointResponse<Dim, Lanes<Count>> load(std::size_t place) const {
     return {deviator.template load<Count>(place), dccast::load<Count>(shear + place),
@@ -109,7 +114,8 @@ struct ResponseBlock {
   }
 };
 
-/// Numbers of the elements of a block from those of all; places without an element are zero.
+/// Copies the values of a block's elements from an array by element [unit of the array]; unused
+/// places are zero.
 inline std::array<double, elements_in_block> of_block(ElementBlock block,
                                                       std::span<const double> of_all) {
   std::array<double, elements_in_block> numbers{};

@@ -9,16 +9,16 @@
 
 namespace dccast::mechanics {
 
-/// What round-off alone may leave of a force [N/m in 2D, N in 3D].
+/// Size of the round-off error in a nodal force [N/m in 2D, N in 3D].
 ///
-/// The strains that carry no stress, thermal and inelastic, cancel against those of the displacement;
-/// the stresses of what cancelled are lost at this size. A body free of stress and weight has no
-/// other force by which anything could be judged.
+/// The stress-free strains, thermal and inelastic, cancel against those of the displacement; the
+/// cancellation loses this much. For a body without stress and weight it is the only force scale
+/// there is.
 template <int Dim>
 double round_off_force(const StepProblem<Dim>& problem) {
-  constexpr double operations = 16.0;  // roundings on the way from a strain to its nodal force
+  constexpr double operations = 16.0;  // [1] roundings on the way from a strain to its nodal force
   const std::size_t points = problem.forms->points();
-  std::vector<double> stress(problem.bulk.size());  // that cancels, by element [Pa]
+  std::vector<double> stress(problem.bulk.size());  // (element) stress that cancels [Pa]
   for (std::size_t e = 0; e < stress.size(); ++e) {
     double strain = 3.0 * std::abs(problem.thermal[e]);
     for (std::size_t q = 0; q < points; ++q) {
@@ -30,9 +30,11 @@ double round_off_force(const StepProblem<Dim>& problem) {
          std::sqrt(problem.forms->squared_forces(stress));
 }
 
-/// The least force against which a residual is judged [N/m in 2D]: the weight or what else is applied,
-/// and where nothing is what makes a residual of round-off pass the tolerance.
-/// @param round_off  round_off_force() of the problem
+/// Smallest force against which a residual is judged [N/m in 2D, N in 3D]: the weight or other
+/// applied forces; if there are none, the force with which a residual of round-off size passes the
+/// tolerance.
+/// @param round_off  round_off_force() of the problem [N/m in 2D, N in 3D]
+/// @param tolerance  of the relative residual [1]
 template <int Dim>
 double least_acting_force(const StepProblem<Dim>& problem, double round_off, double tolerance) {
   double applied = 0.0;

@@ -8,7 +8,7 @@ namespace dccast::mechanics {
 
 namespace {
 
-/// Points of an element on one upright line, the lower one first.
+/// Integration points of an element on one vertical line, the lower one first.
 template <int Dim>
 std::array<std::array<std::size_t, 2>, RowsOfPoints<Dim>::points / 2> upright_lines() {
   constexpr std::size_t up = Dim - 1;
@@ -26,8 +26,8 @@ std::array<std::array<std::size_t, 2>, RowsOfPoints<Dim>::points / 2> upright_li
   return lines;
 }
 
-/// What the values at the lower and upper points of two cells, one on the other, give to those of
-/// the cell made of them: the weights of the linear function with the same mean and first moment.
+/// Weights by which the values at the lower and upper points of two cells, one above the other,
+/// give those of the merged cell: the linear function with the same mean and first moment [1].
 /// @param height  [m] of the cells @return  (point after, point before, from below)
 std::array<std::array<double, 4>, 2> weights(const std::array<double, 2>& height) {
   const double g = 1.0 / std::sqrt(3.0);

@@ -12,7 +12,7 @@ namespace {
 // the thermal stresses.
 constexpr double contact_tolerance = 1e-6;
 
-/// gamma_p constant, but not zero creep compliance for elements without creep.
+/// Constant gamma_p; elements without creep have none.
 template <int Dim>
 std::vector<double> constant_gamma(const StepProblem<Dim>& problem, double gamma_p) {
   std::vector<double> gamma(problem.inelastic.size(), 0.0);
@@ -138,7 +138,7 @@ private:
     }
   }
 
-  /// G_lambda of u_n + lambda_c p at one contact unknown [Pa].
+  /// G_lambda(u_n + lambda_c p) at one contact unknown [Pa].
   double mapped_contact_multiplier(std::size_t i) const {
     const double s = -this->problem_.normal_gap(i, this->unknowns_.displacement) +
                      lambda_c_ * this->unknowns_.contact_multiplier[i];
@@ -174,8 +174,8 @@ private:
     return this->relative_residual(this->problem_.fixed);
   }
 
-  /// A pair is closed where its pressure p - gamma_c gap outweighs its gap. The pressure alone does
-  /// not tell: of an open pair it is zero up to round-off of either sign.
+  /// A pair is closed if its pressure p - gamma_c gap dominates its gap. The pressure alone is not
+  /// sufficient: for an open pair it is zero up to round-off of either sign.
   void store() {
     this->store_deviator();
     const double gamma_c = this->options_.parameters.gamma_c;

@@ -1,4 +1,4 @@
-// How the state of a slab follows its mesh: growth, and rows that are merged.
+// Transfer of the state of a slab to a changed mesh: growth and merged rows.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -11,7 +11,7 @@ namespace dccast::mechanics {
 
 namespace {
 
-/// Elastic strains with their thermal part, of the points from `first` on.
+/// Elastic strains including the thermal part, for the points from `first` on [1].
 /// @param displacement  by unknown [m], which has set the rotations of the forms
 template <int Dim>
 std::vector<SymmetricTensor<Dim>> elastic_strains(const MechanicsForms<Dim>& forms,
@@ -26,8 +26,8 @@ std::vector<SymmetricTensor<Dim>> elastic_strains(const MechanicsForms<Dim>& for
   return elastic;
 }
 
-/// The inelastic strains, from point `first` on, with which the elastic ones are those given; of
-/// points beyond them, none.
+/// Sets the inelastic strains from point `first` on such that the elastic strains are the given
+/// ones; zero for points beyond these.
 template <int Dim>
 void set_elastic_strains(const MechanicsForms<Dim>& forms, SlabState<Dim>& state,
                          std::span<const double> displacement,
@@ -60,7 +60,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   state.deviator.resize(all_points);
   state.pressure.resize(all_points, 0.0);
   set_mesh(grown, first_moved);
-  // A node that is new stands at the mould, whatever the one below it did.
+  // A new node is at the mould, whatever the displacement of the one below it.
   u = supports_.by_unknown(std::move(state.displacement));
   supports_.stand_at_mould(u, old_nodes);
   set_rotations(u, state.solid);
@@ -68,8 +68,8 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   state.displacement = supports_.by_coordinate(std::move(u));
 }
 
-/// Forces of the stress of a state on the nodes of the present mesh, along the coordinate axes.
-/// @param acting  gets the root of the sum of squares of all element forces [N]
+/// Nodal forces of the stress in a state on the present mesh, along the coordinate axes.
+/// @param acting  set to the root of the sum of squares of all element forces [N]
 template <int Dim>
 std::vector<double> SlabMechanics<Dim>::forces_of_stress(const State& state, double& acting) const {
   const std::size_t places = elements_in_block * points_;

@@ -20,7 +20,7 @@ namespace {
 template <int Dim>
 constexpr int up = Dim - 1;
 
-/// From 4 to 32 rows of the least height the conjugate gradients grow by a seventh, while the
+/// From 4 to 32 smallest rows per coarse row the number of iterations grows by a seventh, while the
 /// coarse factor shrinks to a hundredth: docs/large-solids.md.
 constexpr double rows_of_a_coarse_one = 32.0;
 
@@ -83,8 +83,9 @@ void SlabMechanics<Dim>::new_pattern() {
   work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid, fronts);
 }
 
-/// A factor, or two grids where that is too large. The other algorithms solve with one matrix many
-/// times and to the last digit, which only a factor is made for.
+/// Chooses a factorisation, or the two-grid solver if the factor would be too large. Algorithms
+/// other than newton solve many times with one matrix and to full accuracy, which only a
+/// factorisation does well.
 template <int Dim>
 void SlabMechanics<Dim>::choose_solver() {
   work_.two_grid.reset();
@@ -98,7 +99,8 @@ void SlabMechanics<Dim>::choose_solver() {
   }
 }
 
-/// Also of a mesh that has only stretched: a node's share of a side decides its mean normal.
+/// Also needed after stretching: the tributary areas of a node on its sides determine its mean
+/// normal.
 template <int Dim>
 void SlabMechanics<Dim>::find_supports() {
   supports_.find(*mesh_, *forms_);
@@ -147,17 +149,18 @@ void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature
   }
 }
 
-/// A solid element follows the rotation that it has at the start of a step. What it misses of the
-/// step's own rotation is a strain of half its square. The liquid does not turn: its pressure in
-/// axes of yesterday would push on its neighbours, and nothing in it resists.
+/// A solid element uses its rotation at the start of the step. Neglecting the rotation during the
+/// step causes a strain of half its square. Liquid elements are not rotated: their pressure, in
+/// axes of an earlier step, would load their neighbours, and the liquid has no stiffness to resist.
 template <int Dim>
 void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
                                        std::span<const char> solid) {
   if (options_.kinematics == Kinematics::corotational) forms_->set_rotations(displacement, solid);
 }
 
-/// Strain of a cell that solidifies counts from the total strain of this moment, thermal strain
-/// from the temperature `at`, stress from minus the metallostatic pressure.
+/// Sets the reference of a cell that solidifies: its strain is counted from the present total
+/// strain, its thermal strain from the temperature `at`, and its stress from minus the
+/// metallostatic pressure.
 template <int Dim>
 void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
   const double pressure = properties_.liquid_density() * options_.gravity *
@@ -169,7 +172,7 @@ void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, doubl
   }
 }
 
-/// No stress at the strain of the start of the step.
+/// Resets the history: the element is stress-free at the strain of the start of the step.
 template <int Dim>
 void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
   for (std::size_t q = 0; q < points_; ++q) {
@@ -276,7 +279,7 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   return unknowns;
 }
 
-/// What an algorithm with a law of its own has found, under that of the step.
+/// Evaluates the solution of an algorithm that uses another law with the law of the step problem.
 template <int Dim>
 ForceScales SlabMechanics<Dim>::evaluate_end(StepUnknowns<Dim>& unknowns) {
   Equilibrium<Dim> equilibrium(problem_);
@@ -316,7 +319,7 @@ void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns,
       constraints.complementarity_error(unknowns.displacement, work_.residual);
 }
 
-/// Keeps what block and walls do to the slab.
+/// Stores contact state and reactions of block and walls.
 template <int Dim>
 void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknowns) {
   checks_.bottom_reaction = checks_.contact_length = checks_.wall_reaction = 0.0;

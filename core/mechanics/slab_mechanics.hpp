@@ -12,95 +12,99 @@
 
 namespace dccast::mechanics {
 
-/// What the mechanics of a step needs to know of its surroundings.
+/// Boundary data of a mechanical step.
 struct SlabStepInput {
   std::span<const double> temperature;  ///< (node) at the end of the step [°C]
   double time_step = 0.0;               ///< [s]
   double metal_level = 0.0;             ///< h(t) [m]
 };
 
-/// The checks every step is reported with; they are of the step problem itself at the displacement
-/// found, whatever law the algorithm that found it solves by.
+/// Checks reported for every step. They evaluate the step problem itself at the computed
+/// displacement, independently of the algorithm.
 struct SlabChecks {
-  double equilibrium_residual = 0.0;   ///< [1] relative to the forces that act
-  double complementarity_error = 0.0;  ///< [1] of gap and reaction, against 1 mm and the weight
+  double equilibrium_residual = 0.0;   ///< [1] relative to the acting forces
+  double complementarity_error = 0.0;  ///< [1] of gap and reaction, relative to 1 mm and the weight
   double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad], in 3D [N]
   double weight = 0.0;                 ///< [N/m], of a billet [N/rad], in 3D [N]
-  double contact_length = 0.0;         ///< [m] of the bottom that stands on the block, in 3D [m2]
-  double wall_reaction = 0.0;          ///< [N/m] of walls on released sides, [N/rad], in 3D [N]
-  /// Root mean square error of the pressure in the liquid along its front against rho_l g depth,
-  /// relative; zero without liquid.
+  double contact_length = 0.0;  ///< [m] length of the bottom in contact with the block, in 3D [m2]
+  double wall_reaction = 0.0;   ///< [N/m] of mould walls on released sides, [N/rad], in 3D [N]
+  /// Root mean square error of the liquid's pressure along the solidification front, relative to
+  /// rho_l g depth [1]; zero without liquid.
   double liquid_pressure_error = 0.0;
-  int worst_liquid = -1;  ///< element with the largest share in that error; -1 without one
+  int worst_liquid = -1;  ///< element with the largest contribution to that error; -1 if none
 };
 
-/// A state on its way to a mesh of which rows of cells are merged.
+/// A state that is being transferred to a mesh with merged rows.
 template <int Dim>
 struct ProjectedState {
-  SlabState<Dim> state;                       ///< of the merged mesh but for its inelastic strain
-  std::vector<SymmetricTensor<Dim>> elastic;  ///< (element, point) [1], with its thermal part
-  std::vector<double> force;  ///< (node, Dim) [N] of the stress before, on the merged mesh
-  double weight = 0.0;        ///< [N] before
+  SlabState<Dim> state;  ///< on the merged mesh, except for its inelastic strain
+  std::vector<SymmetricTensor<Dim>> elastic;  ///< (element, point) [1], thermal part included
+  std::vector<double> force;  ///< (node, Dim) [N] of the stress before merging, on the merged mesh
+  double weight = 0.0;        ///< [N] before merging
 };
 
-/// What a merging of rows has changed that it should not.
+/// Errors introduced by a merging of rows.
 struct MergeChecks {
   double mass_error = 0.0;         ///< [1] relative change of the weight
-  double equilibrium_error = 0.0;  ///< [1] nodal forces it put out of balance, by those that act
+  double equilibrium_error = 0.0;  ///< [1] unbalanced nodal forces, relative to the acting forces
 };
 
-/// The slab as a mechanical body (paper sections 2.2 and 3.4): which elements carry stress, what
-/// stands for the liquid, what the mould and the block hold, and one step in time of all that.
+/// The slab as a mechanical body (paper sections 2.2 and 3.4): it decides which elements carry
+/// stress, models the liquid, applies the supports by mould and block, and solves one time step.
 template <int Dim>
 class SlabMechanics {
 public:
   using State = SlabState<Dim>;
   using Mesh = mesh::Mesh<Dim>;
 
-  /// @param forms  of the elements the meshes are made of
+  /// @param forms  forms of the elements of the meshes
   SlabMechanics(std::unique_ptr<MechanicsForms<Dim>> forms,
                 material::MechanicalProperties properties, Options options);
 
-  /// Takes a mesh or its new coordinates; analyses the matrix only if elements are new.
-  /// @param mesh         must stay where it is until the next call
+  /// Sets the mesh, or updates its coordinates; analyses the matrix only if there are new elements.
+  /// @param mesh         must not move in memory until the next call
   /// @param first_moved  first element that is new or has moved
   void set_mesh(const Mesh& mesh, int first_moved = 0);
 
-  /// Gives the block a shape. @param gap  by bottom node, how far the block lies below it before
-  /// anything has moved [m]; empty: flat. @throws std::invalid_argument on another number of nodes
+  /// Sets the shape of the block.
+  /// @param gap  (bottom node) initial distance of the block below the slab [m]; empty: flat
+  /// @throws std::invalid_argument  wrong number of nodes
   void set_initial_gap(std::vector<double> gap);
 
-  /// A slab without displacement and history.
+  /// A slab without displacement or history.
   State initial_state() const;
 
-  /// Carries a state over to a mesh that has grown by stretching and adding rows of cells: new
-  /// nodes take the displacement of the node below, elements keep their elastic strain. The mesh of
-  /// the state must be the present one; `set_mesh` is called for the new one.
+  /// Transfers a state to a mesh that has grown by stretching and adding rows of cells: new nodes
+  /// get the displacement of the node below, elements keep their elastic strain. @pre the state
+  /// belongs to the present mesh; set_mesh() is called with the new one
   void follow_growth(State& state, const Mesh& grown, int nodes_per_row, int first_moved);
 
-  /// Projects a state of the present mesh on the rows of cells that are about to be made of it:
-  /// nodes keep their displacement, cells their mean elastic and viscoplastic strain and its first
-  /// moment. A cell made of a solid and a liquid one counts as liquid, and solidifies anew;
-  /// liquid that is merged is at rest.
-  /// @param temperature  (node) [°C] @throws std::logic_error of triangles and tetrahedra
+  /// Projects a state of the present mesh on the merged rows of cells: nodes keep their
+  /// displacement; cells keep the mean and the first moment of elastic and viscoplastic strain. A
+  /// cell made of a solid and a liquid one counts as liquid and solidifies again; merged liquid is
+  /// at rest.
+  /// @param temperature  (node) [°C]
+  /// @throws std::logic_error  the elements are triangles or tetrahedra
   ProjectedState<Dim> projected(const State& state, const mesh::MergedRows& merged,
                                 std::span<const double> temperature);
-  /// Takes the mesh after rows were merged, and the state projected on it.
+  /// Sets the mesh with merged rows and completes the state that was projected on it.
   /// @param temperature  (node of the merged mesh) [°C]
   MergeChecks follow_merging(State& state, ProjectedState<Dim> projected, const Mesh& merged_mesh,
                              std::span<const double> temperature);
 
-  /// Begins the mechanics: what is below the coherency temperature is a shell without stress.
+  /// Starts the mechanics: metal below the coherency temperature becomes a stress-free shell.
+  /// @param temperature  (node) [°C]
   void start(State& state, std::span<const double> temperature) const;
 
-  /// One step. On convergence the state is that of its end, else unspecified.
+  /// Solves one step. If it converges, the state is that at its end, otherwise unspecified.
   StepOutcome step(State& state, const SlabStepInput& input);
 
   /// Checks of the last converged step.
   const SlabChecks& checks() const { return checks_; }
   const std::vector<int>& bottom_nodes() const { return supports_.bottom_nodes(); }
+  /// (bottom node) tributary area [m^(Dim-1)], axisymmetric: [m2/rad].
   const std::vector<double>& bottom_area() const { return supports_.bottom_area(); }
-  /// Gap between a bottom node, by its place in bottom_nodes(), and the block [m].
+  /// Gap between a bottom node and the block [m]. @param place  index in bottom_nodes()
   double bottom_gap(const State& state, std::size_t place) const;
   const Options& options() const { return options_; }
   std::size_t points() const { return points_; }  ///< of an element
@@ -112,12 +116,16 @@ private:
   void new_pattern();
   void choose_solver();
   void find_supports();
+  /// @param displacement  by unknown [m]
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
+  /// Nodal forces of the stress in a state, by unknown [N]. @param acting  set to their scale [N]
   std::vector<double> forces_of_stress(const State& state, double& acting) const;
+  /// @param metal_level  [m] @param at  temperature of the element [°C]
   void solidify(State& state, int e, double metal_level, double at) const;
   void set_phases(State& state, const SlabStepInput& input);
   void forget_history(State& state, std::size_t e) const;
   void set_materials(const State& state, const SlabStepInput& input);
+  /// @param temperature  (node) [°C]
   void set_weight(const State& state, std::span<const double> temperature);
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
   ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
@@ -131,14 +139,14 @@ private:
   material::MechanicalProperties properties_;
   Options options_;
   const Mesh* mesh_ = nullptr;
-  std::vector<int> element_unknown_;  ///< (element, unknown of it) of the pattern
+  std::vector<int> element_unknown_;  ///< (element, unknown of the element) for the pattern
   linalg::SparsityPattern pattern_;
   ElementParts parts_;  ///< of a solid
   Workspace work_;
   StepProblem<Dim> problem_;
   SlabChecks checks_;
   SlabSupports<Dim> supports_;
-  std::vector<double> displacement_;  ///< by unknown, of the start of the step [m]
+  std::vector<double> displacement_;  ///< by unknown, at the start of the step [m]
 };
 
 }  // namespace dccast::mechanics

@@ -6,24 +6,24 @@
 
 namespace dccast::mechanics {
 
-/// Everything the mechanics of a slab carries from one step to the next; what a checkpoint keeps.
+/// The complete mechanical state of a slab between steps, as stored in a checkpoint.
 template <int Dim>
 struct SlabState {
   using Tensor = SymmetricTensor<Dim>;
 
-  bool started = false;              ///< before, the slab has no displacement and no history
+  bool started = false;              ///< false: the slab has no displacement and no history yet
   std::vector<double> displacement;  ///< (node, Dim) [m]
-  std::vector<char> released;        ///< (node) released by the mould for good
+  std::vector<char> released;        ///< (node) permanently released by the mould
   std::vector<char> solid;           ///< (element) carries stress
-  /// (element, point) strain that carries no stress: reference at solidification, less its
-  /// thermal stretch, and viscoplastic strain since then.
+  /// (element, point) stress-free strain [1]: reference strain at solidification minus its thermal
+  /// stretch, plus the viscoplastic strain since then.
   std::vector<Tensor> inelastic;
-  std::vector<Tensor> viscoplastic;  ///< (element, point) the viscoplastic part alone
-  std::vector<Tensor> deviator;      ///< (element, point) stress deviator [Pa]
-  std::vector<double> pressure;      ///< (element, point) mean normal stress [Pa]
-  std::vector<char> contact;         ///< (bottom node) closed
-  std::vector<double> contact_multiplier;  ///< (bottom node) [Pa], of sbm only
-  std::vector<double> reaction;  ///< (bottom node) of the last step [N/m], of a billet [N/rad]
+  std::vector<Tensor> viscoplastic;        ///< (element, point) viscoplastic part of it [1]
+  std::vector<Tensor> deviator;            ///< (element, point) stress deviator [Pa]
+  std::vector<double> pressure;            ///< (element, point) mean normal stress [Pa]
+  std::vector<char> contact;               ///< (bottom node) closed
+  std::vector<double> contact_multiplier;  ///< (bottom node) [Pa], for sbm only
+  std::vector<double> reaction;            ///< (bottom node) in the last step [N/m], billet [N/rad]
 };
 
 }  // namespace dccast::mechanics

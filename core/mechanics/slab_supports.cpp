@@ -13,16 +13,16 @@ namespace dccast::mechanics {
 
 namespace {
 
-// Normals that make less than 30 degrees are those of one smooth side.
+// Normals at less than 30 degrees belong to one smooth side.
 const double same_side = std::cos(30.0 / 180.0 * 3.14159265358979323846);
 constexpr double along_axis = 1.0 - 1e-12;  // component of a unit vector along an axis
-constexpr double no_direction = 1e-6;       // length of what is left of a unit vector
+constexpr double no_direction = 1e-6;       // [1] length of the remainder of a unit vector
 constexpr double touching = 1e-9;           // gap of a node that stands at block or wall [m]
 constexpr double round_off_of_turns = 16.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-/// What bounds the slab at a node, in horizontal unit vectors.
+/// The faces that bound the slab at a node, as horizontal unit normals [1].
 template <int Dim>
 struct SlabSupports<Dim>::Normals {
   using Vector = Eigen::Matrix<double, Dim, 1>;
@@ -97,8 +97,8 @@ void SlabSupports<Dim>::find_walls(const Mesh& mesh, const MechanicsForms<Dim>& 
   for (const auto& [node, normals] : of_node) add_node(node, mesh.point(node)[up], normals);
 }
 
-/// Orthogonal directions along which a node is held, first those of symmetry; what they leave of a
-/// normal counts.
+/// Orthogonal directions along which a node is held: first the symmetry planes, then the remaining
+/// components of the side normals.
 template <int Dim>
 class SlabSupports<Dim>::HeldDirections {
 public:
@@ -112,12 +112,12 @@ public:
     }
   }
 
-  /// Whether all of them are coordinate axes.
+  /// Whether all directions are coordinate axes.
   bool along_axes() const {
     return std::ranges::all_of(
         direction, [](const Vector& d) { return d.cwiseAbs().maxCoeff() >= along_axis; });
   }
-  /// Frame of the directions, what is left, and up.
+  /// Frame of these directions, completed by the remaining ones and the vertical.
   NodalFrame<Dim> frame(int node) const {
     std::vector<Vector> axis = direction;
     if constexpr (Dim == 3) {
@@ -229,8 +229,8 @@ void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& st
   for (int unknown : symmetry_unknowns_) problem.fixed[std::size_t(unknown)] = 1;
 }
 
-/// A node that was free and stands at the wall leans on it at first; one that is let go of now is
-/// left to itself, since it contracts.
+/// A node that was free and touches the wall starts in contact; a node that is released in this
+/// step starts without contact, since it contracts.
 template <int Dim>
 void SlabSupports<Dim>::add_wall(StepProblem<Dim>& problem, const Direction& direction, double gap,
                                  bool was_released, std::vector<char>& closed) const {
@@ -258,8 +258,8 @@ std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vect
 }
 }  // namespace
 
-/// What a frame holds is zero up to the round-off of two turns: it becomes zero again, or a step
-/// would begin by moving held unknowns.
+/// A displacement held in a local frame is zero up to the round-off of two rotations. It is reset
+/// to zero; otherwise a step would begin by moving held unknowns.
 template <int Dim>
 std::vector<double> SlabSupports<Dim>::by_unknown(std::vector<double> displacement) const {
   return turned<Dim>(frames_, std::move(displacement), [](const auto& frame, const auto& v) {

@@ -9,63 +9,66 @@
 
 namespace dccast::mechanics {
 
-/// What holds a slab: the symmetry planes, the mould along its sides, and the block below.
+/// The supports of a slab: the symmetry planes, the mould along its sides, and the block below.
 ///
-/// A side may stand oblique to the coordinate axes. Its nodes then have frames, so that their
-/// displacement along the normal is one unknown. Sides that meet at less than 30 degrees count as
-/// one there, with their mean normal; others hold a node they share along both normals.
+/// A side may be oblique to the coordinate axes. Its nodes then have local frames, so that their
+/// displacement along the normal is one unknown. Sides that meet at less than 30 degrees are
+/// treated there as one, with their mean normal; otherwise a shared node is held along both
+/// normals.
 template <int Dim>
 class SlabSupports {
 public:
   using Mesh = mesh::Mesh<Dim>;
 
-  /// Finds the boundaries of a mesh that the forms have taken.
+  /// Finds the boundaries of a mesh. @pre the mesh is set in `forms`
   void find(const Mesh& mesh, const MechanicsForms<Dim>& forms);
   const std::vector<NodalFrame<Dim>>& frames() const { return frames_; }
 
   const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
-  /// Share of the bottom of each of its nodes [m^(Dim-1)], axisymmetric: [m2/rad].
+  /// (bottom node) tributary area [m^(Dim-1)], axisymmetric: [m2/rad].
   const std::vector<double>& bottom_area() const { return bottom_area_; }
-  /// The same in the plane of the section [m^(Dim-1)], whether axisymmetric or not.
+  /// The same without the radius of an axisymmetric section [m^(Dim-1)].
   const std::vector<double>& bottom_measure() const { return bottom_measure_; }
 
-  /// How far the block lies below each bottom node before anything has moved [m]; empty: flat. It
-  /// is kept while the bottom has as many nodes.
-  /// @throws std::invalid_argument when there is not one number for each bottom node
+  /// Sets the initial distance of the block below each bottom node [m]; empty: flat. It is kept as
+  /// long as the number of bottom nodes does not change.
+  /// @throws std::invalid_argument  not one number per bottom node
   void set_initial_gap(std::vector<double> gap);
   const std::vector<double>& initial_gap() const { return initial_gap_; }  ///< [m]
-  /// By bottom node, whether it stands on the block before anything has moved: all over a flat one,
-  /// those over its highest part else.
+  /// (bottom node) whether the node initially stands on the block: all nodes on a flat block,
+  /// otherwise those over its highest part.
   std::vector<char> initial_contact() const;
 
-  /// Makes the bottom a contact or, without it, holds it. For a problem nothing of which is fixed.
+  /// Sets up contact at the bottom or, without contact, holds the bottom. @pre nothing is fixed in
+  /// the problem
   void place_on_block(StepProblem<Dim>& problem, bool contact) const;
-  /// Releases the side where it is cold and says what the mould holds in this step.
-  /// @param solidus        [°C] below which the mould lets go of a node for good
+  /// Releases the side where it is cold, and adds the support by the mould in this step.
+  /// @param temperature    (node) [°C]
+  /// @param solidus        [°C] below it the mould releases a node permanently
   /// @param mould_bottom   [m] height of the lower edge of the mould
   /// @param displacement   by unknown [m]
-  /// @param closed         by contact unknown; of the bottom when called, then of the walls too
+  /// @param closed         by contact unknown; on entry for the bottom, on return for the walls too
   void hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state, const Options& options,
                   std::span<const double> temperature, double solidus, double mould_bottom,
                   std::span<const double> displacement, std::vector<char>& closed) const;
 
-  /// Displacements [m] by unknown, of displacements along the coordinate axes, and back.
+  /// Displacements by unknown [m] from those along the coordinate axes [m].
   std::vector<double> by_unknown(std::vector<double> displacement) const;
+  /// Displacements along the coordinate axes [m] from those by unknown [m].
   std::vector<double> by_coordinate(std::vector<double> displacement) const;
-  /// Moves side nodes from `first` on back to the mould. @param displacement  by unknown
-  /// [m]
+  /// Moves side nodes from number `first` on back to the mould. @param displacement  by unknown [m]
   void stand_at_mould(std::span<double> displacement, int first) const;
 
 private:
   /// A direction along which the side holds a node.
   struct Direction {
     int unknown;
-    double outward;  ///< +1 where a growing unknown moves the node towards the mould, else -1
-    double area;     ///< share of the side [m^(Dim-1)], axisymmetric: [m2/rad]
+    double outward;  ///< [1] +1 if a positive increment moves the node towards the mould, else -1
+    double area;     ///< tributary area on the side [m^(Dim-1)], axisymmetric: [m2/rad]
   };
   struct SideNode {
     int node;
-    double height;  ///< of the undeformed slab [m]
+    double height;  ///< in the undeformed slab [m]
     std::vector<Direction> direction;
   };
   struct Normals;
@@ -74,14 +77,16 @@ private:
 
   void find_bottom(const Mesh& mesh, const MechanicsForms<Dim>& forms);
   void find_walls(const Mesh& mesh, const MechanicsForms<Dim>& forms);
+  /// @param height  [m] in the undeformed slab
   void add_node(int node, double height, const Normals& normals);
+  /// @param gap  present gap to the wall [m]
   void add_wall(StepProblem<Dim>& problem, const Direction& direction, double gap,
                 bool was_released, std::vector<char>& closed) const;
 
   std::vector<int> bottom_nodes_;
-  std::vector<double> bottom_area_;
-  std::vector<double> bottom_measure_;
-  std::vector<double> initial_gap_;
+  std::vector<double> bottom_area_;     ///< (bottom node) @see bottom_area() [m^(Dim-1)], [m2/rad]
+  std::vector<double> bottom_measure_;  ///< (bottom node) @see bottom_measure() [m^(Dim-1)]
+  std::vector<double> initial_gap_;     ///< (bottom node) [m]
   std::vector<SideNode> side_nodes_;
   std::vector<int> symmetry_unknowns_;
   std::vector<NodalFrame<Dim>> frames_;

@@ -5,10 +5,11 @@
 namespace dccast::mechanics {
 
 /// The forms of the hexahedron whose strain is its mean and bending modes (fem::SolidBending). The
-/// modes keep the volume, so that the mean dilatation is that of every point.
+/// modes preserve the volume, so that the mean dilatation holds at every point.
 ///
-/// Between strain and stiffness stand 18 generalised strains: the mean in its six components and
-/// either the amplitudes of the twelve modes or the components of the four warps they are made of.
+/// Strain and stiffness are expressed by 18 generalised strains: the six components of the mean,
+/// and either the amplitudes of the twelve modes or the components of the four warps from which the
+/// modes follow.
 template <class Number>
 struct ElementForms<fem::BendingHexahedron, Number, true>
     : ElementFormsBase<fem::BendingHexahedron, Number> {
@@ -113,7 +114,7 @@ private:
     return mean;
   }
 
-  /// What a unit of each lever adds to the strain.
+  /// Strain contributed by each lever per unit of the lever.
   static std::array<Tensor, levers> strains_of_levers(const Cell& c, const Vectors& v) {
     OfWarps q{};
     for (std::size_t w = 0; w < warps; ++w) {
@@ -158,12 +159,12 @@ private:
     for (std::size_t m = 0; m < modes; ++m) strain[means + m] = scaled(c.bending.mode[m].strain);
     return strain;
   }
-  /// Number of the lever of a generalised strain, zero of the mean.
+  /// Index of the lever of a generalised strain; zero for the mean.
   static constexpr std::size_t lever_of(std::size_t n) {
     return n < means ? 0 : 1 + Bending::lever_of(n - means);
   }
 
-  /// Between mean and amplitudes of modes.
+  /// Moduli that relate mean strain and mode amplitudes.
   static Moduli moduli(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     const auto strain = unit_strains(c);
     Moduli d{};
@@ -188,7 +189,7 @@ private:
     return d;
   }
 
-  /// Adds what creep takes along the stress at a point, to the lower triangle.
+  /// Adds the softening by creep in the direction of the stress at a point, to the lower triangle.
   static void add_softening(Moduli& d, const Number& softening, const Scaled& stress,
                             const std::array<Scaled, generalised>& strain,
                             const Number (&lever)[1 + levers]) {
@@ -202,7 +203,7 @@ private:
     }
   }
 
-  /// From the amplitudes of modes to the components of warps, on both sides.
+  /// Transforms both sides from mode amplitudes to warp components.
   static void modes_to_warps(const Cell& c, Moduli& d) {
     for (Generalised& row : d) row = to_warps(c, row);
     for (std::size_t n = 0; n < generalised; ++n) {
@@ -226,7 +227,7 @@ private:
     return of_warps;
   }
 
-  /// Generalised stresses of unit displacements of a node, by direction; mean and warps.
+  /// Generalised stresses (mean and warps) caused by unit displacements of a node, by direction.
   static std::array<Generalised, dim> stresses_of_unit_displacements(const Cell& c, const Moduli& d,
                                                                      std::size_t node) {
     std::array<Generalised, dim> stress;
@@ -236,7 +237,7 @@ private:
     }
     return stress;
   }
-  /// Force at a node of generalised stresses; mean and warps.
+  /// Force at a node caused by generalised stresses (mean and warps).
   static std::array<Number, dim> force_at(const Cell& c, std::size_t node,
                                           const Generalised& stress) {
     const auto& g = c.mean_gradient[node];

@@ -9,17 +9,19 @@
 
 namespace dccast::mechanics {
 
-/// What a step changes: where it starts from, and where it ends when it converges.
+/// The unknowns of a step: initial values on entry, the solution on return if it converges.
 template <int Dim>
 struct StepUnknowns {
-  std::vector<double> displacement;  ///< by unknown [m]
-  std::vector<char> contact;         ///< by contact unknown: closed
-  std::vector<double> contact_multiplier;  ///< p of sbm by contact unknown [Pa]; empty elsewhere
-  /// (element, point) stress deviator at the start of the step; vnbm takes its parameters from it.
+  std::vector<double> displacement;        ///< by unknown [m]
+  std::vector<char> contact;               ///< by contact unknown: closed
+  std::vector<double> contact_multiplier;  ///< p of sbm by contact unknown [Pa]; else empty
+  /// (element, point) stress deviator at the start of the step [Pa]; vnbm derives its parameters
+  /// from it.
   std::vector<SymmetricTensor<Dim>> deviator;
 };
 
-/// Ours and the default: consistent-tangent Newton with a primal-dual active set in the same loop.
+/// The default algorithm: Newton's method with consistent tangent and a primal-dual active set in
+/// the same loop. It is not in the paper.
 template <int Dim>
 StepOutcome solve_newton(const StepProblem<Dim>&, const Options&, Workspace&, StepUnknowns<Dim>&);
 /// Paper section 4.2: Bermudez-Moreno with constant parameters for contact and creep.

@@ -10,13 +10,17 @@
 
 namespace dccast::mechanics {
 
-/// The held unknowns of a step: those the problem fixes and those the contact set closes. Every
-/// algorithm that treats contact by an active set uses this one.
+/// The held unknowns of a step: those fixed by the problem and those closed by the contact set.
+/// Used by every algorithm that treats contact by an active set.
+///
+/// Units: displacements `u`, `direction` [m]; residuals and forces [N/m] in 2D, [N/rad] if
+/// axisymmetric, [N] in 3D.
 template <int Dim>
 class StepConstraints {
 public:
-  /// @param active     by contact unknown; the set the step starts from, and its outcome
-  /// @param round_off  round_off_force() of the problem: no reaction is known better
+  /// @param active     by contact unknown; initial contact set, replaced by the final one in
+  ///                   store()
+  /// @param round_off  round_off_force() of the problem: the accuracy of a reaction
   StepConstraints(const StepProblem<Dim>& problem, std::vector<char>& active, double round_off)
       : problem_(&problem),
         active_(&active),
@@ -29,7 +33,7 @@ public:
 
   std::span<const char> fixed() const { return fixed_; }
 
-  /// What the held unknowns have to move to reach their targets [m].
+  /// Displacement that the held unknowns still need to reach their targets [m].
   std::span<const double> step_from(std::span<const double> u) {
     step_.assign(u.size(), 0.0);
     for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
@@ -51,7 +55,7 @@ public:
     return std::sqrt(sum);
   }
 
-  /// Lets pairs change sides. @return number of pairs that did
+  /// Opens and closes pairs. @return number of pairs that changed
   int update(std::span<const double> u, std::span<const double> residual, bool one_by_one) {
     if (problem_->contact.empty()) return 0;
     collect(u, residual);
@@ -68,8 +72,8 @@ public:
     return close_where([&](std::size_t pair) { return problem_->normal_gap(pair, u) < 0.0; });
   }
 
-  /// How far one may go along a direction until an open pair closes [share of the direction], and
-  /// no farther than `length`.
+  /// Step length along a direction at which the first open pair closes, at most `length` [1,
+  /// relative to the direction].
   double feasible_length(std::span<const double> u, std::span<const double> direction,
                          double length) const {
     for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
@@ -81,7 +85,7 @@ public:
     return length;
   }
 
-  /// Closes the open pairs that stand on the block and are pushed towards it.
+  /// Closes the open pairs that are at the block and move towards it.
   int close_blocking(std::span<const double> u, std::span<const double> direction) {
     return close_where([&](std::size_t pair) {
       return problem_->normal_gap(pair, u) <= gap_tolerance &&
@@ -89,17 +93,18 @@ public:
     });
   }
 
-  /// Opens closed pairs that pull: all of them, or the one that pulls most.
+  /// Opens the closed pairs under tension: all of them, or the one with the largest tension.
   int release(std::span<const double> u, std::span<const double> residual, bool only_one) {
     collect(u, residual);
-    // Gaps are left to the step length here, so no pair may close by this call.
+    // The step length takes care of the gaps, so this call must not close any pair.
     const contact::ActiveSet::Tolerance tolerance{INFINITY, force_tolerance_};
     const int changes = set_.update(gap_, reaction_, tolerance, only_one);
     if (changes > 0) mark();
     return changes;
   }
 
-  /// Relative violation of the contact conditions; lengths against 1 mm, forces against the weight.
+  /// Relative violation of the contact conditions [1]; lengths relative to 1 mm, forces to the
+  /// weight.
   double complementarity_error(std::span<const double> u, std::span<const double> residual) {
     if (problem_->contact.empty()) return 0.0;
     collect(u, residual);

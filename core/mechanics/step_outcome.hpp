@@ -13,44 +13,44 @@
 
 namespace dccast::mechanics {
 
-/// What a residual is judged against [force].
+/// Forces against which a residual is judged.
 struct ForceScales {
-  double acting = 0.0;     ///< forces that act, before they cancel
-  double round_off = 0.0;  ///< what rounding alone may leave
+  double acting = 0.0;     ///< [force] acting forces, before they cancel at the nodes
+  double round_off = 0.0;  ///< [force] residual caused by round-off alone
 };
 
-/// How one step went. Non-convergence is an outcome that drives the step control, not an exception.
+/// Outcome of one step. Non-convergence is a result that drives the step control, not an exception.
 struct StepOutcome {
   bool converged = false;
   int iterations = 0;
   int contact_changes = 0;
   int factorizations = 0;
   int solves = 0;
-  int gradient_iterations = 0;           ///< of conjugate gradients, each with one of the solves
-  double equilibrium_residual = 0.0;     ///< [1] relative to the forces that act
+  int gradient_iterations = 0;  ///< of conjugate gradients, each with one preconditioner solve
+  double equilibrium_residual = 0.0;     ///< [1] relative to the acting forces
   double constitutive_residual = 0.0;    ///< [1] relative; round-off where a return map is used
   std::vector<double> residual_history;  ///< [1] relative, by iteration
-  /// Of a converged step whose algorithm ends with an evaluation of the step problem itself: the
-  /// residual in the workspace and the deviators are then those of its end.
+  /// Set if the step converged and the algorithm ended with an evaluation of the step problem
+  /// itself: the residual in the workspace and the deviators then belong to the end of the step.
   std::optional<ForceScales> forces_at_end;
 };
 
-/// What lives longer than a step: the factorisation's analysis and the storage, sized once per
-/// mesh. Forces are [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D.
+/// Objects kept between steps: the analysis of the factorisation and the work arrays, sized once
+/// per mesh. [force] is [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D.
 struct Workspace {
   linalg::DirectSolver solver;
   std::vector<double> stiffness;         ///< [force/m]
-  std::vector<double> unheld_stiffness;  ///< [force/m] before unknowns were held
+  std::vector<double> unheld_stiffness;  ///< [force/m] before any unknown was held
   std::vector<double> residual;          ///< [force]
   std::vector<double> direction;         ///< [m]
-  std::vector<double> lifted;            ///< [force] of held unknowns that still move
-  bool is_solid = false;                 ///< geometry of the mesh
-  long gradient_iterations = 0;          ///< of conjugate gradients, ever
+  std::vector<double> lifted;    ///< [force] caused by held unknowns that still have to move
+  bool is_solid = false;         ///< geometry of the mesh
+  long gradient_iterations = 0;  ///< of conjugate gradients, total
   CostSplit cost;
-  /// Takes the place of the factor where that is too large.
+  /// Replaces the factor if that would be too large.
   std::unique_ptr<linalg::TwoGrid<3>> two_grid;
 
-  /// @param geometry  plane or solid, decides the ordering
+  /// @param geometry  plane or solid; determines the ordering
   /// @param fronts    sets of unknowns from which an elimination may start
   void resize(const linalg::SparsityPattern& pattern, linalg::Geometry geometry,
               std::span<const std::vector<int>> fronts = {}) {
@@ -63,7 +63,7 @@ struct Workspace {
   }
 };
 
-/// Runs the iterations of a step and books in its outcome what they asked of the solver.
+/// Runs the iterations of a step and records in its outcome how often the solver was used.
 template <class Iterate>
 void count_solver_use(const Workspace& work, StepOutcome& outcome, Iterate&& iterate) {
   const long factorizations = work.solver.factorizations(), solves = work.solver.solves(),

@@ -10,15 +10,15 @@
 
 namespace dccast::mechanics {
 
-/// One time step of backward Euler, frozen: what every algorithm solves, and all it may know.
+/// The problem of one backward-Euler time step: the only input of every algorithm.
 ///
 /// The law of an element is, with e the deviator and tr the trace of the strain of u minus the
 /// inelastic strain of the step's start,
 ///     s + 2 mu dt kappa |s|^(q-2) s = 2 mu e,     p = bulk (tr - 3 thermal) + prestress,
-/// stress = s + p I. An element of liquid metal is one without creep and with its own moduli. Find
-/// u with the fixed unknowns at their targets, gaps and reactions of the contact unknowns not
-/// negative, one of the two zero, and zero residual elsewhere: paper eq. (45) to (47) discretised
-/// in time.
+/// stress = s + p I. An element of liquid metal has no creep and its own moduli. Find u such that
+/// the fixed unknowns are at their targets, gaps and reactions of the contact unknowns are
+/// non-negative and one of the two is zero, and the residual of all other unknowns is zero: paper
+/// eq. (45) to (47) discretised in time.
 template <int Dim>
 struct StepProblem {
   using Tensor = SymmetricTensor<Dim>;
@@ -26,7 +26,7 @@ struct StepProblem {
   const MechanicsForms<Dim>* forms = nullptr;
   const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
 
-  /// In which the elements are gone through; null: one after the other.
+  /// Parts in which the elements are processed; null: one part.
   const ElementParts* parts = nullptr;
 
   double dt = 0.0;        ///< [s]
@@ -36,36 +36,36 @@ struct StepProblem {
   std::vector<double> bulk;       ///< [Pa]
   std::vector<double> shear;      ///< mu [Pa]
   std::vector<double> kappa;      ///< [Pa^-(q-1)/s], zero without creep
-  std::vector<double> thermal;    ///< thermal stretch of the end of the step [1]
+  std::vector<double> thermal;    ///< thermal stretch at the end of the step [1]
   std::vector<double> prestress;  ///< [Pa], negative in a liquid under pressure
 
-  /// (element, point) strain that carries no stress: reference strain at solidification and
-  /// viscoplastic strain up to the start of the step.
+  /// (element, point) stress-free strain [1]: reference strain at solidification and viscoplastic
+  /// strain up to the start of the step.
   std::vector<Tensor> inelastic;
 
   // By unknown.
   std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D
   std::vector<char> fixed;             ///< not zero: held at `target`
   std::vector<double> target;          ///< [m]
-  /// Stiffness of a spring towards zero [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in 3D;
-  /// empty where there is none.
+  /// Stiffness of a spring to zero displacement [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in
+  /// 3D; empty if there are no springs.
   std::vector<double> spring;
 
-  /// Unknowns whose gap may not become negative, frictionless: of the bottom, over the block
-  /// (outward normal -x_last), then of sides along a wall.
+  /// Unknowns with frictionless unilateral contact: at the bottom, above the block (outward normal
+  /// -x_last), then at sides along a wall.
   std::vector<int> contact;
-  /// By contact unknown, +1 where it grows as the gap opens, -1 where it falls [1]; empty: all +1.
+  /// By contact unknown: +1 if it increases as the gap opens, -1 if it decreases [1]; empty: all
+  /// +1.
   std::vector<double> contact_sense;
-  /// The last so many are of walls. The others carry the weight and are never all open.
+  /// Number of wall contacts, which come last. The others carry the weight and are never all open.
   std::size_t walls = 0;
-  /// By contact unknown, how far the block lies below it before anything has moved [m]; empty where
-  /// the block is flat against the slab.
+  /// By contact unknown: initial distance of the block below it [m]; empty if the block is flat and
+  /// in contact everywhere.
   std::vector<double> initial_gap;
-  /// Share of the boundary that each stands for [m] in 2D, [m2/rad] if axisymmetric,
-  /// [m2] in 3D.
+  /// By contact unknown: tributary area of the boundary [m] in 2D, [m2/rad] if axisymmetric, [m2]
+  /// in 3D.
   std::vector<double> contact_area;
-  /// Force against which reactions are judged: the weight of the slab, in the unit of
-  /// external_force.
+  /// Force against which reactions are judged: the weight of the slab [unit of external_force].
   double weight = 0.0;
 
   std::size_t unknowns() const { return external_force.size(); }
@@ -73,16 +73,16 @@ struct StepProblem {
 
   /// +1 or -1 [1], see contact_sense.
   double sense(std::size_t pair) const { return contact_sense.empty() ? 1.0 : contact_sense[pair]; }
-  /// Where a contact unknown stands on the block or at the wall [m].
+  /// Value of a contact unknown at which it touches the block or the wall [m].
   double closed_at(std::size_t pair) const {
     return initial_gap.empty() ? 0.0 : -sense(pair) * initial_gap[pair];
   }
-  /// Normal gap of a contact unknown at displacement `u` [m], open positive.
+  /// Normal gap of a contact unknown at displacement `u` [m]; positive if open [m].
   double normal_gap(std::size_t pair, std::span<const double> u) const {
     return sense(pair) * (u[std::size_t(contact[pair])] - closed_at(pair));
   }
-  /// How fast the gap opens along a vector of the unknowns, or by what force it is held, of a
-  /// vector of forces, in the unit of the vector.
+  /// Component of a vector in the opening direction of a gap [unit of `v`]: the opening for a
+  /// vector of displacements, the reaction for a vector of forces.
   double along_gap(std::size_t pair, std::span<const double> v) const {
     return sense(pair) * v[std::size_t(contact[pair])];
   }

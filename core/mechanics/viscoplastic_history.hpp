@@ -4,8 +4,9 @@
 
 namespace dccast::mechanics {
 
-/// Adds the viscoplastic strain of a converged step, dt H(s), to strains that hold it.
-/// @param strain  by point, of the start of the step; afterwards of its end
+/// Adds the viscoplastic strain increment of a converged step, dt H(s), to one or more strain
+/// arrays.
+/// @param strain  (element, point) at the start of the step on entry, at its end on return [1]
 template <int Dim, class... Strain>
 void accumulate_viscoplastic_strain(const StepProblem<Dim>& problem,
                                     const std::vector<SymmetricTensor<Dim>>& deviator,

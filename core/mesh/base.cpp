@@ -17,7 +17,7 @@ std::vector<double> graded_towards_end(double length, int cells, double last) {
   return ends_of_cells(widths, length);
 }
 
-/// Moves the nearest inner position onto a place, so that there is a row of nodes.
+/// Moves the nearest inner position to a given one, so that there is a row of nodes.
 void snap(double place, std::vector<double>& at) {
   if (at.size() < 3 || place <= at.front() || place >= at.back()) return;
   *std::min_element(at.begin() + 1, at.end() - 1, [&](double a, double b) {

@@ -8,19 +8,19 @@
 
 namespace dccast::mesh {
 
-/// What an extruded mesh stands on: a divided line in 2D, a plan of quadrilaterals in 3D.
+/// The base of an extruded mesh: a divided line in 2D, a plan of quadrilaterals in 3D.
 template <int Dim>
 struct Base {
   static constexpr int nodes_per_cell = Dim == 2 ? 2 : 4;
 
-  /// Where a wall stands on a side of a cell of the base.
+  /// A side of a base cell on which a wall stands.
   struct Piece {
     int cell = -1;
-    /// Of the cell: in 2D its left (0) or right (1) end; in 3D its side from corner k to corner
-    /// k + 1.
+    /// Side of the cell: in 2D its left (0) or right (1) end; in 3D the side from corner k to
+    /// corner k + 1.
     int side = 0;
   };
-  /// A wall of the slab: the pieces of the rim on which it stands.
+  /// A wall of the slab, given by the pieces of the rim on which it stands.
   struct Wall {
     std::string name;
     PatchKind kind = PatchKind::side;
@@ -37,8 +37,8 @@ struct Base {
 };
 
 /// The base of a section's built-in mesh. In 2D from the symmetry plane to the side; of a quarter
-/// slab the plan between the planes x = 0 and y = 0, its nodes numbered along y first, which keeps
-/// the band of a factorisation narrow.
+/// slab the plan between the planes x = 0 and y = 0, with the nodes numbered along y first, which
+/// keeps the bandwidth of the matrix small.
 template <int Dim>
 Base<Dim> base_of(const SectionSpec& spec);
 
@@ -49,11 +49,11 @@ Base<2> base_of<2>(const SectionSpec& spec);
 template <>
 Base<3> base_of<3>(const SectionSpec& spec);
 
-/// How far the plan of a quarter slab reaches in y at a place along its wide face [m].
+/// Extent in y of the plan of a quarter slab at a position x [m] along its wide face [m].
 double reach_of(const Base<3>& plan, double x);
 
-/// Cells of a quarter slab's plan that lie between the ends of its rounded corner, along the wide
-/// and along the narrow face; none of either without a radius.
+/// Numbers of cells of a quarter slab's plan between the ends of its rounded corner, along the wide
+/// and along the narrow face; zero without a corner radius.
 std::array<int, 2> corner_cells(const SectionSpec& spec);
 
 }  // namespace dccast::mesh

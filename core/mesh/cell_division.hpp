@@ -8,8 +8,8 @@
 
 namespace dccast::mesh {
 
-/// How the cell of an extruded mesh becomes elements. Corners of a cell: those of its base below,
-/// then above in the same order.
+/// Division of a cell of an extruded mesh into elements. Corners of a cell: the lower ones in the
+/// order of its base, then the upper ones in the same order.
 template <int Dim>
 struct CellDivision {
   static constexpr int corners = Dim == 2 ? 4 : 8;
@@ -26,7 +26,7 @@ struct CellDivision {
   std::vector<std::vector<Part>> side;     ///< by side of the base's cell
 };
 
-/// The division for an element: whole, or into triangles or tetrahedra.
+/// The division for a kind of element: undivided, or into triangles or tetrahedra.
 template <int Dim>
 const CellDivision<Dim>& division_of(ElementKind kind);
 

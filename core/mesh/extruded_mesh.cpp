@@ -37,7 +37,7 @@ Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
   return facet;
 }
 
-/// The topmost initial row of cells becomes a growth cell when the first row is put in.
+/// The topmost initial row of cells becomes a growth cell when the first row is inserted.
 int first_grown(const std::vector<double>& row_heights) {
   return static_cast<int>(row_heights.size()) - 2;
 }

@@ -11,20 +11,20 @@ namespace dccast::mesh {
 /// A mesh of rows of cells over a base, which grows upwards.
 ///
 /// Nodes are numbered row by row from the bottom, in the order of the base, so that growth only
-/// appends: an existing node or element keeps its number, and what joins what follows from the
-/// number of rows alone. Linear elements split each cell, a
-/// rectangle along its diagonal from lower left to upper right (the paper's SW-NE), a hexahedron
-/// into six tetrahedra around the diagonal from its first corner to the opposite one; bilinear and
-/// trilinear elements take it whole.
+/// appends: existing nodes and elements keep their numbers, and the connectivity follows from the
+/// number of rows alone. Linear elements split each cell: a rectangle along its diagonal from lower
+/// left to upper right (the paper's SW-NE), a hexahedron into six tetrahedra around the diagonal
+/// from its first corner to the opposite one. Bilinear and trilinear elements use the whole cell.
 ///
 /// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
-/// divided: its lower part becomes one growth cell, the rest the new top row. Rows that have grown
-/// can be merged in pairs once they lie deep; nodes and elements above them get new numbers then.
+/// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
+/// can be merged in pairs once they are deep below the metal level; nodes and elements above them
+/// are then renumbered.
 template <int Dim>
 class ExtrudedMesh {
 public:
-  /// @param row_heights  [m] of the rows of nodes, rising from zero
-  /// @param growth_cell  [m] height of a row that is put in
+  /// @param row_heights  [m] of the rows of nodes, ascending from zero
+  /// @param growth_cell  [m] height of an added row
   ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
                double growth_cell, RowMerging merging = {});
 
@@ -38,16 +38,16 @@ public:
 
   /// Raises the metal level.
   /// @param level  [m], not below the present one
-  /// @return       the heights of the rows of nodes put in between, from below; empty while the top
-  ///               row only stretched
+  /// @return       heights of the inserted rows of nodes, ascending [m]; empty if the top row was
+  ///               only stretched
   std::vector<double> grow_to(double level);
 
-  /// What there is to merge: rows that have come to lie deep. Empty if nothing.
+  /// Rows that are now deep enough to be merged; may be empty.
   MergedRows rows_to_merge() const;
   /// Merges them: @see rows_to_merge()
   void merge(const MergedRows& rows);
 
-  /// Restores the state of a checkpoint. @param row_heights  [m] as `row_heights()` gave them
+  /// Restores the state of a checkpoint. @param row_heights  [m] from `row_heights()`
   void restore(const std::vector<double>& row_heights);
 
 private:
@@ -62,12 +62,13 @@ private:
   ElementKind kind_;
   double growth_cell_;  ///< [m]
   RowMerging merging_;
-  int first_grown_;              ///< row of nodes below the rows that have grown
+  int first_grown_;              ///< row of nodes below the rows added by growth
   std::vector<double> heights_;  ///< [m] of the rows of nodes
   Mesh<Dim> mesh_;
 };
 
-/// Number of rows a mesh of these initial rows has once the metal stands at `level` [m].
+/// Number of rows of a mesh with these initial rows when the metal level is at `level` [m].
+/// @param row_heights  [m] @param growth_cell  [m]
 int rows_at_level(std::vector<double> row_heights, double growth_cell, const RowMerging& merging,
                   double level);
 

@@ -7,17 +7,18 @@
 
 namespace dccast::mesh {
 
-/// How the nodes of an extruded mesh of hexahedra lie: rows one above the other, all alike,
-/// numbered row by row. The nodes at one place of every row form an upright line.
+/// Structure of an extruded mesh of hexahedra: identical rows of nodes above each other, numbered
+/// row by row. Corresponding nodes of all rows form a vertical line.
 struct Extrusion {
-  std::vector<double> height;  ///< (row of nodes) [m], rising
-  int lines = 0;               ///< nodes of a row
+  std::vector<double> height;  ///< (row of nodes) [m], ascending
+  int lines = 0;               ///< nodes per row
   std::vector<int> cell;       ///< (cell of a row, 4) its lines
 
   int rows() const { return static_cast<int>(height.size()); }
 };
 
-/// Nothing where the mesh is not one: tetrahedra, or a mesh from a file with other numbers.
+/// The structure of a mesh; empty if the mesh is not extruded: tetrahedra, or a mesh from a file
+/// with another numbering.
 std::optional<Extrusion> extrusion_of(const Mesh<3>& mesh);
 
 }  // namespace dccast::mesh

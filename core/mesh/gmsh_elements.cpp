@@ -82,7 +82,7 @@ private:
     }
   }
 
-  /// Smallest and largest measure over the corners: both have one sign in a sound element.
+  /// Smallest and largest measure over the corners: both have the same sign in a valid element.
   std::pair<double, double> measures(const std::vector<int>& n) const {
     std::vector<double> values;
     if (import_.shape == gmsh::triangle) {
@@ -105,7 +105,7 @@ private:
     return {*smallest, *largest};
   }
 
-  /// Turns a negative element round; false (and a fault) when it is folded or has no size.
+  /// Reverses a negative element; returns false, with a fault, if it is folded or degenerate.
   bool orient(std::vector<int>& nodes) {
     const auto [smallest, largest] = measures(nodes);
     if (smallest > 0.0) return true;

@@ -47,7 +47,7 @@ public:
     return value;
   }
 
-  /// How many things follow; each takes at least two bytes of the text that is left.
+  /// Number of items that follow; each takes at least two bytes of the remaining text.
   std::size_t count() {
     const auto value = number<long>();
     if (value < 0 || static_cast<std::size_t>(value) > left_.size() / 2 + 1)
@@ -83,7 +83,7 @@ public:
                         " belongs");
   }
 
-  /// Passes over a section of which nothing is needed.
+  /// Skips a section that is not needed.
   void skip_section() {
     while (word() != "$End" + section_) {
     }

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-/// What stands in a Gmsh file, before anything is made of it. Formats: the Gmsh reference manual,
+/// Parsed content of a Gmsh file, not yet converted to a mesh. Formats: the Gmsh reference manual,
 /// "MSH file format version 4.1" and "version 2 (Legacy)".
 namespace dccast::mesh::gmsh {
 
@@ -28,9 +28,9 @@ enum Shape : int {
   point = 15
 };
 
-/// Nodes of a linear element; 0 for a shape that is not read.
+/// Number of nodes of a linear element; 0 for an unsupported shape.
 int nodes_of(int shape);
-/// Dimension of a linear element; -1 for a shape that is not read.
+/// Dimension of a linear element; -1 for an unsupported shape.
 int dimension_of(int shape);
 
 struct Element {

@@ -11,15 +11,15 @@
 
 namespace dccast::mesh {
 
-/// A mesh on its way out of a Gmsh file, with the faults found so far.
+/// A mesh under construction from a Gmsh file, with the faults found so far.
 template <int Dim>
 struct GmshImport {
   const gmsh::File& file;
   std::string name;  ///< of the file, for faults
-  int shape;         ///< of the elements that are wanted, as in gmsh_file.hpp
+  int shape;         ///< required shape of the elements, see gmsh_file.hpp
   Faults& faults;
   Mesh<Dim> mesh{};
-  std::unordered_map<long, int> number{};  ///< of a node, by Gmsh's tag
+  std::unordered_map<long, int> number{};  ///< number of a node by its Gmsh tag
 
   void fault(const std::string& message,
              const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
@@ -27,7 +27,7 @@ struct GmshImport {
     faults.add("mesh.file", name, message, permitted, remedy);
   }
 
-  /// Numbers of the nodes of an element; false (and a fault) when it names one that is not there.
+  /// Finds the node numbers of an element; false, with a fault, if it refers to a missing node.
   bool look_up(const gmsh::Element& element, std::vector<int>& nodes) {
     nodes.clear();
     for (int i = 0; i < gmsh::nodes_of(element.shape); ++i) {
@@ -43,11 +43,11 @@ struct GmshImport {
   }
 };
 
-/// Takes over nodes and elements, all of one shape and none turned inside out.
+/// Converts nodes and elements. All elements must have one shape, and none may be inverted.
 template <int Dim>
 void import_elements(GmshImport<Dim>& imported);
 
-/// Makes patches of the physical groups of the boundary. @pre the elements are taken over
+/// Creates patches from the physical groups of the boundary. @pre the elements have been converted
 template <int Dim>
 void import_patches(GmshImport<Dim>& imported);
 

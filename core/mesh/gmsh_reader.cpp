@@ -14,7 +14,7 @@ int shape_for(int dimension, ElementKind kind) {
   return kind == ElementKind::p1 ? gmsh::tetrahedron : gmsh::hexahedron;
 }
 
-/// The mesh that stands in a file; nothing where there is a fault.
+/// The mesh in a file; empty if there is a fault.
 template <int Dim>
 std::optional<Mesh<Dim>> mesh_of(const gmsh::File& file, const std::string& name, ElementKind kind,
                                  Faults& faults) {

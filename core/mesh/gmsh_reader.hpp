@@ -14,20 +14,20 @@ namespace dccast::mesh {
 /// Reads a Gmsh mesh, MSH 2.2 or 4.1 in ASCII, length unit the metre.
 ///
 /// Boundary facets belong to physical groups named symmetry, bottom, side and top, in 3D also
-/// symmetry_x, symmetry_y and any name that begins with side_; bottom must be there, boundary
-/// without a group is free and insulated. Elements of negative orientation are turned round. Nodes
-/// keep the order of the file, which is the order of the columns of a temperature file. Facets of a
-/// patch are ordered along it: from the symmetry plane, or upwards.
+/// symmetry_x, /// symmetry_y and any name that begins with side_. The group bottom is required;
+/// boundary without a group is free and insulated. Elements of negative orientation are reversed.
+/// Nodes keep the order of the file, which is the order of the columns of a temperature file.
+/// Facets of a patch are ordered along it: from the symmetry plane, or upwards.
 ///
 /// @param path    the file
 /// @param kind    p1 needs triangles (tetrahedra in 3D), the others quadrilaterals (hexahedra)
-/// @param faults  gets everything that is wrong, under the field "mesh.file"
-/// @return        nothing where there is a fault
+/// @param faults  receives all faults, under the field "mesh.file"
+/// @return        empty if there is a fault
 template <int Dim>
 std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKind kind,
                                    Faults& faults);
 
-/// The same from the content of a file. @param name  for the faults
+/// The same from the content of a file. @param name  file name for the messages
 template <int Dim>
 std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
                                     ElementKind kind, Faults& faults);

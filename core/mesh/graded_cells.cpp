@@ -31,7 +31,7 @@ std::vector<double> graded_cells(double length, int cells, double first) {
 std::vector<double> ends_of_cells(const std::vector<double>& widths, double length) {
   std::vector<double> at{0.0};
   for (double w : widths) at.push_back(at.back() + w);
-  at.back() = length;  // free of the rounding of the sum: patches must close
+  at.back() = length;  // without the rounding of the sum: patches must close
   return at;
 }
 

@@ -12,7 +12,7 @@
 
 namespace dccast::mesh {
 
-/// What a part of the boundary is to the slab.
+/// Role of a part of the boundary.
 enum class PatchKind { symmetry, bottom, side, top };
 inline constexpr std::size_t patch_kinds = 4;
 inline constexpr std::array<const char*, patch_kinds> patch_kind_name{"symmetry", "bottom", "side",
@@ -33,14 +33,14 @@ struct Facet {
 /// A named part of the boundary. There may be several of a kind: two symmetry planes, four faces.
 template <int Dim>
 struct Patch {
-  std::string name;  ///< its kind's name where it is the only one of it
+  std::string name;  ///< name of the kind if it is the only patch of it
   PatchKind kind = PatchKind::side;
   std::array<double, Dim> normal{};  ///< outward unit normal of the undeformed slab [1]
   std::vector<Facet<Dim>> facets;
 };
 
-/// Outward normal of a patch in a section whose coordinate 0 points to the mould and whose last one
-/// points upwards.
+/// Outward normal of a patch in a section whose coordinate 0 points to the mould and whose last
+/// coordinate points upwards [1].
 template <int Dim>
 std::array<double, Dim> usual_normal(PatchKind kind) {
   std::array<double, Dim> normal{};
@@ -76,7 +76,7 @@ struct Mesh {
     const auto found = std::ranges::find(patches, name, &Patch<Dim>::name);
     return found == patches.end() ? nullptr : &*found;
   }
-  /// The facets of the one patch of a kind, which is made where there is none yet.
+  /// The facets of the only patch of a kind, which is created if there is none yet.
   /// @throws std::logic_error  there are several
   std::vector<Facet<Dim>>& facets(PatchKind kind) {
     if (Patch<Dim>* patch = only(*this, kind)) return patch->facets;
@@ -143,8 +143,8 @@ std::vector<int> patch_nodes(const Patch<Dim>& patch) {
   return nodes;
 }
 
-/// Unknowns of the patches from which an elimination may sweep through a slab, across it and
-/// downwards, each set in rising order; unknown = node * per_node + number.
+/// Sets of unknowns at patches from which an elimination may sweep through a slab, horizontally and
+/// downwards, each in ascending order; unknown = node * per_node + number.
 template <int Dim>
 std::array<std::vector<int>, 2> edges_to_sweep_from(const Mesh<Dim>& mesh, int per_node) {
   std::array<std::vector<int>, 2> fronts;

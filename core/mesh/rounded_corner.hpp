@@ -7,8 +7,8 @@
 
 namespace dccast::mesh {
 
-/// The corner between narrow and wide face of a quarter slab as an arc that touches both: the
-/// narrow face x = half_width and the last straight piece of the opening.
+/// The rounded corner between narrow and wide face of a quarter slab: an arc tangent to the narrow
+/// face x = half_width and to the last straight piece of the opening.
 struct CornerArc {
   using Point = std::array<double, 2>;
 
@@ -22,7 +22,7 @@ struct CornerArc {
   Point on_wide_face() const { return point(angle); }
 };
 
-/// The arc of a section with a corner radius; its opening has a value at the half width.
+/// The arc of a section with a corner radius. @pre its opening is given at the half width
 CornerArc corner_arc(const SectionSpec& spec);
 
 /// A grid of points of a plan, columns along x and layers along y; (column, layer, 2) [m].
@@ -35,24 +35,25 @@ struct PlanGrid {
   double* at(int column, int layer) {
     return place.data() + 2 * (std::size_t(column) * std::size_t(layers) + std::size_t(layer));
   }
+  /// The two coordinates of a point [m].
   const double* at(int column, int layer) const {
     return const_cast<PlanGrid*>(this)->at(column, layer);
   }
 };
 
-/// Where the arc begins in a grid: the column at its end on the wide face, the layer at its end on
+/// Position of the arc in a grid: the column at its end on the wide face, the layer at its end on
 /// the narrow face.
 struct CornerPatch {
   int column = 0;
   int layer = 0;
 };
 
-/// Moves the points of the corner's patch: those on its two outer sides to the arc, half of it
-/// each, in equal angles; those inside by transfinite interpolation between its four sides.
+/// Moves the points of the corner patch: those on its two outer sides to the arc, at equal angles
+/// on half the arc each; those inside by transfinite interpolation between its four sides.
 void round_corner(const CornerArc& arc, const CornerPatch& patch, PlanGrid& grid);
 
-/// Cells that a corner needs along each face. With two the arc turns by less than 30 degrees from
-/// chord to chord, so that the mould holds its nodes along one normal.
+/// Smallest number of cells of a corner along each face. With two, neighbouring chords differ by
+/// less than 30 degrees, so that the mould holds each node along one normal.
 inline constexpr int fewest_corner_cells = 2;
 
 }  // namespace dccast::mesh

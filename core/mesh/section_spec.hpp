@@ -22,26 +22,27 @@ constexpr const char* name_of(SectionKind kind) {
   return names[static_cast<int>(kind)];
 }
 
-/// The part of the slab that is computed and how it is divided; tables `section` and `mesh` of a
-/// case. Columns are cells from the symmetry plane (x = 0) to the side, of a quarter slab to its
-/// narrow face; layers are cells from y = 0 to the wide face.
+/// The simulated part of the slab and its mesh; tables `section` and `mesh` of a case. Columns are
+/// cells from the symmetry plane (x = 0) to the side, in a quarter slab to its narrow face; layers
+/// are cells from y = 0 to the wide face.
 struct SectionSpec {
   SectionKind kind = SectionKind::plane_strain;
-  double half_width = 0.0;  ///< [m]; of a quarter slab half the length of its wide face
-  /// [m] of a quarter slab against distance from x = 0: half the opening of the mould in y,
-  /// piecewise linear; a constant is a rectangle, points above the end's value make it convex.
+  double half_width = 0.0;  ///< [m]; for a quarter slab half the length of its wide face
+  /// [m] quarter slab only, against distance from x = 0: half the opening of the mould in y,
+  /// piecewise linear. A constant is a rectangle; values above that at the end make the mould
+  /// convex.
   Curve half_thickness;
-  double corner_radius = 0.0;  ///< [m] of a quarter slab; 0 is a square corner
+  double corner_radius = 0.0;  ///< [m] quarter slab only; 0 is a square corner
   double initial_depth = 0.0;  ///< [m]
   ElementKind element = ElementKind::q1_bending;
   int columns = 30;
   int layers = 8;
   int rows = 22;
-  double side_cell = 3e-3;            ///< [m] column at the side
-  double wide_side_cell = 3e-3;       ///< [m] layer at the wide face, where x = 0
-  double bottom_cell = 3e-3;          ///< [m]
+  double side_cell = 3e-3;            ///< [m] width of the column at the side
+  double wide_side_cell = 3e-3;       ///< [m] width of the layer at the wide face, at x = 0
+  double bottom_cell = 3e-3;          ///< [m] height of the lowest row
   std::optional<double> growth_cell;  ///< [m]; absent: height of the topmost initial row
-  RowMerging merging;  ///< of a quarter slab of hexahedra; its largest cell before refinement
+  RowMerging merging;  ///< quarter slab of hexahedra only; largest_cell is before refinement
   int refinement = 1;
   std::filesystem::path file;  ///< Gmsh mesh; empty: the built-in one
   bool growth = true;

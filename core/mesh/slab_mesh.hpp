@@ -5,7 +5,7 @@
 
 namespace dccast::mesh {
 
-/// The built-in mesh of a section: its base with rows that are graded from the bottom block.
+/// The built-in mesh of a section: its base extruded in rows that are graded from the bottom block.
 template <int Dim>
 class SlabMesh : public ExtrudedMesh<Dim> {
 public:
@@ -19,7 +19,7 @@ using SlabMesh3D = SlabMesh<3>;
 /// Height of the rows that growth adds to the built-in mesh [m].
 double growth_cell(const SectionSpec& spec);
 
-/// Number of rows the built-in mesh has when the metal level stands at `level` [m].
+/// Number of rows of the built-in mesh when the metal level is at `level` [m].
 int rows_at(const SectionSpec& spec, double level);
 
 extern template class SlabMesh<2>;

@@ -13,7 +13,7 @@ namespace dccast::prescribed {
 namespace {
 
 constexpr const char* field = "thermal.file";
-/// Nothing that is cast is colder or hotter [°C]; values outside are kelvins or a wrong column.
+/// Range of temperatures in a casting [°C]; values outside are in kelvin or from a wrong column.
 constexpr double coldest = -273.15;
 constexpr double hottest = 3000.0;
 
@@ -51,7 +51,7 @@ void check_temperatures(const std::string& name, const std::vector<double>& temp
   }
 }
 
-/// Whether both datasets are there and fit each other and the mesh.
+/// Whether both datasets exist and are consistent with each other and with the mesh.
 bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t nodes,
                   Faults& faults) {
   bool found = true;

@@ -8,8 +8,8 @@
 
 namespace dccast::prescribed {
 
-/// Prescribed temperatures on the nodes of a mesh: linear in time between the given instants,
-/// constant before the first and after the last.
+/// Prescribed temperatures at the nodes of a mesh: linear in time between the given times, constant
+/// before the first and after the last.
 class TemperatureHistory {
 public:
   /// @param time         [s], strictly increasing, at least one
@@ -19,7 +19,7 @@ public:
   std::size_t nodes() const { return temperature_.size() / time_.size(); }
   double begin() const { return time_.front(); }  ///< [s]
   double end() const { return time_.back(); }     ///< [s]
-  /// @param temperature  set to (node) [°C]
+  /// Interpolates the temperatures at a time [s]. @param temperature  result (node) [°C]
   void at(double time, std::vector<double>& temperature) const;
 
 private:
@@ -28,9 +28,9 @@ private:
 };
 
 /// Reads an HDF5 file with the datasets `time_s` (t) and `temperature_c` (t, node).
-/// @param nodes   what the mesh has
-/// @param faults  gets everything that is wrong, under the field "thermal.file"
-/// @return        nothing where there is a fault
+/// @param nodes   number of nodes of the mesh
+/// @param faults  receives all faults, under the field "thermal.file"
+/// @return        empty if there is a fault
 std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::path& path,
                                                         std::size_t nodes, Faults& faults);
 

@@ -8,19 +8,21 @@
 
 namespace dccast::restart {
 
-/// What reading a checkpoint came to: the content, or why there is none.
+/// Result of reading a checkpoint: the content, or the reason why there is none.
 struct CheckpointRead {
   std::optional<Sections> content;
-  /// "", "missing", "truncated", "checksum", "not a checkpoint", or which format it is of
+  /// "", "missing", "truncated", "checksum", "not a checkpoint", or the format it has
   std::string reason;
-  bool other_format = false;  ///< whole, perhaps, but of another version of CHECKPOINT.md
+  bool other_format =
+      false;  ///< the file follows another version of CHECKPOINT.md and was not checked
 };
 
-/// Writes a checkpoint so that after a crash there is the previous one or the whole new one.
-/// The format is CHECKPOINT.md. @throws storage::StorageError
+/// Writes a checkpoint atomically: after a crash either the previous one or the complete new one
+/// exists. The format is CHECKPOINT.md. @throws storage::StorageError
 void write_checkpoint(const std::filesystem::path& path, const Sections& content);
 
-/// Never throws for what is in the file; a run without a readable checkpoint starts over.
+/// Damaged content is never an exception: a run without a readable checkpoint starts from the
+/// beginning.
 /// @throws storage::StorageError  the file is there but cannot be read (permission, disk)
 CheckpointRead read_checkpoint(const std::filesystem::path& path);
 

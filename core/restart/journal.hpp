@@ -11,29 +11,30 @@
 
 namespace dccast::restart {
 
-/// What a record of a journal is; the numbers stand in the file.
+/// Kind of a journal record; the numbers are part of the file format.
 enum class RecordKind : std::uint8_t { header = 1, step = 2, frame = 3 };
 
-/// The records of a run while it is going on, appended to one file; format in CHECKPOINT.md. All
-/// calls may throw storage::StorageError.
+/// The records of a running casting, appended to one file; CHECKPOINT.md has the format. All calls
+/// may throw storage::StorageError.
 class Journal {
 public:
-  /// Begins a new file, over one that may be there.
+  /// Creates a new file; an existing one is overwritten.
   static Journal create(const std::filesystem::path& path);
-  /// Goes on with a file, cut off behind byte `size`.
+  /// Opens a file for appending, truncated to `size` bytes.
   static Journal reopen(const std::filesystem::path& path, std::int64_t size);
 
-  /// Puts a record behind the others; in memory until write().
+  /// Appends a record; it stays in memory until write().
   void append(RecordKind kind, const Sections& content);
-  /// Hands the records to the system: they outlive this process.
+  /// Hands the records to the operating system: they survive the end of this process.
   void write();
-  /// Waits until what write() handed over is on the disk; also from another thread.
+  /// Waits until everything passed to write() is on disk; may be called from another thread.
   void sync() { log_->sync(); }
 
 private:
   explicit Journal(storage::File file);
 
-  std::unique_ptr<storage::RecordLog> log_;  ///< at one address for the thread that synchronises
+  std::unique_ptr<storage::RecordLog>
+      log_;  ///< on the heap: the thread that calls sync() needs a fixed address
   std::string pending_;
 };
 
@@ -41,12 +42,12 @@ private:
 struct Record {
   RecordKind kind{};
   Sections content;
-  std::int64_t end = 0;  ///< byte behind the record
+  std::int64_t end = 0;  ///< byte after the record
 };
 
-/// Calls `visit` with each whole record in turn until it answers false; stops before a damaged one.
-/// @param after  begin behind this byte, the end of a record visited before; 0: at the beginning
-/// @return false when the file does not begin like a journal
+/// Calls `visit` with each complete record in order until it returns false; stops at a damaged one.
+/// @param after  start after this byte, the end of a record visited before; 0: at the beginning
+/// @return false if the file does not begin like a journal
 /// @throws storage::StorageError  the file cannot be read
 bool visit_journal(const std::filesystem::path& path,
                    const std::function<bool(const Record&)>& visit, std::int64_t after = 0);

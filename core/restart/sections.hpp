@@ -10,8 +10,10 @@
 
 namespace dccast::restart {
 
-/// Named arrays of exact values: the content of a checkpoint and of each record of a journal.
-/// The bytes are described in CHECKPOINT.md.
+/// Named arrays of exact values: the content of a checkpoint and of each record of a journal. The
+/// bytes are described in CHECKPOINT.md.
+///
+/// Units: reals are in SI units and °C.
 class Sections {
 public:
   using Reals = std::vector<double>;
@@ -23,7 +25,7 @@ public:
   void set_integer(std::string name, std::int64_t value) { set(std::move(name), Integers{value}); }
 
   bool has(std::string_view name) const { return values_.find(name) != values_.end(); }
-  /// @throws std::out_of_range when there is no section of that name and type
+  /// @throws std::out_of_range  there is no section with that name and type
   const Reals& reals(std::string_view name) const { return get<Reals>(name); }
   const Integers& integers(std::string_view name) const { return get<Integers>(name); }
   const std::string& text(std::string_view name) const { return get<std::string>(name); }
@@ -40,7 +42,7 @@ private:
 };
 
 std::string encode(const Sections& sections);
-/// Nothing when the bytes are not what encode() writes.
+/// Returns nothing if the bytes were not written by encode().
 std::optional<Sections> decode(std::string_view bytes);
 
 }  // namespace dccast::restart

@@ -6,18 +6,19 @@
 
 namespace dccast::results {
 
-/// A field of a frame that follows from others and is stored for programs that show results.
+/// A field of a frame that is derived from other fields and stored for visualisation programs.
 struct DerivedField {
   const char* name;  ///< dataset in the frame's group
   const char* unit;
   const char* meaning;
   bool on_nodes;               ///< else on elements
-  int components = 1;          ///< of a value
-  std::vector<double> values;  ///< in `unit`
+  int components = 1;          ///< per node or element
+  std::vector<double> values;  ///< [`unit`]
 };
 
-/// Those that the frame's own fields permit: the displacement with three components where it has
-/// two, the solid fraction, the von Mises stress and the contact pressure as a field on all nodes.
+/// The derived fields that the fields of a frame permit: the displacement with three components if
+/// it has two, the solid fraction, the von Mises stress, and the contact pressure as a field on all
+/// nodes.
 std::vector<DerivedField> derived_fields(const Frame& frame);
 
 }  // namespace dccast::results

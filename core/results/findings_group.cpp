@@ -26,9 +26,10 @@ struct TextField {
 };
 constexpr std::array texts{
     TextField{"/findings/code", "as in docs/findings.md", &Finding::code},
-    TextField{"/findings/message", "what it means in the pit", &Finding::message},
+    TextField{"/findings/message", "what it means in practice", &Finding::message},
     TextField{"/findings/unit", "of value and limit", &Finding::unit},
-    TextField{"/findings/key", "key of the case that sets the limit or is at odds", &Finding::key},
+    TextField{"/findings/key", "key of the case that sets the limit or causes the finding",
+              &Finding::key},
 };
 
 struct RealField {
@@ -38,7 +39,7 @@ struct RealField {
   std::optional<double> Finding::*member;
 };
 constexpr std::array reals{
-    RealField{"/findings/time_s", "s", "when first seen; not a number: from the case alone",
+    RealField{"/findings/time_s", "s", "when first found; NaN: follows from the case alone",
               &Finding::time},
     RealField{"/findings/value", "1", "in the unit of the finding", &Finding::value},
     RealField{"/findings/limit", "1", "in the unit of the finding", &Finding::limit},
@@ -60,7 +61,7 @@ void write_places(File& file, const std::vector<Finding>& findings) {
                 places.begin() + static_cast<std::ptrdiff_t>(i * coordinates));
   }
   file.write("/findings/place_m", {findings.size(), coordinates}, places.data(), "m",
-             "in the undeformed slab, in 2D two coordinates; not numbers where there is no place");
+             "in the undeformed slab, in 2D two coordinates; NaN if there is no place");
 }
 
 Severity severity_named(const File& file, const std::string& name) {

@@ -10,8 +10,8 @@ class File;
 
 namespace dccast::results {
 
-/// The group /findings of SCHEMA.md. Nothing is written without findings, and none are read where
-/// it is absent. Both may throw storage::StorageError.
+/// Writes and reads the group /findings of SCHEMA.md. The group exists only if there are findings.
+/// Both functions may throw storage::StorageError.
 void write_findings(hdf5::File& file, const std::vector<Finding>& findings);
 std::vector<Finding> read_findings(const hdf5::File& file);
 

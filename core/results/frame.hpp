@@ -10,11 +10,11 @@
 
 namespace dccast::results {
 
-/// The fields of one stored instant on the mesh of that instant; mirrors message Frame of
-/// service.proto and the group /frames/NNNNNN of SCHEMA.md. Arrays are flat, the last index runs
-/// fastest. What a run does not compute stays empty.
+/// The fields at one stored time, on the mesh at that time; mirrors message Frame of service.proto
+/// and the group /frames/NNNNNN of SCHEMA.md. Arrays are flat with the last index fastest. Fields
+/// that a run does not compute are empty.
 struct Frame {
-  std::int64_t step = 0;     ///< accepted steps so far; 0 for the initial state
+  std::int64_t step = 0;     ///< number of accepted steps so far; 0 for the initial state
   double time = 0.0;         ///< [s]
   double cast_length = 0.0;  ///< [m]
   double metal_level = 0.0;  ///< [m] above the bottom block
@@ -43,31 +43,32 @@ struct Frame {
   bool operator==(const Frame&) const = default;
 };
 
-/// Components of a symmetric tensor in a frame: xx, yy, zz, xy in 2D (zz is the direction across
-/// the section, around the axis in an axisymmetric one), xx, yy, zz, xy, yz, xz in 3D.
+/// Number of components of a symmetric tensor in a frame: xx, yy, zz, xy in 2D (zz is the
+/// out-of-plane direction, in an axisymmetric section the hoop direction), xx, yy, zz, xy, yz, xz
+/// in 3D.
 constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }
 
-/// A field that a sidecar shows.
+/// A field that the XDMF sidecar shows.
 struct ShownField {
-  std::string name;      ///< under which ParaView lists it
+  std::string name;      ///< name in ParaView
   std::string dataset;   ///< in the frame's group
   bool on_nodes = true;  ///< else on elements
   int components = 1;
 };
 
-/// What of a frame a sidecar needs: its size, not its values.
+/// The part of a frame that the sidecar needs: sizes, not values.
 struct FrameOutline {
   double time = 0.0;  ///< [s]
   int dimension = 2;
   int nodes_per_element = 3;
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
-  std::vector<ShownField> fields;  ///< those that are there
+  std::vector<ShownField> fields;  ///< fields that exist in the frame
 };
 
-/// What is said once about a run.
+/// Data stored once per run.
 struct RunHeader {
   std::string program_version;
   std::string build;      ///< compiler and libraries
@@ -77,7 +78,7 @@ struct RunHeader {
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
   std::vector<std::string> monitor_name;
-  int dimension = 2;                                  ///< coordinates of a point, the last one up
+  int dimension = 2;  ///< number of coordinates; the last one points upwards
   std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]
   bool operator==(const RunHeader&) const = default;
 };
@@ -85,9 +86,9 @@ struct RunHeader {
 /// How a run ended.
 struct RunSummary {
   std::string outcome = "succeeded";  ///< "succeeded", or the kind of failure: SCHEMA.md
-  std::string message;                ///< the cause where it did not succeed, and what followed it
-  std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< nothing while all is an answer
-  std::vector<Finding> findings{};  ///< each code once, in the order they came
+  std::string message;  ///< if it did not succeed: the cause and the failures that followed
+  std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< absent: valid to the end
+  std::vector<Finding> findings{};  ///< each code once, in the order in which they were raised
 };
 
 }  // namespace dccast::results

@@ -7,8 +7,10 @@
 
 namespace dccast::results {
 
-/// A number of StepReport that is stored at every step: its name in the file, its unit and meaning.
-/// The journal, the HDF5 writer and the reader all go by this one table.
+/// A number of StepReport that is stored for every step: name in the file, unit and meaning. The
+/// journal, the HDF5 writer and the reader all use this one table.
+///
+/// Units: a real value is in the unit of its field.
 struct HistoryField {
   const char* name;  ///< dataset below /history
   const char* unit;
@@ -17,7 +19,7 @@ struct HistoryField {
                bool StepReport::*>
       member;
 
-  const char* solid_unit = nullptr;  ///< of a quarter slab, where it is another one
+  const char* solid_unit = nullptr;  ///< unit for a quarter slab, if different
 
   bool real() const { return member.index() == 0; }
   const char* unit_in(int dimension) const {
@@ -25,14 +27,15 @@ struct HistoryField {
   }
 };
 
-/// All fields but the monitors, which are arrays, and `solver_seconds` and `process_seconds`, which
-/// measure the computer: with them no two runs of a case would give the same file.
+/// All fields except the monitors, which are arrays, and except `solver_seconds` and
+/// `process_seconds`: these depend on the computer, and two runs of a case would not give the same
+/// file.
 std::span<const HistoryField> history_fields();
 
-/// The value of a real field, in its unit. @pre field.real()
+/// The value of a real field [its unit]. @pre field.real()
 double real_value(const HistoryField& field, const StepReport& report);
 void set_real(const HistoryField& field, StepReport& report, double value);
-/// The value of an integer field, 0 or 1 of a flag. @pre !field.real()
+/// The value of an integer field; 0 or 1 for a flag. @pre !field.real()
 std::int64_t integer_value(const HistoryField& field, const StepReport& report);
 void set_integer(const HistoryField& field, StepReport& report, std::int64_t value);
 

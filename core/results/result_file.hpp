@@ -2,10 +2,10 @@
 
 #include <string>
 
-/// Names inside results.h5, in one place for writer, reader and sidecar. The contract is SCHEMA.md.
+/// Names in results.h5, shared by writer, reader and sidecar. SCHEMA.md is the specification.
 namespace dccast::results {
 
-/// Raised when a dataset changes or goes; new datasets do not raise it.
+/// Incremented when a dataset changes or is removed, not when one is added.
 inline constexpr int schema_version = 1;
 
 /// "/frames/000012"

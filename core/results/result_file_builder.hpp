@@ -10,28 +10,28 @@
 
 namespace dccast::results {
 
-/// Makes results.h5 out of the journal of a run, also while the journal still grows: what is in the
-/// file depends on the records and their order alone. One frame is in memory at a time.
+/// Creates results.h5 from the journal of a run, also while the journal still grows: the content of
+/// the file depends only on the records and their order. One frame is in memory at a time.
 ///
 /// All calls may throw storage::StorageError.
 class ResultFileBuilder {
 public:
-  /// @param results  the file to write, over an older one
+  /// @param results  the file to write; an existing one is overwritten
   ResultFileBuilder(std::filesystem::path journal, const std::filesystem::path& results);
 
-  /// Takes over the records that have come since.
+  /// Adds the records that were appended to the journal since the last call.
   void follow();
-  /// follow(), then what can be written at the end only; closes the file.
+  /// Calls follow(), writes the data that are known only at the end, and closes the file.
   void finish(const RunSummary& summary);
 
-  /// Of the frames so far, for the sidecar.
+  /// Outlines of the frames so far, for the sidecar.
   const std::vector<FrameOutline>& frames() const { return frames_; }
 
 private:
   void take(const restart::Record& record);
 
   std::filesystem::path journal_;
-  std::int64_t journal_end_ = 0;  ///< byte behind the last record taken over
+  std::int64_t journal_end_ = 0;  ///< byte after the last record that was added
   hdf5::File file_;
   std::size_t monitors_ = 0;
   int dimension_ = 2;

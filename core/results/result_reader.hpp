@@ -17,21 +17,21 @@ namespace dccast::results {
 /// Reads a result file. All calls may throw storage::StorageError, which names file and dataset.
 class ResultReader {
 public:
-  /// @throws storage::StorageError  also when the schema is one that this program does not know
+  /// @throws storage::StorageError  also for an unknown schema version
   explicit ResultReader(const std::filesystem::path& results);
   ResultReader(ResultReader&&) noexcept;
   ~ResultReader();
 
   RunHeader header() const;
   RunSummary summary() const;
-  /// Every accepted step; the seconds of the processor are not stored and zero.
+  /// All accepted steps. Computing times are not stored, so they are zero.
   std::vector<StepReport> history() const;
   std::size_t frames() const { return frames_; }
-  /// Of every stored frame [s].
+  /// Times of all stored frames [s].
   std::vector<double> frame_times() const;
   /// @pre index < frames()
   Frame frame(std::size_t index) const;
-  /// Nothing when the run stored none.
+  /// Empty if the run stored no frame.
   std::optional<Frame> last_frame() const;
 
 private:

@@ -21,7 +21,8 @@ using restart::Sections;
 
 namespace {
 
-/// Where a journal is cut to go on after a step, and what was found on the way.
+/// Position at which a journal is truncated to continue after a step, and the records found up to
+/// there.
 struct Cut {
   std::int64_t size = 0;
   std::int64_t last_step = 0;
@@ -85,14 +86,14 @@ fs::path unfinished(const fs::path& path) {
 
 }  // namespace
 
-/// At one address for the life of the thread.
+/// On the heap: the thread needs a fixed address.
 struct ResultWriter::Parts {
   Parts(RunFiles of_run, Journal of_files)
       : files(std::move(of_run)), journal(std::move(of_files)) {}
   Parts(const Parts&) = delete;
   ~Parts();
 
-  // These are for the thread.
+  // Used by the thread.
   void follow();
   void finish(const RunSummary& summary);
   ResultFileBuilder take_builder();
@@ -108,7 +109,7 @@ ResultWriter::Parts::~Parts() {
   try {
     background.wait();
   } catch (const std::exception&) {
-    // The run has ended without publishing; whoever ended it knows why.
+    // The run has ended without publishing; the caller knows why.
   }
   builder.reset();
   std::error_code ignored;
@@ -134,7 +135,7 @@ void ResultWriter::Parts::finish(const RunSummary& summary) {
   storage::write_file(unfinished(sidecar),
                       xdmf_of(result_file.frames(), files.results.filename().string()),
                       storage::readable_by_all);
-  // The sidecar comes first: whoever sees results.h5 finds it there.
+  // The sidecar is published first: whenever results.h5 exists, it exists too.
   storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files.results), files.results}});
 }
 

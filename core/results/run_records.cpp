@@ -22,7 +22,7 @@ Sections::Reals flat(const Points& points) {
 /// @throws std::out_of_range  the values are not whole points
 Points points_of(const Sections::Reals& values, std::size_t count) {
   if (count == 0 ? !values.empty() : values.size() % count != 0)
-    throw std::out_of_range("coordinates of no whole points");
+    throw std::out_of_range("incomplete coordinates of a point");
   Points points(count);
   auto from = values.begin();
   for (auto& point : points) {

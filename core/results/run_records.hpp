@@ -4,7 +4,8 @@
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
 
-/// How the header, a step and a frame of a run are laid out as sections of a journal record.
+/// Conversion of the header, a step and a frame of a run to the sections of a journal record, and
+/// back.
 namespace dccast::results {
 
 restart::Sections to_sections(const RunHeader& header);

@@ -5,10 +5,10 @@
 
 namespace dccast::results {
 
-/// What happened in one accepted time step; the plain counterpart of StepReport in job.proto.
-/// Fields are documented there. All in SI and °C; "per metre" is per metre of face in plane strain,
-/// of circumference in an axisymmetric section; of a quarter slab heat and forces are those of the
-/// whole quarter [W], [N].
+/// Report of one accepted time step; the plain counterpart of StepReport in job.proto, where the
+/// fields are documented. All in SI units and °C. "Per metre" is per metre of face in plane strain
+/// and per metre of circumference in an axisymmetric section; for a quarter slab heat and forces
+/// are those of the whole quarter [W], [N].
 struct StepReport {
   std::int64_t step = 0;
   double time = 0.0;         ///< [s] end of the step; the block starts at 0, a hold is negative
@@ -20,40 +20,41 @@ struct StepReport {
   int factorizations = 0;
   int solves = 0;
   int failed_attempts = 0;
-  /// (monitor, coordinate) [m], by Case::monitors; not a number while its place is not poured yet.
+  /// (monitor, coordinate) [m], in the order of Case::monitors; NaN until metal reaches the
+  /// monitor.
   std::vector<std::vector<double>> monitor_displacement;
-  std::vector<double> monitor_temperature;  ///< (monitor) [°C], likewise
-  double equilibrium_residual = 0.0;        ///< [1] relative to the forces that act
-  double energy_balance_error = 0.0;        ///< [1] relative to the heat that moved
+  std::vector<double> monitor_temperature;  ///< (monitor) [°C]; NaN until metal reaches the monitor
+  double equilibrium_residual = 0.0;        ///< [1] relative to the acting forces
+  double energy_balance_error = 0.0;        ///< [1] relative to the heat exchanged
   double wall_heat_flux = 0.0;              ///< [W/m] out of side and bottom
   double bottom_reaction = 0.0;             ///< [N/m] upwards
   double weight = 0.0;                      ///< [N/m]
   double sump_depth = 0.0;                  ///< [m] below the metal level, on the symmetry plane
-  double contact_length = 0.0;              ///< [m] of the bottom that stands on the block
-  double solver_seconds = 0.0;              ///< [s] of processors so far, of the threads of the run
-  double process_seconds = 0.0;  ///< [s] of the processor so far, of all threads of the process
-  double progress = 0.0;         ///< [1] 0 to 1, of the simulated time
+  double contact_length = 0.0;              ///< [m] length of the bottom in contact with the block
+  double solver_seconds = 0.0;              ///< [s] processor time of the run's threads so far
+  double process_seconds = 0.0;  ///< [s] processor time of all threads of the process so far
+  double progress = 0.0;         ///< [1] 0 to 1, share of the simulated time
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
-  double mould_exit_temperature = 0.0;  ///< [°C] largest of the surface
-  double complementarity_error = 0.0;   ///< [1] against 1 mm and the weight
+  double mould_exit_temperature = 0.0;  ///< [°C] largest surface temperature at the mould exit
+  double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double constitutive_residual = 0.0;   ///< [1] relative
   double liquid_pressure_error = 0.0;   ///< [1] relative, on the liquidus front
   bool beyond_validity = false;
-  double maximum_rotation = 0.0;  ///< [rad] of a solid element since it solidified
-  double bottom_slip = 0.0;       ///< [m] of the butt beyond its thermal contraction
-  double side_heat = 0.0;         ///< [W/m] out of the side; of a quarter slab of its wide face [W]
+  double maximum_rotation = 0.0;  ///< [rad] largest rotation of an element since it solidified
+  double bottom_slip = 0.0;       ///< [m] lateral slip of the butt beyond thermal contraction
+  double side_heat = 0.0;         ///< [W/m] out of the side; quarter slab: wide face [W]
   double narrow_heat = 0.0;       ///< [W] out of the narrow face of a quarter slab
   double bottom_heat = 0.0;       ///< [W/m] into the block
-  double contact_area = 0.0;      ///< [m2] of the bottom of a quarter slab that stands on the block
+  double contact_area = 0.0;      ///< [m2] bottom of a quarter slab in contact with the block
   int conjugate_gradient_iterations = 0;
-  double shell_at_exit = 0.0;     ///< [m] least solid of the side at the mould exit, or at the foot
-  double bottom_shell = 0.0;      ///< [m] least solid over the bottom
-  double mush_strain = 0.0;       ///< [1] largest tensile between coherency and solidus
-  int merged_rows = 0;            ///< rows of cells that merging took out in this step
-  double merge_mass_error = 0.0;  ///< [1] relative change of the mass by it
-  double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by it
-  double merge_equilibrium_error = 0.0;  ///< [1] forces it put out of balance, by those that act
+  double shell_at_exit = 0.0;  ///< [m] smallest shell thickness at the mould exit, or at the butt
+  double bottom_shell = 0.0;   ///< [m] smallest shell thickness over the bottom
+  double mush_strain = 0.0;    ///< [1] largest tensile strain between coherency and solidus
+  int merged_rows = 0;         ///< rows of cells removed by merging in this step
+  double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
+  double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging
+  double merge_equilibrium_error = 0.0;  ///< [1] forces unbalanced by merging / acting forces
   bool operator==(const StepReport&) const = default;
 };
 

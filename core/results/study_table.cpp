@@ -33,7 +33,7 @@ void write_runs(File& file, const StudyTable& table) {
   file.write("/runs/solver_s", run, table.solver_seconds.data(), "s", "processor of the solver");
   file.write("/runs/refinement", run, table.refinement.data(), "1", "of a refinement study");
   file.write("/runs/beyond_validity", run, table.beyond_validity.data(), "1",
-             "1 where the model was left: not an answer");
+             "1: beyond validity, the curl is not valid");
   file.write_texts("/runs/failure", table.failure, "why a run failed");
 }
 

@@ -7,7 +7,7 @@
 
 namespace dccast::results {
 
-/// The runs of a study side by side. Matrices are flat, the last index runs fastest.
+/// Results of all runs of a study. Matrices are flat with the last index fastest.
 struct StudyTable {
   std::string program_version;
   std::string study;  ///< UUID
@@ -17,30 +17,30 @@ struct StudyTable {
   std::vector<std::string> key;      ///< (axis) of a sweep; empty for other studies
   std::vector<std::string> monitor;  ///< (monitor) names
 
-  std::vector<std::string> job;               ///< (run) UUID; empty while a run has none
-  std::vector<std::string> run_state;         ///< (run)
-  std::vector<std::string> value;             ///< (run, axis) as written in the sweep
-  std::vector<double> number;                 ///< (run, axis) in SI; NaN where a value is no number
-  std::vector<double> end_curl;               ///< (run, monitor) [m]; NaN where nothing is known
-  std::vector<double> solver_seconds;         ///< (run) [s]
-  std::vector<std::int32_t> refinement;       ///< (run) of a refinement study; else 0
-  std::vector<std::int32_t> beyond_validity;  ///< (run) 1: its curl is no answer
-  std::vector<std::string> failure;           ///< (run) empty without one
+  std::vector<std::string> job;          ///< (run) UUID; empty while a run has none
+  std::vector<std::string> run_state;    ///< (run)
+  std::vector<std::string> value;        ///< (run, axis) as written in the sweep
+  std::vector<double> number;            ///< (run, axis) [SI unit of the key]; NaN if not a number
+  std::vector<double> end_curl;          ///< (run, monitor) [m]; NaN if unknown
+  std::vector<double> solver_seconds;    ///< (run) [s]
+  std::vector<std::int32_t> refinement;  ///< (run) for a refinement study; else 0
+  std::vector<std::int32_t> beyond_validity;  ///< (run) 1: its curl is not valid
+  std::vector<std::string> failure;           ///< (run) empty if there is none
 
-  /// Where the curve of a run begins among the samples, and one more entry: their number.
+  /// Index of the first sample of each run, followed by the number of samples.
   std::vector<std::int64_t> curve_start;  ///< (run + 1)
   std::vector<double> time;               ///< (sample) [s]
   std::vector<double> cast_length;        ///< (sample) [m]
-  std::vector<double> curl;               ///< (sample, monitor) [m]; NaN where nothing is known
+  std::vector<double> curl;               ///< (sample, monitor) [m]; NaN if unknown
 
   std::vector<std::int32_t> finding_run;  ///< (finding) number of the run, from 0
   std::vector<std::string> finding_code, finding_severity;
-  std::vector<double> finding_time;  ///< (finding) [s]; NaN where it follows from the case alone
+  std::vector<double> finding_time;  ///< (finding) [s]; NaN if it follows from the case alone
 
   std::size_t runs() const { return job.size(); }
 };
 
-/// Writes it as docs/studies.md says. The same table gives the same bytes.
+/// Writes the table in the format of docs/studies.md. Equal tables give identical files.
 /// @throws StorageError
 void write_study_table(const std::filesystem::path& path, const StudyTable& table);
 

@@ -9,17 +9,18 @@
 
 namespace dccast::storage {
 
-/// Does tasks one after the other in a thread of its own, so that a run need not wait for the disk.
+/// Executes tasks one after the other in a thread of its own, so that a run does not wait for the
+/// disk.
 ///
-/// After a task that threw, those behind it are dropped; the exception comes out of the next call.
+/// If a task throws, the following ones are dropped and the next call rethrows the exception.
 class Background {
 public:
   Background() = default;
   Background(const Background&) = delete;
-  /// Finishes the tasks that were posted.
+  /// Finishes the posted tasks.
   ~Background();
 
-  /// Waits only when the thread is two tasks behind: what they hold must not pile up.
+  /// Waits only if two tasks are pending, to limit the memory that they hold.
   void post(std::function<void()> task);
   /// Waits for every task.
   void wait();
@@ -30,10 +31,10 @@ private:
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> tasks_;  ///< the first one is being done
+  std::deque<std::function<void()>> tasks_;  ///< the first one is being executed
   std::exception_ptr failure_;
   bool ending_ = false;
-  std::thread thread_;  ///< begins with the first task
+  std::thread thread_;  ///< started by the first task
 };
 
 }  // namespace dccast::storage

@@ -12,30 +12,31 @@
 
 namespace dccast::storage {
 
-// Permissions of new files, less the umask.
+// Permissions of new files, before the umask is applied.
 inline constexpr mode_t owner_only = 0600;       ///< the daemon's own files
 inline constexpr mode_t readable_by_all = 0644;  ///< the files of a run
 
-/// An open file. Reads and writes name their place, so that threads need not share a position. All
-/// calls throw StorageError, which names the file.
+/// An open file. Reads and writes take an explicit offset, so that threads do not share a file
+/// position. All calls throw StorageError, which names the file.
 class File {
 public:
   File() = default;
-  /// @param flags        of open(2); a program that is started later does not get the descriptor
-  /// @param permissions  of a new file
+  /// @param flags        as for open(2); O_CLOEXEC is added, so child programs do not inherit the
+  ///                     file
+  /// @param permissions  for a new file
   File(const std::filesystem::path& path, int flags, mode_t permissions = owner_only);
 
   int descriptor() const { return descriptor_.get(); }
   const std::filesystem::path& path() const { return path_; }
   std::int64_t size() const;  ///< [bytes]
 
-  /// Fills `bytes` from byte `offset` on. @return how many were read: fewer at the end of the file
+  /// Reads `bytes` from `offset` on. @return number of bytes read: fewer at the end of the file
   std::size_t read_at(std::int64_t offset, std::span<char> bytes) const;
-  /// Writes all of `bytes`. When it throws, some of them may have been written.
+  /// Writes all of `bytes`. If it throws, a part may have been written.
   void write_at(std::int64_t offset, std::string_view bytes) const;
-  /// Cuts the file off behind byte `size`.
+  /// Truncates the file to `size` bytes.
   void cut(std::int64_t size) const;
-  /// Makes the content survive a crash of the machine.
+  /// Syncs the content to disk, so that it survives a crash of the machine.
   void sync() const;
 
 private:
@@ -43,10 +44,10 @@ private:
   std::filesystem::path path_;
 };
 
-/// The whole content of a file. @throws StorageError
+/// Reads a whole file. @throws StorageError
 std::string read_file(const std::filesystem::path& path);
 
-/// Writes a file, over one that may be there; it may be in the system's cache only afterwards.
+/// Writes a file, overwriting an existing one. The data are not synced to disk.
 /// @throws StorageError
 void write_file(const std::filesystem::path& path, std::string_view bytes,
                 mode_t permissions = owner_only);

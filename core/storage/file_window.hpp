@@ -8,16 +8,16 @@
 
 namespace dccast::storage {
 
-/// Reads a file at any place through a buffer, forwards at little cost. What is appended later is
-/// not seen.
+/// Buffered reads at any place of a file, efficient for sequential reading. Data appended after
+/// construction are not seen.
 class FileWindow {
 public:
-  /// @param file  outlives this
+  /// @param file  must outlive this object
   explicit FileWindow(const File& file) : file_(file), size_(file.size()) {}
 
   std::int64_t size() const { return size_; }  ///< [bytes]
 
-  /// Bytes from `offset` on, fewer at the end of the file; good until the next call.
+  /// Bytes from `offset` on, fewer at the end of the file; valid until the next call.
   /// @throws StorageError
   std::string_view at(std::int64_t offset, std::int64_t length);
 
@@ -26,7 +26,7 @@ private:
 
   const File& file_;
   std::int64_t size_;
-  std::int64_t begin_ = 0;  ///< of bytes_ in the file
+  std::int64_t begin_ = 0;  ///< offset of bytes_ in the file
   std::string bytes_;
 };
 

@@ -9,13 +9,13 @@ namespace dccast::storage {
 
 namespace {
 
-/// The part that a failed write has left would be overwritten by the next one: cutting it off is
-/// for readers of the file. Where that fails, too, they find a record with a wrong checksum.
+/// The remains of a failed write would be overwritten by the next one; they are truncated for the
+/// sake of readers of the file. If this fails too, readers find a record with a wrong checksum.
 void cut_part(const File& file, std::int64_t end) {
   try {
     file.cut(end);
   } catch (const StorageError&) {
-    // The error of the write is on its way, and is the cause.
+    // The error of the write, which is the cause, is already being thrown.
   }
 }
 

@@ -8,31 +8,30 @@
 
 namespace dccast::storage {
 
-/// A file that grows at its end by whole records, and of which only a tail is ever cut off. One
-/// thread appends while another waits for the disk. All calls that touch the file throw
-/// StorageError.
+/// An append-only file of complete records; the only other change is to truncate it. One thread may
+/// append while another one syncs. All calls that access the file throw StorageError.
 class RecordLog {
 public:
-  /// Goes on behind what the file holds.
+  /// Continues after the present content of the file.
   explicit RecordLog(File file);
 
   const File& file() const { return file_; }
-  std::int64_t end() const;  ///< byte behind the last record
+  std::int64_t end() const;  ///< byte after the last record
 
-  /// Puts whole records behind the others. When it throws, also because of an earlier sync(), the
-  /// file is as it was. @return the byte at which they begin
+  /// Appends complete records. If it throws, also because of an earlier failure of sync(), the file
+  /// is unchanged. @return the byte at which they begin
   std::int64_t append(std::string_view records);
 
-  /// Cuts off what stands behind byte `end`.
+  /// Truncates the file to `end` bytes.
   void cut(std::int64_t end);
 
-  /// Waits until what was appended is on the disk; cheap when nothing was. Once it has failed the
-  /// log takes nothing more.
+  /// Waits until all appended records are on disk; cheap if there are no new ones. After a failure
+  /// the log accepts no more records.
   void sync();
 
 private:
   File file_;
-  std::mutex sync_mutex_;  ///< one sync at a time; appends go on meanwhile
+  std::mutex sync_mutex_;  ///< one sync at a time; appends are possible meanwhile
   mutable std::mutex mutex_;
   std::int64_t end_ = 0;
   std::int64_t synced_ = 0;

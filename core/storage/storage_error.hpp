@@ -5,8 +5,8 @@
 
 namespace dccast::storage {
 
-/// A file cannot be written or read back: disk full, no permission, damaged. The code is the cause
-/// the system gave (ENOSPC, EACCES, ...), EIO where it gave none.
+/// A file cannot be written or read: disk full, no permission, damaged. The code is the cause
+/// reported by the system (ENOSPC, EACCES, ...), or EIO if it reported none.
 class StorageError : public std::system_error {
 public:
   /// @param where  the file, with the dataset inside it where there is one:

@@ -9,8 +9,8 @@ namespace {
 constexpr double boiling_point = 100.0;     // [°C]
 constexpr double stated_subcooling = 75.0;  // [K] of water of 25 °C, Water's default
 
-/// What subcooling [K] adds to the critical flux of a jet, relative to saturated water; Monde and
-/// Katto. Properties of water and steam at 100 °C and 1 bar.
+/// Relative increase of the critical flux of a jet by subcooling [K], compared to saturated water;
+/// Monde and Katto. Properties of water and steam at 100 °C and 1 bar.
 double subcooling_gain(double subcooling) {
   constexpr double density_ratio = 958.4 / 0.598;                  // liquid to vapour [1]
   constexpr double specific_heat = 4217.0, evaporation = 2.257e6;  // [J/(kg K)], [J/kg]

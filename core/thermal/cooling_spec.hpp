@@ -9,19 +9,19 @@
 
 namespace dccast::thermal {
 
-/// Face of a slab, by the direction of its normal. A section has one side, which counts as wide.
+/// Face of a slab. The only side of a 2D section counts as wide.
 enum class Face { wide, narrow };
 inline constexpr std::size_t faces = 2;
 
-/// A band of the side at a fixed distance below the metal level.
+/// A cooling zone of the side: a band at a fixed distance below the metal level.
 struct SideZone {
   std::string name;
   double from = 0.0;         ///< [m] below the metal level
   double to = 0.0;           ///< [m]
-  Curve liquid_coefficient;  ///< [W/(m2 K)] where the surface is liquid
-  Curve solid_coefficient;   ///< [W/(m2 K)] where it is solid; mixed by the liquid fraction
+  Curve liquid_coefficient;  ///< [W/(m2 K)] of a liquid surface
+  Curve solid_coefficient;   ///< [W/(m2 K)] of a solid surface; weighted by the liquid fraction
   Curve temperature;         ///< [°C] of the surroundings
-  std::optional<Face> face;  ///< that has the zone; absent: every one
+  std::optional<Face> face;  ///< face to which the zone applies; absent: all faces
 };
 
 /// Jet and falling film below the water line.
@@ -35,10 +35,10 @@ struct Water {
   double film_boiling_coefficient = 500.0;  ///< [W/(m2 K)]
   double film_boiling_above = 350.0;        ///< [°C]
   bool boiling_follows_flow =
-      false;                  ///< the three above move with flow and temperature, boiling.hpp
+      false;  ///< the three values above depend on flow and temperature, boiling.hpp
   double pulse_period = 0.0;  ///< [s] from one opening of the valve to the next; 0: no pulses
   double pulse_share = 0.5;   ///< [1] of the period in which the water runs
-  double pulse_end = 0.0;     ///< [s] from here on it runs without a break
+  double pulse_end = 0.0;     ///< [s] from then on the water runs continuously
   Curve coefficient;          ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
 };
 
@@ -47,8 +47,8 @@ struct BottomBlock {
   Curve gap_coefficient;      ///< [W/(m2 K)] against gap [m]
   Curve temperature_factor;   ///< [1] against surface temperature [°C]
   Curve temperature;          ///< [°C] against time
-  /// [m] by which the block lies below the slab at the start, against distance from x = 0 and, of a
-  /// quarter slab, from y = 0; the two add up. Empty: flat.
+  /// [m] initial distance of the block below the slab, against the distance from x = 0 and, in a
+  /// quarter slab, from y = 0; the two are added. Empty: flat.
   Curve profile_x, profile_y;
 };
 
@@ -58,7 +58,7 @@ enum class Top { pouring, insulated };
 struct CoolingSpec {
   std::vector<SideZone> zones;
   Water water;
-  std::optional<Water> narrow_water;  ///< of the narrow face; absent: as on the wide one
+  std::optional<Water> narrow_water;  ///< on the narrow face; absent: as on the wide face
   BottomBlock bottom_block;
   double dry_coefficient = 20.0;      ///< [W/(m2 K)]
   double ambient_temperature = 25.0;  ///< [°C]

@@ -9,8 +9,8 @@
 
 namespace dccast::thermal {
 
-/// An element as heat sees it: a volume at each of its corners, with the gradients of the shape
-/// functions there.
+/// The geometry of an element for heat conduction: a volume at each corner, with the gradients of
+/// the shape functions there.
 template <class Element>
 struct ElementConduction {
   static constexpr std::size_t dim = Element::dimension, nodes = Element::nodes;
@@ -19,7 +19,8 @@ struct ElementConduction {
   std::array<std::array<std::array<double, dim>, nodes>, nodes> gradient;
 };
 
-/// Distance from the axis where a shape function has these values [m]; 1 in other sections.
+/// Distance from the axis at the point where the shape functions have these values [m]; 1 in other
+/// sections.
 template <class Element, class Shape>
 double radius_at(const mesh::Mesh<Element::dimension>& mesh, const int* node, const Shape& shape) {
   if constexpr (!fem::is_axisymmetric<Element>) return 1.0;
@@ -28,7 +29,8 @@ double radius_at(const mesh::Mesh<Element::dimension>& mesh, const int* node, co
   return radius;
 }
 
-/// Integral of each shape function over the element, times the radius in an axisymmetric section.
+/// Integral of each shape function over the element [m^dim], times the radius in an axisymmetric
+/// section [m3/rad].
 template <class Element>
 std::array<double, Element::nodes> corner_volumes(const mesh::Mesh<Element::dimension>& mesh,
                                                   const int* node) {
@@ -56,9 +58,9 @@ std::array<double, Element::nodes> corner_volumes(const mesh::Mesh<Element::dime
   return volume;
 }
 
-/// Shifts the gradients of all corners by one vector for each node, so that their mean is that of
-/// the element: then a linear field is in equilibrium in a mesh of such elements, whatever their
-/// shape. On a parallelogram and a parallelepiped the shift is zero.
+/// Shifts the gradients at all corners by one vector per node, so that their mean is that of the
+/// element: a linear field is then in equilibrium on meshes of such elements of any shape. On a
+/// parallelogram or a parallelepiped the shift is zero.
 template <class Element>
 void shift_to_mean(const mesh::Mesh<Element::dimension>& mesh, const int* node,
                    ElementConduction<Element>& conduction) {
@@ -91,7 +93,7 @@ ElementConduction<Element> conduction_of(const mesh::Mesh<Element::dimension>& m
                                          const int* node) {
   constexpr std::size_t nodes = Element::nodes;
   constexpr auto corner = fem::reference_corners<Element>();
-  constexpr double same_determinant = 1e-9;  // relative: rounding apart
+  constexpr double same_determinant = 1e-9;  // [1] relative: equal up to rounding
   ElementConduction<Element> conduction;
   conduction.volume = corner_volumes<Element>(mesh, node);
   double first = 0.0;

@@ -7,12 +7,13 @@
 namespace dccast::thermal {
 namespace {
 
-/// Puts new rows into the stretched top row, from below, each between the last one and the top.
+/// Inserts new rows into the stretched top row, from below, each between the previous one and the
+/// top.
 ///
 /// In a column a row of cells of height h holds w_b h at its lower and w_t h at its upper nodes;
-/// the new node takes over what both lose, (w_b (h - c) H_b + w_t c H_t) of them, c its height
-/// above the lower one. On rectangles and bricks w_b = w_t and that is linear interpolation; on
-/// triangles and tetrahedra it is the mean which conserves, column by column, and stays between its
+/// the new node gets what both lose, w_b (h - c) H_b + w_t c H_t, with c its height above the lower
+/// one. On rectangles and bricks w_b = w_t, and this is linear interpolation; on triangles and
+/// tetrahedra it is a mean that conserves heat in each column and stays in the range of the
 /// neighbours.
 void divide_top_row(const GrownRows& rows, std::vector<double>& enthalpy) {
   const std::size_t per_row = rows.nodes_per_row, nodes = rows.volume_after.size();

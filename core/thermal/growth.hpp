@@ -6,30 +6,31 @@
 
 namespace dccast::thermal {
 
-/// Heat of a slab before metal was poured onto it, and heat that came with the metal.
+/// Heat of a slab before metal entered, and heat brought in by the metal.
 struct MetalEntry {
   double stored_before = 0.0;  ///< [J/m]; axisymmetric: per radian [J/rad]; solid: [J]
   double entered = 0.0;        ///< [J/m], [J/rad], [J]
 };
 
-/// A slab mesh of rows that has grown (mesh::ExtrudedMesh::grow_to), as its nodes see it.
+/// Nodal data of a mesh of rows that has grown (mesh::ExtrudedMesh::grow_to).
 struct GrownRows {
   std::size_t nodes_per_row;
   std::span<const double> volume_before;  ///< (old node) [m^Dim], axisymmetric: [m3/rad]
-  /// (old node) with the old top row drawn up to the new level; where no row was put in, as after
-  /// [m^Dim], [m3/rad].
+  /// (old node) with the old top row stretched to the new level [m^Dim], [m3/rad]; the same as
+  /// volume_after if no row was inserted.
   std::span<const double> volume_stretched;
   std::span<const double> volume_after;  ///< (node) [m^Dim], [m3/rad]
-  std::span<const double> height;  ///< [m] of the rows of nodes, from the one below the old top
+  std::span<const double>
+      height;  ///< [m] of the rows of nodes, starting with the one below the old top
 };
 
-/// Carries nodal enthalpies over to a slab mesh that has grown, so that no heat is lost or made:
-/// the sum of volume times enthalpy rises by exactly the metal that entered.
+/// Transfers nodal enthalpies to a mesh that has grown and conserves heat exactly: the sum of
+/// volume times enthalpy increases by exactly the heat of the metal that entered.
 ///
-/// First the old top row stretches to the new level: what its nodes gain in volume is filled with
-/// entering metal. Then, where rows were put in, it is divided: the new nodes take over what their
-/// neighbours in the column lose in volume, which is linear interpolation on rectangles and bricks
-/// and never leaves the range of the neighbours.
+/// First the old top row is stretched to the new level: the volume that its nodes gain is filled
+/// with entering metal. Then, if rows were inserted, it is divided: the new nodes receive the
+/// volume, with its enthalpy, that their neighbours in the column lose. On rectangles and bricks
+/// this is linear interpolation, and the result never leaves the range of the neighbours.
 ///
 /// @param entering_enthalpy  [J/m3] of the metal poured
 /// @param enthalpy           (node) [J/m3], of the mesh before on entry, after on return

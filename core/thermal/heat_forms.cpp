@@ -7,7 +7,7 @@
 namespace dccast::thermal {
 namespace {
 
-/// Conduction takes an element without what it has for bending.
+/// For conduction the bending elements are treated as the plain bilinear and trilinear ones.
 template <class Element>
 struct Conducting {
   using Type = Element;

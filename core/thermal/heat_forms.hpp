@@ -15,28 +15,29 @@
 
 namespace dccast::thermal {
 
-/// What the heat solver knows of a mesh, which has any element and any dimension: where heat is
-/// stored, how it is conducted, where it leaves. Areas and volumes are per metre in plane strain
-/// [m, m2], per radian in an axisymmetric section [m2, m3], whole in a solid [m2, m3].
+/// The mesh as the heat solver sees it, for any element and dimension: heat capacity, conduction
+/// and boundary. Areas and volumes are per metre in plane strain [m, m2], per radian in an
+/// axisymmetric section [m2, m3], totals in a solid [m2, m3].
 ///
 /// The stiffness is integrated with one point at each corner of an element, weighted by the
-/// corner's share of the element's volume. On triangles and tetrahedra that is exact. On rectangles
-/// and bricks it couples only nodes along their edges, which obeys a maximum principle whatever the
-/// aspect ratio; the full integral does not once a cell is more than sqrt(2) times longer than
-/// wide, and graded slab meshes have such cells. On oblique cells the gradients of the corners are
-/// shifted by one vector, so that a linear field stays in equilibrium.
+/// corner's share of the volume of the element. On triangles and tetrahedra this is exact. On
+/// rectangles and bricks it couples nodes along the edges only and satisfies a maximum principle at
+/// any aspect ratio; full integration violates it once a cell is more than sqrt(2) times longer
+/// than wide, and graded slab meshes have such cells. On oblique cells the gradients at the corners
+/// are shifted by one vector, so that a linear field remains in equilibrium.
 class HeatForms {
 public:
   virtual ~HeatForms() = default;
 
-  /// Takes the mesh as it is now: a new sparsity pattern if its elements changed, else only its
-  /// coordinates. To be called before anything else is asked.
+  /// Updates the forms after a change of the mesh: the sparsity pattern if its elements changed,
+  /// else only the coordinates. Must be called before any other function.
   /// @return true if the pattern is new
   virtual bool update() = 0;
   virtual int nodes() const = 0;
 
   const linalg::SparsityPattern& pattern() const { return pattern_; }
-  /// Of unit conductivity, acting on the Kirchhoff function; pattern().entries() [1], [m] in 3D.
+  /// Stiffness for unit conductivity, acting on the Kirchhoff function: (entry of pattern()) [1],
+  /// [m] in 3D.
   std::span<const double> stiffness() const { return stiffness_; }
   /// Integral of each node's shape function (row sum of the mass matrix) [m^Dim], [m3/rad].
   const std::vector<double>& volume() const { return volume_; }
@@ -45,39 +46,40 @@ public:
   const std::vector<double>& bottom_weight() const { return bottom_weight_; }
   const std::vector<int>& top_nodes() const { return top_nodes_; }
 
-  /// For the direct solver: what its orders depend on.
+  /// Input of the direct solver's ordering.
   virtual linalg::Geometry geometry() const = 0;
   virtual std::array<std::vector<int>, 2> fronts() const = 0;
-  /// How the nodes lie where an extruded mesh of hexahedra has them in lines.
+  /// The lines and rows of nodes of an extruded mesh of hexahedra; empty for other meshes.
   virtual std::optional<mesh::Extrusion> extrusion() const = 0;
 
-  /// Divides the side among nodes and laws: @see SideShare. @param shares  replaced; its storage is
-  /// kept from step to step
+  /// Divides the side among nodes and cooling laws, @see SideShare. @param shares  overwritten; an
+  /// output argument, so that its memory is reused between steps
   virtual void divide_side(const CoolingSpec& cooling, const SideInstant& instant,
                            std::vector<SideShare>& shares) const = 0;
 
-  /// Takes the mesh after it has grown and carries nodal enthalpies over to it: see growth.hpp.
-  /// @param nodes_per_row      nodes in a row of the structured mesh
+  /// Updates the forms after growth of the mesh and transfers the nodal enthalpies, see growth.hpp.
+  /// @param nodes_per_row      nodes per row of the structured mesh
   /// @param entering_enthalpy  [J/m3] of the metal poured
-  /// @param enthalpy           (node) [J/m3], of the mesh before on entry, after on return
-  /// @param new_pattern        as update() returns it
+  /// @param enthalpy           (node) [J/m3], on the old mesh on entry, on the new one on return
+  /// @param new_pattern        set to what update() returns
   virtual MetalEntry follow_growth(int nodes_per_row, double entering_enthalpy,
                                    std::vector<double>& enthalpy, bool& new_pattern) = 0;
 
-  /// Takes the mesh after rows were merged and carries nodal enthalpies over to it: see
-  /// row_merging.hpp. @param enthalpy  (node) [J/m3], of the mesh before on entry, after on return
+  /// Updates the forms after rows were merged and transfers the nodal enthalpies, see
+  /// row_merging.hpp.
+  /// @param enthalpy  (node) [J/m3], on the old mesh on entry, on the new one on return
   void follow_merging(const mesh::MergedRows& merged, std::vector<double>& enthalpy);
 
 protected:
   linalg::SparsityPattern pattern_;
-  std::vector<double> stiffness_;
-  std::vector<double> volume_;
+  std::vector<double> stiffness_;  ///< @see stiffness() [1], [m] in 3D
+  std::vector<double> volume_;     ///< (node) [m^Dim], [m3/rad]
   std::vector<int> bottom_nodes_;
-  std::vector<double> bottom_weight_;
+  std::vector<double> bottom_weight_;  ///< (bottom node) [m^(Dim-1)], [m2/rad]
   std::vector<int> top_nodes_;
 };
 
-/// The forms of a mesh, which must stay where it is.
+/// Creates the forms of a mesh, which must not move in memory.
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::SectionKind kind);
 std::unique_ptr<HeatForms> make_heat_forms(
     const mesh::Mesh<3>& mesh, mesh::SectionKind kind = mesh::SectionKind::quarter_slab);

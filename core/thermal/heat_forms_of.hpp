@@ -8,7 +8,7 @@
 
 namespace dccast::thermal {
 
-/// The forms of a mesh of one element.
+/// The forms of a mesh with one kind of element.
 template <class Element>
 class HeatFormsOf : public HeatForms {
   static constexpr int dim = Element::dimension;
@@ -18,8 +18,8 @@ class HeatFormsOf : public HeatForms {
 public:
   explicit HeatFormsOf(const Mesh& mesh) : mesh_(mesh) {}
 
-  /// Of a mesh that has grown or stretched only that part is integrated again; every number is
-  /// the one that an integration of the whole gives.
+  /// Integrates only the part of the mesh that has grown or stretched; the result is bit-identical
+  /// to an integration of the whole mesh.
   bool update() override {
     const bool changed = element_node_ != mesh_.element_node || volume_.empty();
     const std::size_t from = first_node_to_integrate();
@@ -71,7 +71,7 @@ public:
   }
 
 private:
-  /// @param grown  elements have been added to those there are
+  /// @param grown  elements were added to the existing ones
   void take_elements(bool grown) {
     element_node_ = mesh_.element_node;
     if (grown) {
@@ -98,8 +98,8 @@ private:
       moved = std::min(moved, std::size_t(mesh_.element_node[i]));
     return first_node_beside(moved, mesh_.element_node.size());
   }
-  /// First node of the elements that have a node from `moved` on.
-  /// @param end  of their nodes in the list of all elements'
+  /// First node of the elements that have a node numbered `moved` or higher.
+  /// @param end  end of their part in the list of element nodes
   std::size_t first_node_beside(std::size_t moved, std::size_t end) const {
     std::size_t first = moved;
     for_each_element_from(moved, end, [&](const int* node) {
@@ -107,7 +107,7 @@ private:
     });
     return first;
   }
-  /// Calls use(nodes) for every element that has a node from `first` on.
+  /// Calls use(nodes) for every element that has a node numbered `first` or higher.
   template <class Use>
   void for_each_element_from(std::size_t first, std::size_t end, const Use& use) const {
     for (std::size_t at = 0; at < end; at += Element::nodes) {
@@ -127,7 +127,7 @@ private:
     if (last != bottom_nodes_.end() && std::size_t(*last) >= first) weigh_bottom();
   }
 
-  /// Adds what an element gives to nodes from `first` on.
+  /// Adds the contribution of an element to the nodes numbered `first` or higher.
   void integrate(int e, std::size_t first) {
     constexpr std::size_t corners = Element::nodes;
     const int* node = mesh_.nodes_of(e);
@@ -162,7 +162,7 @@ private:
     for (const int node : bottom_nodes_) bottom_weight_.push_back(by_node[std::size_t(node)]);
   }
 
-  /// Levels at the nodes of a facet by which it is cut: distance below the metal level.
+  /// Levels by which a facet is cut: the distance of its nodes below the metal level [m].
   using Levels = std::array<double, dim == 2 ? 2 : 4>;
   Levels depth_of(const Facet& facet, const SideInstant& instant) const {
     Levels depth{};
@@ -184,13 +184,13 @@ private:
     }
   }
 
-  /// A section has one side, which counts as wide.
+  /// The only side of a 2D section counts as wide.
   static Face face_of(const mesh::Patch<dim>& patch) {
     if constexpr (dim == 2) return Face::wide;
     return std::abs(patch.normal[0]) > std::abs(patch.normal[1]) ? Face::narrow : Face::wide;
   }
 
-  /// By Gauss point where the law depends on the distance, which makes the integral exact.
+  /// One share per Gauss point if the law depends on the distance, which makes the integral exact.
   static void add_piece(const Facet& facet, const fem::EdgePiece& piece, Face face,
                         const LawAt& law, std::vector<SideShare>& shares) {
     for (std::size_t n = 0; n < 2; ++n) {
@@ -206,7 +206,8 @@ private:
     }
   }
 
-  /// A law linear in the distance is met exactly by its value at the mean under the shape function.
+  /// A law linear in the distance is integrated exactly by its value at the mean distance weighted
+  /// by the shape function.
   static void add_piece(const Facet& facet, const fem::FacePiece& piece, Face face,
                         const LawAt& law, std::vector<SideShare>& shares) {
     for (std::size_t n = 0; n < std::size_t(facet.nodes); ++n) {
@@ -215,8 +216,8 @@ private:
     }
   }
 
-  /// Volumes of the mesh before it grew with its top row drawn up to the present level.
-  /// @param volume  (node) as it was
+  /// Nodal volumes of the mesh before growth, with its top row stretched to the present level
+  /// [m^Dim], [m3/rad]. @param volume  (node) before growth [m^Dim], [m3/rad]
   std::vector<double> stretched_volumes(std::vector<double> volume, std::size_t row,
                                         std::size_t old_elements) const {
     const std::size_t nodes = volume.size(), first = first_node_beside(nodes - row, old_elements);
@@ -236,7 +237,7 @@ private:
 
   const Mesh& mesh_;
   std::vector<int> element_node_;
-  std::vector<double> placed_;  ///< coordinates of the last integration
+  std::vector<double> placed_;  ///< coordinates at the last integration [m]
 };
 
 }  // namespace dccast::thermal

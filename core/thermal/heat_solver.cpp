@@ -14,30 +14,31 @@ namespace {
 
 using material::ThermalState;
 
-/// D of a node that is inside an isothermal change, relative to the alloy's largest: zero but for
-/// the division. c/D then outweighs every other entry of its row by this factor.
+/// D of a node within an isothermal change, relative to the largest D of the alloy [1]: zero in
+/// theory, small enough here that c/D exceeds every other entry of its row by orders of magnitude.
 constexpr double vanishing_slope = 1e-14;
-/// Below this share of the largest D the diagonal of a node outweighs its row so far that the
-/// coarse problem of a preconditioner would lose its neighbours in round-off.
+/// Below this share of the largest D [1] the diagonal of a node dominates its row so strongly that
+/// the coarse problem of a preconditioner would lose its neighbours in round-off.
 constexpr double vanishing_slope_of_stiff = 1e-6;
 /// Diagonal entry of a node whose temperature is given; the other entries are of order one.
 constexpr double held_diagonal = 1e30;
-/// The line search accepts against the largest of so many last residuals: a kink passed on the way
-/// often costs one step up.
+/// The line search compares with the largest of this many previous residuals: passing a kink often
+/// increases the residual once.
 constexpr std::size_t remembered_residuals = 3;
-/// Below this share of V/dt, V/dt + dq/dH is no number to divide by.
+/// If V/dt + dq/dH is below this share of V/dt [1], it is not used as a divisor.
 constexpr double smallest_capacity = 0.05;
 constexpr double smallest_damping = 1.0 / 64.0;
-/// While the residual falls by more than this factor the factor of the matrix is kept.
+/// The factorisation is kept while the residual decreases by more than this ratio [1].
 constexpr double keep_factor_while_falling_by = 50.0;
-/// The heat of a step reaches few cells: all that the lines leave is smooth, and hardly any.
+/// The heat of a step reaches few cells: the error left by the lines is smooth and small.
 constexpr double rows_of_a_coarse_one = 64.0;
-/// Of conjugate gradients, relative: Newton's method squares the rest away.
+/// Relative tolerance of conjugate gradients [1]: Newton's method removes the remaining error
+/// quadratically.
 constexpr double gradients_tolerance = 1e-8;
 constexpr int most_gradients = 200;
 
 double sum_of_products(const std::vector<double>& a, const std::vector<double>& b) {
-  long double sum = 0.0L;  // totals are 1e4 times larger than what moves in a small step
+  long double sum = 0.0L;  // totals are 1e4 times larger than the heat exchanged in a small step
   for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<long double>(a[i]) * b[i];
   return static_cast<double>(sum);
 }
@@ -101,7 +102,7 @@ void HeatSolver::take_elements() {
   for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
 }
 
-/// A factor, or two grids where that is too large.
+/// Chooses a factorisation, or the two-grid solver if the factor would be too large.
 void HeatSolver::choose_solver() {
   two_grid_.reset();
   if (forms_->nodes() >= two_grids_from_nodes_) {
@@ -146,7 +147,7 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   cooling_.begin_step(*forms_, properties_, field, input);
 }
 
-/// Residual of the step at `enthalpy`, with what the matrix and the convergence test need.
+/// Residual of the step at `enthalpy`, with the quantities for the matrix and the convergence test.
 void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input) {
   const double reference = properties_.kirchhoff(input.casting_temperature);
   for (std::size_t i = 0; i < enthalpy.size(); ++i) {
@@ -174,14 +175,15 @@ void HeatSolver::evaluate(const std::vector<double>& enthalpy, const HeatStepInp
   round_off_ = 2.0 * std::numeric_limits<double>::epsilon() * magnitude;
 }
 
-/// Zero once the residual is down to the rounding of the numbers it is made of.
+/// Zero once the residual is at the round-off level of its terms.
 double HeatSolver::relative_residual(double time_step) const {
   const double left_over = residual_sum_ * time_step;
   if (left_over <= round_off_) return 0.0;
   return left_over / moved_;
 }
 
-/// Matrix of the present point. false: not positive definite.
+/// Assembles and factorises the matrix at the present iterate. Returns false if it is not positive
+/// definite.
 bool HeatSolver::factorize(Slope kind, double time_step) {
   const auto stiffness = forms_->stiffness();
   std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
@@ -213,7 +215,7 @@ bool HeatSolver::factorize_matrix() {
   return two_grid_->factorize(forms_->pattern(), matrix_, stiff_);
 }
 
-/// false: not positive definite, or too many gradients.
+/// Returns false if the matrix is not positive definite, or conjugate gradients did not converge.
 bool HeatSolver::solve_by_two_grid() {
   const auto by_grids = [this](std::span<const double> r, std::span<double> z) {
     two_grid_->apply(r, z);
@@ -223,14 +225,15 @@ bool HeatSolver::solve_by_two_grid() {
   return outcome.end == linalg::CgOutcome::End::converged;
 }
 
-/// Where the flux falls with rising temperature (a table of film boiling, a solid surface cooled
-/// harder than a liquid one) V/dt + dq/dH may be negative. Conduction mostly keeps Newton's matrix
-/// definite; where it does not, the falling part is left out: slower, with the same solution.
+/// Where the flux decreases with rising temperature (a film-boiling table, a solid surface cooled
+/// more strongly than a liquid one), V/dt + dq/dH may be negative. Conduction usually keeps
+/// Newton's matrix positive definite; if not, the decreasing part is left out: convergence is
+/// slower, the solution is the same.
 bool HeatSolver::factorize_newton(double time_step) {
   return factorize(Slope::newton, time_step) || factorize(Slope::newton_bounded, time_step);
 }
 
-/// false: the matrix is not positive definite.
+/// Returns false if the matrix is not positive definite.
 bool HeatSolver::newton_direction() {
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = held_[i] != 0 ? 0.0 : -residual_[i];
   if (two_grid_ == nullptr) {
@@ -247,8 +250,8 @@ bool HeatSolver::newton_direction() {
   return true;
 }
 
-/// Goes along the direction until the residual is below `reference`; false, at the full step, if it
-/// never is. Leaves residual and states of the point it went to.
+/// Reduces the step along the direction until the residual is below `reference`. If no step length
+/// succeeds, takes the full step and returns false. Leaves residual and states of the new iterate.
 bool HeatSolver::line_search(const HeatStepInput& input, double reference) {
   for (double damping = 1.0; damping >= smallest_damping; damping *= 0.5) {
     for (std::size_t i = 0; i < trial_.size(); ++i) {
@@ -263,7 +266,7 @@ bool HeatSolver::line_search(const HeatStepInput& input, double reference) {
   return false;
 }
 
-/// A step with D at its upper bound everywhere: a contraction, slow but never wrong.
+/// A step with D at its upper bound everywhere: a contraction, slow but always convergent.
 bool HeatSolver::bounded_step(const HeatStepInput& input) {
   evaluate(enthalpy_, input);
   if (!factorize(Slope::largest, input.time_step) || !newton_direction()) return false;
@@ -272,7 +275,7 @@ bool HeatSolver::bounded_step(const HeatStepInput& input) {
   return true;
 }
 
-/// Newton's iterations from the state of `prepare`; true once the tolerance is met.
+/// Newton's iterations from the state of `prepare`. Returns true if the tolerance is reached.
 bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
   evaluate(enthalpy_, input);
   std::array<double, remembered_residuals> remembered;
@@ -292,10 +295,11 @@ bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
       return false;
     if (line_search(input, *std::max_element(remembered.begin(), remembered.end()))) {
       keep_factor = residual_sum_ * keep_factor_while_falling_by < before;
-    } else if (keep_factor) {  // the factor was an old one: try the true one from the same point
+    } else if (keep_factor) {  // the factorisation was an old one: repeat with a new one from the
+                               // same iterate
       evaluate(enthalpy_, input);
       keep_factor = false;
-    } else {  // Newton's direction does not descend
+    } else {  // Newton's direction is not a descent direction
       if (!bounded_step(input)) return false;
       remembered.fill(residual_sum_);
     }
@@ -345,7 +349,7 @@ HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   heat.bottom = input.time_step * cooling_.bottom_power();
   heat.moved = moved_;
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
-  // As it is, rounding included: a check that allows for its own error hides others.
+  // Not corrected for rounding: a check that allows for its own error hides other errors.
   heat.error = moved_ > 0.0 ? std::abs(missing) / moved_ : 0.0;
   return heat;
 }

@@ -14,15 +14,15 @@
 
 namespace dccast::thermal {
 
-/// Heat of one step; per metre of face in plane strain [J/m], per radian in an axisymmetric section
-/// [J/rad], whole of a solid [J].
+/// Heat balance of one step; per metre of face in plane strain [J/m], per radian in an axisymmetric
+/// section [J/rad], total of a solid [J].
 struct HeatBalance {
-  double stored = 0.0;   ///< [J/m] gained by the slab, with the metal that entered
-  double entered = 0.0;  ///< [J/m] with the metal
+  double stored = 0.0;   ///< [J/m] gained by the slab, including the metal that entered
+  double entered = 0.0;  ///< [J/m] brought in by the metal
   double top = 0.0;      ///< [J/m] conducted in at the metal level
   double side = 0.0;     ///< [J/m] out
   double bottom = 0.0;   ///< [J/m] out
-  double moved = 0.0;    ///< [J/m] all heat that moved, the measure of the errors
+  double moved = 0.0;    ///< [J/m] total heat exchanged, the scale of the errors
   /// |stored + side + bottom - top - entered|, rounding included, relative to `moved`.
   double error = 0.0;  ///< [1]
 };
@@ -32,57 +32,62 @@ struct HeatStepOutcome {
   int iterations = 0;
   int factorizations = 0;
   int solves = 0;
-  std::vector<double> residual_history;  ///< [1] of the heat that moved, before each iteration
+  std::vector<double>
+      residual_history;  ///< [1] relative to the heat exchanged, before each iteration
   HeatBalance balance;
-  /// [W/m] out through the side at the end of the step, per radian [W/rad], of a solid [W].
+  /// Heat flow out through the side at the end of the step [W/m], per radian [W/rad], of a solid
+  /// [W].
   double wall_heat_flux = 0.0;
   std::array<double, faces> face_heat_flux{};  ///< the same by face [W/m]
-  double bottom_heat_flux = 0.0;               ///< the same through the bottom
+  double bottom_heat_flux = 0.0;               ///< the same through the bottom [W/m]
 };
 
-/// One implicit Euler step of the enthalpy equation, paper eq. (2), at a time.
+/// Solver for implicit Euler steps of the enthalpy equation, paper eq. (2).
 ///
 ///   V (H - H_n)/dt + K Theta(H) + q(H) = 0,
 ///
 /// V lumped volumes, K the stiffness of unit conductivity, Theta the Kirchhoff function, q the flux
 /// out through side and bottom at the nodal temperatures. The unknown is the nodal enthalpy, in
-/// which everything is single valued even in an isothermal change. Semismooth Newton, written in
+/// which everything is single valued even in an isothermal change. Semismooth Newton, formulated in
 /// y = dTheta so that the matrix is symmetric positive definite:
 ///
 ///   (diag(c/D) + K) y = -R,   c = V/dt + dq/dH,   D = dTheta/dH,   dH = -(R + K y)/c.
 ///
-/// The last line conserves energy in every iterate as far as q is linear, D = 0 included (y = 0
-/// there: such a node is at the temperature of the change). Convergence is judged on the true
-/// residual against the heat that moves. A step is a pure function of mesh, field and input:
-/// nothing is kept from the step before but storage and the symbolic analysis.
+/// The last line conserves energy in every iterate as far as q is linear, also at D = 0 (y = 0
+/// there: such a node is at the temperature of the isothermal change). Convergence is judged by the
+/// true residual relative to the heat exchanged. A step is a pure function of mesh, field and
+/// input: only work arrays and the symbolic analysis are kept between steps.
 ///
-/// The solver knows no dimension: the mesh lies behind its forms.
+/// The solver is independent of the dimension: it accesses the mesh through HeatForms only.
 class HeatSolver {
 public:
-  /// @param forms      of a mesh, which stays where it is
-  /// @param tolerance  residual relative to the heat that moves in the step [1]
-  /// @param two_grids_from_nodes  of an extruded solid, from which a step is solved by conjugate
-  ///                              gradients with two grids: docs/large-solids.md
+  /// @param forms      forms of a mesh that must not move in memory
+  /// @param tolerance  residual relative to the heat exchanged in the step [1]
+  /// @param two_grids_from_nodes  number of nodes of an extruded solid from which steps are solved
+  ///                              by conjugate gradients with the two-grid preconditioner:
+  ///                              docs/large-solids.md
   HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
              std::unique_ptr<HeatForms> forms, double tolerance = 1e-11,
              int maximum_iterations = 60, int two_grids_from_nodes = 5000);
 
-  /// Takes the mesh as it is now; analyses the matrix only if elements changed.
+  /// Updates the solver after a change of the mesh; analyses the matrix only if elements changed.
   void update_mesh();
-  /// Takes the mesh after it has grown and carries the field over. @param temperature  [°C] of the
-  /// metal that entered
+  /// Updates the solver after growth of the mesh and transfers the field.
+  /// @param temperature  [°C] of the metal that entered
   MetalEntry follow_growth(HeatField& field, int nodes_per_row, double temperature);
 
-  /// Takes the mesh after rows were merged and carries the field over.
-  /// @return  relative change of the heat content: rounding [1]
+  /// Updates the solver after rows were merged and transfers the field.
+  /// @return  relative change of the heat content, caused by rounding [1]
   double follow_merging(HeatField& field, const mesh::MergedRows& merged);
 
-  /// A field of one temperature [°C] on the mesh.
+  /// A field of uniform temperature [°C].
   HeatField uniform_field(double temperature) const;
-  /// Temperature and liquid fraction from the enthalpy. @param first  node whose enthalpy changed
+  /// Updates temperature and liquid fraction from the enthalpy. @param first  first node whose
+  /// enthalpy changed
   void refresh(HeatField& field, std::size_t first = 0) const;
 
-  /// @param field  at the start of the step, carried to the present mesh; at its end on return,
+  /// Solves one step.
+  /// @param field  on entry at the start of the step, on the present mesh; on return at its end,
   ///               unchanged if the step did not converge
   HeatStepOutcome step(HeatField& field, const HeatStepInput& input);
 
@@ -94,19 +99,20 @@ private:
   void take_elements();
   void choose_solver();
   void prepare(const HeatField& field, const HeatStepInput& input);
+  /// @param enthalpy  (node) [J/m3]
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
-  /// What the matrix takes: true derivatives; c bounded from below; D at its upper bound too.
+  /// Slopes in the matrix: the true derivatives; c bounded from below; also D at its upper bound.
   enum class Slope { newton, newton_bounded, largest };
-  bool factorize(Slope kind, double time_step);
-  bool factorize_newton(double time_step);
+  bool factorize(Slope kind, double time_step);  ///< time_step [s]
+  bool factorize_newton(double time_step);       ///< time_step [s]
   bool factorize_matrix();
   bool solve_by_two_grid();
   bool newton_direction();
-  double relative_residual(double time_step) const;
-  bool line_search(const HeatStepInput& input, double reference);
+  double relative_residual(double time_step) const;                ///< [1]; time_step [s]
+  bool line_search(const HeatStepInput& input, double reference);  ///< reference residual [1]
   bool bounded_step(const HeatStepInput& input);
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
-  void store_rate(HeatField& field, double time_step) const;
+  void store_rate(HeatField& field, double time_step) const;  ///< time_step [s]
   HeatBalance balance(const HeatStepInput& input) const;
 
   material::ThermalProperties properties_;
@@ -117,26 +123,30 @@ private:
   int two_grids_from_nodes_;
 
   linalg::DirectSolver solver_;
-  std::unique_ptr<linalg::TwoGrid<1>> two_grid_;  ///< in its place where a factor is too large
+  std::unique_ptr<linalg::TwoGrid<1>>
+      two_grid_;  ///< replaces the factor if that would be too large
   linalg::ConjugateGradients gradients_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
 
-  // Of the step under way; storage kept from step to step.
-  std::vector<double> enthalpy_n_;
-  std::vector<double> enthalpy_;
-  std::vector<double> trial_;
+  // Of the current step; the memory is reused between steps.
+  std::vector<double> enthalpy_n_;  ///< (node) [J/m3] at the start of the step
+  std::vector<double> enthalpy_;    ///< (node) [J/m3] of the iterate
+  std::vector<double> trial_;       ///< (node) [J/m3] of the line search
   std::vector<material::ThermalState> state_;
-  std::vector<double> kirchhoff_;  ///< less that of the casting temperature, against round-off
-  std::vector<double> residual_;   ///< (node) [W/m]; at held nodes the heat the top supplies
-  std::vector<double> matrix_;
+  std::vector<double>
+      kirchhoff_;  ///< (node) [W/m] minus its value at the casting temperature, against round-off
+  std::vector<double> residual_;    ///< (node) [W/m]; at held nodes the heat the top supplies
+  std::vector<double> matrix_;      ///< (entry of the pattern) c/D + K [1], [m] in 3D
   std::vector<char> stiff_;         ///< (node) held, or nearly so by its diagonal
-  std::vector<double> capacity_;    ///< c in the factor
-  std::vector<double> from_slope_;  ///< 1/D where dH = y/D because c is too small, else zero
-  std::vector<double> right_, y_, stiffness_y_, direction_;
-  double residual_sum_ = 0.0;  ///< [W/m] sum of absolute values over free nodes
-  double moved_ = 0.0;         ///< [J/m]
-  double round_off_ = 0.0;     ///< [J/m] of residual_sum_ times the step
+  std::vector<double> capacity_;    ///< (node) c in the factor [m^Dim/s]
+  std::vector<double> from_slope_;  ///< (node) 1/D [s/m2] where c is too small and dH = y/D is
+                                    ///< used, else zero
+  std::vector<double> right_, y_, stiffness_y_;  ///< (node) -R, y and K y [W/m], in 3D R, K y [W]
+  std::vector<double> direction_;                ///< (node) dH [J/m3]
+  double residual_sum_ = 0.0;                    ///< [W/m] sum of absolute values over free nodes
+  double moved_ = 0.0;                           ///< [J/m]
+  double round_off_ = 0.0;  ///< [J/m] round-off error of residual_sum_ times the step
 };
 
 }  // namespace dccast::thermal

@@ -50,7 +50,7 @@ double SurfaceCooling::film_share_of(const SideShare& share,
 }
 
 bool SurfaceCooling::water_runs(Face face, const HeatStepInput& input) const {
-  // By the middle of the step: free of the rounding of a sum of steps that ends at the start.
+  // Evaluated at the middle of the step, where the rounding of summed time steps does not matter.
   const double middle = input.time - 0.5 * input.time_step;
   return is_open(cooling_.water_of(face), middle) && water_flow_of(face, input) > 0.0;
 }

@@ -9,7 +9,7 @@
 
 namespace dccast::case_file {
 
-/// The value of a change as the reader of files wants it.
+/// The value of a change in the form required by the file reader.
 struct ChangeValue {
   toml::table table;  ///< holds the value under one key
   std::vector<int>
@@ -18,9 +18,10 @@ struct ChangeValue {
   const toml::node& node() const { return table.begin()->second; }
 };
 
-/// The value as in a file; text that is no TOML is taken as a string, so that quotes may be left
-/// out, also in a list. Text for a key that holds text or a choice is never taken as a number.
-/// @param field  the key it is for; null where there is no such key
+/// Parses a value as in a file. Text that is not TOML is read as a string, so that quotes may be
+/// omitted, also in a list. For a key that holds text or a choice the value is never read as a
+/// number.
+/// @param field  the key of the value; null if there is no such key
 ChangeValue change_value(const std::string& written, const FieldDescriptor* field);
 
 }  // namespace dccast::case_file

@@ -14,11 +14,11 @@ struct FieldPlace {
   const google::protobuf::FieldDescriptor* field = nullptr;  ///< null: there is no such key
 };
 
-/// Tables on the way are made when they are absent; elements of arrays are not.
+/// Missing tables on the path are created, elements of arrays are not.
 FieldPlace place_of(google::protobuf::Message& message, std::string_view path);
 
-/// The number at a path, in the unit of the schema: of a quantity, a number, an integer, or a curve
-/// of one point. @return nothing for other keys and absent ones
+/// The number at a path: the value of a quantity, a number, an integer, or a curve of one point.
+/// @return [unit of the schema]; empty for other keys and absent ones
 std::optional<double> number_at(const google::protobuf::Message& message, std::string_view path);
 
 /// Whether the key at this path takes whole numbers only.

@@ -7,12 +7,13 @@
 
 namespace dccast::case_file {
 
-/// Parts of one dotted key, and lists or inline tables within each other, that are read. The schema
-/// needs four; the parser takes a stack frame for each, so the bound must come before it.
+/// Largest depth of nested lists and inline tables, and largest number of parts of a dotted key.
+/// The schema needs four. The parser needs a stack frame for each level, so the depth is checked
+/// before parsing.
 inline constexpr int maximum_nesting = 16;
 
-/// The first place where keys, lists or inline tables are nested more deeply; brackets and dots
-/// within strings and comments do not count.
+/// The first place where keys, lists or inline tables are nested too deeply; brackets and dots in
+/// strings and comments are ignored.
 std::optional<TextFault> check_nesting(std::string_view text);
 
 }  // namespace dccast::case_file

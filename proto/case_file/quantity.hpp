@@ -21,13 +21,13 @@ Quantity parse_quantity(std::string_view text, const std::string& unit);
 /// Whether a quantity in one unit can be converted to the other.
 bool convertible(const std::string& from, const std::string& to);
 
-/// Converts a number; nothing if the units have different dimensions or one is unknown.
+/// Converts a number [`from`] to [`to`]; empty if the dimensions differ or a unit is unknown.
 std::optional<double> convert(double value, const std::string& from, const std::string& to);
 
-/// The shortest text that reads back to the same double: "0.1", "4e+12".
+/// The shortest text that reads back to the same double [any unit]: "0.1", "4e+12".
 std::string number_text(double value);
 
-/// "0.1 m/s"; the bare number for units "" and "1".
+/// A value [`unit`] with its unit, "0.1 m/s"; without it for units "" and "1".
 std::string quantity_text(double value, const std::string& unit);
 
 /// A basic string of TOML, in quotes and with its escapes.

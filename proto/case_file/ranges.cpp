@@ -28,7 +28,7 @@ void check_abscissa_kind(const v1::Curve& curve, const FieldDescriptor& field,
   const auto permitted = abscissae_of(field);
   if (std::find(permitted.begin(), permitted.end(), curve.abscissa()) == permitted.end())
     faults.push_back(make_fault(path, abscissa_name(curve.abscissa()),
-                                "not a quantity this table may stand against"));
+                                "not a permitted abscissa of this table"));
 }
 
 void check_curve_abscissae(const v1::Curve& curve, const std::string& path, Faults& faults) {

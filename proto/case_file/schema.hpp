@@ -12,8 +12,8 @@
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/options.pb.h"
 
-/// What the (key) options say about a field. Shared by the reader, the checks, the writer and the
-/// reference; nothing outside this room includes it.
+/// Access to the (key) options of a field. Shared by the reader, the checks, the writer and the
+/// reference; not included outside this room.
 namespace dccast::case_file {
 
 using google::protobuf::Descriptor;
@@ -21,7 +21,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-/// Stands as the default of the keys that `apply_quality` fills.
+/// Shown as the default of the keys that `apply_quality` fills.
 inline constexpr std::string_view by_quality = "by quality";
 
 /// The (key) option of a field.
@@ -46,7 +46,7 @@ bool is_alloy(const FieldDescriptor& field);
 /// A nested message that is a table of the file (not a Curve).
 bool is_table(const FieldDescriptor& field);
 
-/// Whether the field carries something: set, or not empty / not unspecified for text and enums.
+/// Whether the field has a value: it is set, or not empty (text), or not unspecified (enums).
 bool is_present(const Message& message, const FieldDescriptor& field);
 
 /// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
@@ -61,12 +61,13 @@ std::string join_path(const std::string& parent, const std::string& key);
 /// mm/min)". Empty without a range.
 std::string range_text(const FieldDescriptor& field, const std::string& other_unit = {});
 
-/// What is wrong with a number for this field, or nothing.
+/// The fault of a number outside the range of its field; empty if there is none.
+/// @param value  [unit of the field]
 std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
                                      const std::string& path, const std::string& written,
                                      const std::string& unit_written);
 
-/// The value is shortened: no fault repeats a text of any length.
+/// Creates a fault. The value is shortened, so that no fault repeats a long text.
 v1::Fault make_fault(std::string path, const std::string& value, std::string message,
                      std::string permitted = {}, std::string remedy = {});
 

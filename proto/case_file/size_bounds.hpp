@@ -6,14 +6,15 @@
 
 #include "proto/case_file/schema.hpp"
 
-/// How long a text and a table may be. A case is kept, listed and reported by a daemon that serves
-/// others, so nothing in it is without a bound; keys that state none have the general one.
+/// Limits on the length of texts and tables. A case is stored, listed and reported by a daemon that
+/// serves several users, so everything in it has a limit; keys without a limit of their own have
+/// the general one.
 namespace dccast::case_file {
 
-/// Most bytes of a text whose key states no bound.
+/// Largest length of a text whose key has no limit of its own [bytes].
 inline constexpr std::size_t general_maximum_length = 1000;
 
-/// Most entries of a table, or points of a curve, whose key states no bound.
+/// Largest number of entries of a table, or points of a curve, whose key has no limit of its own.
 inline constexpr std::size_t general_maximum_count = 10000;
 
 std::size_t maximum_length(const FieldDescriptor& field);
@@ -22,11 +23,12 @@ std::size_t maximum_count(const FieldDescriptor& field);
 /// "at most 200 bytes", "at most 1000 entries", "at most 10000 points"; empty for other keys.
 std::string size_text(const FieldDescriptor& field);
 
-/// What is wrong with the length of a text, or nothing. The fault holds only the text's beginning.
+/// The fault of a text that is too long; empty if there is none. The fault contains only the
+/// beginning of the text.
 std::optional<v1::Fault> length_fault(const FieldDescriptor& field, const std::string& text,
                                       const std::string& path);
 
-/// What is wrong with the number of entries or points, or nothing.
+/// The fault of too many entries or points; empty if there is none.
 std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,
                                      const std::string& path);
 

@@ -7,14 +7,14 @@
 
 namespace dccast::case_file {
 
-/// Where something stands in a file; 1 is the first line and column, 0 means unknown.
+/// Position in a file; 1 is the first line and column, 0 means unknown.
 struct Position {
   int line = 0;
   int column = 0;
 };
 
-/// Where each key of a case stands, by its path ("schedule.casting_speed", "monitor[1].x"): in its
-/// file, or in a change given beside it.
+/// Positions of the keys of a case by path ("schedule.casting_speed", "monitor[1].x"): in its file,
+/// or in a change given in addition.
 class SourceMap {
 public:
   SourceMap() = default;
@@ -30,8 +30,8 @@ public:
   /// Forgets a key and everything below it.
   void erase(const std::string& path);
 
-  /// Position of `path`, or of its nearest parent that stands in the file; 0:0 if there is none.
-  /// A fault found by the server in a key that was left out is so shown at its table.
+  /// Position of `path`, or of its nearest parent in the file; 0:0 if there is none. A fault
+  /// reported by the server for a missing key is thus shown at its table.
   Position find(const std::string& path) const { return place_of(path).position; }
 
   /// The file, or the change that gave the key.
@@ -51,12 +51,12 @@ private:
   std::map<std::string, Place> places_;
 };
 
-/// "schedule.casting_speed" covers itself, "schedule.casting_speed[1]" and keys below it.
+/// Whether `path` contains `other`: "schedule.casting_speed" covers itself,
+/// "schedule.casting_speed[1]" and keys below it.
 bool covers(const std::string& path, const std::string& other);
 
-/// One line for people: `file:line:column: key = value: message; permitted; remedy`, of a change
-/// `--set KEY, column N: key = ...`.
-/// Parts that the fault leaves empty are left out.
+/// The fault as one line of text: `file:line:column: key = value: message; permitted; remedy`, for
+/// a change `--set KEY, column N: key = ...`. Empty parts are omitted.
 std::string describe(const v1::Fault& fault, const SourceMap& source);
 
 }  // namespace dccast::case_file

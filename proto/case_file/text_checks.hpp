@@ -9,7 +9,7 @@
 
 namespace dccast::case_file {
 
-/// Why a text cannot be a case file at all, and where.
+/// Why a text cannot be a case file, and the position.
 struct TextFault {
   Position position;
   std::string message;
@@ -19,13 +19,13 @@ struct TextFault {
 /// Line and column of a byte of the text.
 Position position_of(std::string_view text, std::size_t offset);
 
-/// Size, NUL bytes, UTF-8 and depth of nesting, before a parser sees the text.
+/// Checks size, NUL bytes, UTF-8 and depth of nesting before the text is parsed.
 std::optional<TextFault> check_text(std::string_view text);
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The nearest of `known` if it is near enough to be meant (a third of the word), else empty.
+/// The most similar of `known` if it differs in at most a third of the word, else empty.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace dccast::case_file

@@ -8,15 +8,15 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/schema.hpp"
 
-/// The walk over a parsed TOML file. Inner part of the reader.
+/// Traversal of a parsed TOML file; internal part of the reader.
 namespace dccast::case_file {
 
-/// What the walk hands from table to table.
+/// Context of the traversal, passed from table to table.
 struct Walk {
-  std::filesystem::path folder;  ///< where attachments are looked for
+  std::filesystem::path folder;  ///< folder of attachments
   ReadOutcome& outcome;
 
-  /// Keeps a fault and its place. Faults beyond a bound are dropped: nobody reads them.
+  /// Adds a fault with its position. Faults beyond a maximum number are dropped.
   void add(v1::Fault fault, const toml::node& node);
   void mark(const std::string& path, const toml::node& node);
 };
@@ -28,7 +28,7 @@ void read_table(Walk& walk, const toml::table& table, Message& message, const st
 void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
                 const std::string& path);
 
-/// A fault on `key` of the table `path`, which `message` has not, with the key that may be meant.
+/// Adds a fault for an unknown `key` of the table `path`, with the key that may have been meant.
 void add_unknown(Walk& walk, const toml::node& node, const Message& message,
                  const std::string& path, const std::string& key);
 
@@ -36,9 +36,10 @@ void add_unknown(Walk& walk, const toml::node& node, const Message& message,
 void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
                 const std::string& path);
 
-/// One real number: a string with unit, or a bare number where the unit is "1".
-/// `unit` is that of the schema, `limits` the field whose range it must keep (null for an
-/// abscissa).
+/// Reads one real number: a string with a unit, or a bare number if the unit is "1".
+/// @param unit    unit in the schema
+/// @param limits  field whose range applies; null for an abscissa
+/// @return        [`unit`]
 std::optional<double> read_number(Walk& walk, const toml::node& node, const std::string& unit,
                                   const std::string& example, const FieldDescriptor* limits,
                                   const std::string& path);

@@ -9,11 +9,11 @@ namespace dccast::frames {
 
 /// Half the thickness of a quarter slab at one place along its wide face.
 struct FacePoint {
-  double x_m = 0.0;      ///< in the undeformed slab
-  double mould_m = 0.0;  ///< half the opening of the mould
-  double now_m = 0.0;    ///< half-thickness at the instant of the frame
-  /// The same at 20 °C: each piece of the way from the middle plane to the face contracts freely
-  /// from its present temperature. Not a number where part of the way is not solid yet.
+  double x_m = 0.0;      ///< in the undeformed slab [m]
+  double mould_m = 0.0;  ///< half the opening of the mould [m]
+  double now_m = 0.0;    ///< half-thickness at the time of the frame [m]
+  /// Half-thickness at 20 °C [m]: each piece of the line from the middle plane to the face
+  /// contracts freely from its present temperature. NaN if part of the line is not solid yet.
   double cold_m = 0.0;
 
   double pull_in_m() const { return mould_m - now_m; }
@@ -22,12 +22,12 @@ struct FacePoint {
 
 /// The wide face at one height.
 struct FaceRow {
-  double height_m = 0.0;          ///< above the bottom block, in the undeformed slab
-  bool solid = true;              ///< all through, at every point
+  double height_m = 0.0;          ///< above the bottom block, in the undeformed slab [m]
+  bool solid = true;              ///< completely solid at every point
   std::vector<FacePoint> points;  ///< from the middle of the face outwards
 };
 
-/// What the wide face of a quarter slab has pulled in.
+/// Contraction of the wide face of a quarter slab.
 struct Contraction {
   double time_s = 0.0;
   double cast_length_m = 0.0;
@@ -35,22 +35,23 @@ struct Contraction {
 
   /// The row nearest to a height.
   const FaceRow& at(double height_m) const;
-  /// The highest row that is solid all through; without one the highest of all.
+  /// The highest row that is completely solid; if there is none, the highest row.
   const FaceRow& head() const;
 };
 
-/// Half the opening of the mould of a quarter slab. @param x_m  from the middle of the wide face
+/// Half the opening of the mould of a quarter slab [m]. @param x_m  from the middle of the wide
+/// face [m]
 double half_opening_m(const v1::Section& section, double x_m);
 
-/// A frame from which no contraction can be read: what it lacks, and the remedy.
+/// The contraction cannot be computed from a frame: what is missing, and the remedy.
 class NoContraction : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a frame along its lines of nodes from the middle plane to the wide face.
+/// Evaluates a frame along its lines of nodes from the middle plane to the wide face.
 /// @param solved  the case of the frame with its alloy card
-/// @throws NoContraction  no quarter slab, or a mesh without such lines
+/// @throws NoContraction  not a quarter slab, or a mesh without such lines
 Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame);
 
 }  // namespace dccast::frames

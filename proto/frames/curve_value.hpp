@@ -4,8 +4,10 @@
 
 namespace dccast::frames {
 
-/// A table at a place of its abscissa, linear between its points and constant outside.
-/// @pre  it has a value; one without places is constant
+/// Value of a table, linear between its points and constant outside.
+/// @param at  [unit of the abscissa]
+/// @return    [unit of the curve]
+/// @pre       the curve has a value; without abscissae it is constant
 double curve_value(const v1::Curve& curve, double at);
 
 }  // namespace dccast::frames

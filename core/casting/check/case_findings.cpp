@@ -12,8 +12,9 @@ std::string with_unit(double value, const char* unit) {
 
 namespace {
 
-/// Whether a fault at `path` leaves nothing certain about `key`: it is the key itself, a part of it
-/// ("schedule.casting_speed[1]"), or the table it is in; without its card nothing of an alloy is.
+/// Whether a fault at `path` makes the value of `key` unusable: `path` is the key itself, a part of
+/// it ("schedule.casting_speed[1]"), or its table; a fault of the card makes all keys of the alloy
+/// unusable.
 bool covers(std::string_view path, std::string_view key) {
   const auto within = [](std::string_view part, std::string_view whole) {
     return part.starts_with(whole) &&

@@ -14,12 +14,11 @@ namespace dccast::casting {
 
 using Keys = std::vector<std::string>;
 
-/// "0.28 m". @param value  in that unit
+/// A value with its unit: "0.28 m". @param value  [`unit`]
 std::string with_unit(double value, const char* unit);
 
-/// A case while it is checked: what was found so far, and what later checks may reason from. A
-/// check that reasons from a key which is at fault itself is left out, and the answer says so:
-/// `sound` decides.
+/// A case during its check: the faults found so far and intermediate results for later checks. A
+/// check that depends on a faulty key is skipped and reported as skipped, see sound().
 class CaseFindings {
 public:
   CaseFindings(const Case& the_case, const std::vector<std::string>& faulty_keys)
@@ -35,22 +34,24 @@ public:
     warnings_.add(std::forward<Rest>(rest)...);
   }
 
-  /// The fault that leaves nothing certain about a key; empty when there is none.
+  /// The fault that makes the value of a key unusable; empty if there is none.
   std::string fault_of(std::string_view key) const;
-  /// Whether what follows from these keys can be judged; if not, the answer will say what for.
+  /// Whether none of these keys has a fault, so that checks depending on them are meaningful. If
+  /// not, the answer names the fault they wait for.
   bool sound(const Keys& keys);
   bool axisymmetric() const { return casting.section.kind == mesh::SectionKind::axisymmetric; }
   bool solid() const { return mesh::dimension_of(casting.section.kind) == 3; }
 
-  /// Everything found; warns of what was not judged.
+  /// All findings, with warnings for the checks that were skipped.
   CheckedCase answer();
 
   const Case& casting;
   Faults faults;
   Estimate estimate;
-  std::optional<double> final_level;  ///< [m]; there when the course is sound
+  std::optional<double>
+      final_level;  ///< [m] metal level at the end; set if `course_keys` are sound
   std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
-  /// There when mesh.file is sound, the one of the section's dimension.
+  /// The mesh of the section's dimension, set if mesh.file is sound.
   std::optional<mesh::Mesh2D> imported_plane;
   std::optional<mesh::Mesh3D> imported_solid;
 

@@ -9,7 +9,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Without both ends in the table some of the latent heat would never be set free.
+/// The table must contain both ends; otherwise a part of the latent heat would never be released.
 void liquid_fraction(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
   const Curve& f = a.liquid_fraction;

@@ -18,7 +18,7 @@ void check_built_in_size(CaseFindings& found) {
   const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
   // Nodes and cells of a row of the plan.
   const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
-  // Before any mesh is built: a growth cell of micrometres must not be tried.
+  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
   const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
                        (s.columns * s.refinement + 1.0) * across;
   if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double round_off = 1e-9;  // [m]
 
-/// The radius at most: to the middle planes, and to the last break point of the opening.
+/// Largest possible radius: limited by the symmetry planes and by the last break point of the
+/// opening.
 double largest_radius(const mesh::SectionSpec& s) {
   double last = 0.0;
   for (const double at : s.half_thickness.at())

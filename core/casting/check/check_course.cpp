@@ -13,8 +13,8 @@ bool is_mechanical(const Case& c, double time) {
   return c.mechanics.enabled && time >= c.mechanics.start - 1e-9;
 }
 
-/// Of speeds against time the integral is exact over any leap; of others it needs steps, if not
-/// all.
+/// Integrates the cast length. For speeds against time any leap is exact; other speeds need
+/// intermediate steps.
 double cast_length(const CastingSchedule& schedule, double length, double time, const Leap& leap) {
   constexpr std::int64_t enough = 1000;
   const std::int64_t pieces = schedule.speed_follows_time() ? 1 : std::min(leap.steps, enough);
@@ -31,7 +31,7 @@ void check_time(CaseFindings& found) {
   if (found.sound({"time.end", "schedule.hold"}) &&
       found.casting.time.end <= -found.casting.schedule.hold) {
     found.fault(
-        "time.end", with_unit(found.casting.time.end, "s"), "does not lie after the beginning",
+        "time.end", with_unit(found.casting.time.end, "s"), "is not after the beginning",
         "more than " + with_unit(-found.casting.schedule.hold, "s") + ", minus schedule.hold",
         "move the end");
   }

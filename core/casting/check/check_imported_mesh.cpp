@@ -12,7 +12,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Of the width of a mesh against the half width of the case: drawings are rounded.
+/// Tolerance of the width of a mesh relative to the half width of the case: drawings are rounded.
 constexpr double width_tolerance = 0.01;
 constexpr double depth_tolerance = 0.01;
 
@@ -38,7 +38,7 @@ bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
   return true;
 }
 
-/// What unit a length was probably drawn in that should have been `metres`.
+/// The unit in which a length that should be `metres` was probably drawn.
 std::string remedy_for_size(double drawn, double metres) {
   struct Unit {
     const char* name;
@@ -111,7 +111,7 @@ void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, const NeededGroup& g
               group.remedy);
 }
 
-/// Two planes hold a quarter slab sideways, one along each coordinate.
+/// A quarter slab needs two symmetry planes, one normal to each horizontal axis.
 void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
   for (const auto& [name, axis] : {std::pair{"symmetry_x", 0}, std::pair{"symmetry_y", 1}}) {
     const bool held = std::ranges::any_of(mesh.patches, [axis = axis](const auto& patch) {
@@ -129,7 +129,7 @@ void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
   }
 }
 
-/// Boundary without a name is free and insulated. What a case cannot do without must have one.
+/// Boundary without a name is free and insulated. Patches that the case needs must have a name.
 template <int Dim>
 void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const Case& c = found.casting;
@@ -140,8 +140,10 @@ void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
       need(found, mesh, top_group[Dim - 2]);
   }
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
-    if constexpr (Dim == 2) need(found, mesh, symmetry_group);
-    else need_both_planes(found, mesh);
+    if constexpr (Dim == 2)
+      need(found, mesh, symmetry_group);
+    else
+      need_both_planes(found, mesh);
   }
 }
 

@@ -17,7 +17,7 @@ double largest(const Curve& curve) {
   return *std::max_element(curve.value().begin(), curve.value().end());
 }
 
-/// A factor must not lead out of the range of what it multiplies.
+/// A factor must keep the quantity that it multiplies within its range.
 void check_factor(CaseFindings& found, const std::string& key, const Curve& table,
                   const Curve& factor, double limit, const char* unit) {
   if (table.empty() || largest(factor) <= 1.0) return;
@@ -30,7 +30,7 @@ void check_factor(CaseFindings& found, const std::string& key, const Curve& tabl
               "products of at most " + with_unit(limit, unit), "choose a smaller factor");
 }
 
-/// A table against cast length has no time to come later.
+/// A table against cast length cannot be delayed in time.
 void check_shift(CaseFindings& found, const std::string& key, const Curve& table, double shift) {
   if (shift == 0.0 || table.empty() || !found.sound({key, key + "_shift"})) return;
   if (!against_length(table)) return;
@@ -66,11 +66,11 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
     found.warning(key + ".pulse_end", with_unit(water.pulse_end, "s"),
                   "does not lie after the water's start, so that nothing is pulsed",
                   "more than " + key + ".start = " + with_unit(water.start, "s"),
-                  "say until when the water is pulsed");
+                  "give the time until which the water is pulsed");
   }
 }
 
-/// Cooling that only a slab with two faces has; check_quarter_slab looks at the rest.
+/// Cooling keys that require a slab with two faces; check_quarter_slab checks the rest.
 void check_faces(CaseFindings& found) {
   if (found.casting.section.kind == mesh::SectionKind::quarter_slab) return;
   if (!found.sound({"section.kind"})) return;

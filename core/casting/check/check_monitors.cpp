@@ -55,7 +55,7 @@ void check_coordinates(CaseFindings& found, const std::string& field, const Moni
                 "write z = \"0 m\" for a point of the bottom");
   }
   if (!found.solid() && m.z) {
-    found.fault(field + ".z", with_unit(*m.z, "m"), "is of a quarter slab only",
+    found.fault(field + ".z", with_unit(*m.z, "m"), "applies to a quarter slab only",
                 "x and y, the height, in a section", "leave z out");
   }
 }

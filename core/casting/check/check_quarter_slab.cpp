@@ -1,4 +1,4 @@
-// What holds of the plan of a quarter slab and of the block below it.
+// Conditions on the plan of a quarter slab and on the block below it.
 #include <algorithm>
 #include <cmath>
 
@@ -23,8 +23,8 @@ double slope(const Curve& table, std::size_t i) {
   return (table.value()[i + 1] - table.value()[i]) / (table.at()[i + 1] - table.at()[i]);
 }
 
-/// The wide face of a mould bulges outwards or is flat: going outwards its opening never widens and
-/// never narrows less.
+/// The wide face of a mould is convex or flat: towards the narrow face its opening never increases,
+/// and its slope never becomes less steep.
 void opening_not_convex(CaseFindings& found, const Curve& opening, double half_width) {
   const char* permitted = "values that never rise and fall ever more steeply: a convex mould";
   double steepest = 0.0;
@@ -75,11 +75,12 @@ void check_opening(CaseFindings& found) {
 
 void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
   if (!given || !found.sound({"section.kind"})) return;
-  found.fault(key, "given", "is of a quarter slab only", "section.kind = \"quarter_slab\" with it",
+  found.fault(key, "given", "applies to a quarter slab only",
+              "section.kind = \"quarter_slab\" with it",
               "leave it out, or write kind = \"quarter_slab\"");
 }
 
-/// The least depth of a profile over the slab [m]; it is piecewise linear.
+/// Smallest depth of a piecewise linear profile over the slab [m].
 double least_depth(const Curve& profile, double length) {
   if (profile.empty()) return 0.0;
   double least = std::min(profile(0.0), profile(length));
@@ -105,10 +106,13 @@ bool break_points_have_nodes(const mesh::SectionSpec& s) {
   return fits;
 }
 
-/// Rows can be merged where cells stay whole and two growth cells fit into a merged one.
+/// Rows can be merged if cells are not split into elements and two growth cells fit into a merged
+/// one.
 void check_merging(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
-  if (s.merging.below <= 0.0 || !s.file.empty() || !found.sound({"mesh.merge_below", "mesh.element"})) return;
+  if (s.merging.below <= 0.0 || !s.file.empty() ||
+      !found.sound({"mesh.merge_below", "mesh.element"}))
+    return;
   if (s.element == mesh::ElementKind::p1) {
     found.fault("mesh.merge_below", with_unit(s.merging.below, "m"),
                 "is given, but tetrahedra cannot be merged", "q1_bending or q1 with it",

@@ -15,7 +15,7 @@ void check_section(CaseFindings& found) {
   }
   if (!found.casting.thermal.file.empty() && s.growth && growth_known) {
     found.fault("thermal.file", found.casting.thermal.file.filename().string(),
-                "has one temperature a node, and a slab that grows has ever more nodes",
+                "has one temperature per node, but the nodes of a growing slab increase in number",
                 "mesh.growth = false with thermal.file", "write growth = false in [mesh]");
   }
   const double cell = s.growth_cell.value_or(s.initial_depth / s.rows);

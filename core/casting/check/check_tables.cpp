@@ -5,7 +5,7 @@ namespace dccast::casting {
 namespace {
 
 void increasing(CaseFindings& found, const char* field, const Curve& curve, const char* unit) {
-  if (!found.fault_of(field).empty()) return;  // said already
+  if (!found.fault_of(field).empty()) return;  // already reported
   for (std::size_t i = 1; i < curve.at().size(); ++i) {
     if (curve.at()[i] > curve.at()[i - 1]) continue;
     found.fault(field, with_unit(curve.at()[i], unit), "does not lie above the point before it",
@@ -36,10 +36,10 @@ void check_tables(CaseFindings& found) {
              found.casting.cooling.bottom_block.contact_coefficient, "s");
   increasing(found, "cooling.bottom_block.gap_coefficient",
              found.casting.cooling.bottom_block.gap_coefficient, "m");
-  increasing(found, "cooling.bottom_block.profile_x",
-             found.casting.cooling.bottom_block.profile_x, "m");
-  increasing(found, "cooling.bottom_block.profile_y",
-             found.casting.cooling.bottom_block.profile_y, "m");
+  increasing(found, "cooling.bottom_block.profile_x", found.casting.cooling.bottom_block.profile_x,
+             "m");
+  increasing(found, "cooling.bottom_block.profile_y", found.casting.cooling.bottom_block.profile_y,
+             "m");
 }
 
 }  // namespace dccast::casting

@@ -7,7 +7,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Nothing when they wait for a fault.
+/// Empty if the check is skipped because of another fault.
 std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
   if (found.imported_plane) return std::size_t(found.imported_plane->nodes());
   if (found.imported_solid) return std::size_t(found.imported_solid->nodes());

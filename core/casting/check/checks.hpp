@@ -4,7 +4,7 @@
 
 namespace dccast::casting {
 
-/// What the course of the casting in time follows from.
+/// Keys that determine the course of the casting in time.
 inline const Keys course_keys = {"time.end",
                                  "time.step",
                                  "schedule.hold",
@@ -19,52 +19,54 @@ inline const Keys course_keys = {"time.end",
                                  "section.initial_depth",
                                  "mesh.growth",
                                  "limits.maximum_steps"};
-/// What the number of cells of the built-in mesh follows from, besides the course.
+/// Keys that determine the number of cells of the built-in mesh, besides course_keys.
 inline const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
                                "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
                                "mesh.element", "limits.maximum_nodes"};
-/// What the plan of a quarter slab follows from.
+/// Keys that determine the plan of a quarter slab.
 inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
                                "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
                                "mesh.wide_side_cell", "section.corner_radius"};
-/// What the places of its nodes follow from, besides their number.
+/// Keys that determine the positions of its nodes, besides their number.
 inline const Keys place_keys = {
     "section.half_width",  "section.half_thickness", "section.initial_depth", "mesh.side_cell",
     "mesh.wide_side_cell", "mesh.bottom_cell",       "section.corner_radius"};
 
-// Each adds its faults; a file each. Those further down use what those above have found.
+// Each check adds its faults and has a file of its own. Later checks use the results of earlier
+// ones.
 
 void check_alloy(CaseFindings& found);
 void check_zones(CaseFindings& found);
 /// Factors and shifts of the schedule, pulses of the water, faces with water of their own.
 void check_levers(CaseFindings& found);
-/// Abscissae that increase.
+/// Abscissae of tables must increase.
 void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);
-/// The plan of a quarter slab, and what belongs to one alone.
+/// The plan of a quarter slab, and keys that apply to quarter slabs only.
 void check_quarter_slab(CaseFindings& found);
 /// Whether each break point of a quarter slab's opening has a row of nodes in its plan.
 bool break_points_have_nodes(const mesh::SectionSpec& section);
-/// The rounded corner of a quarter slab fits into its plan and its mesh.
+/// The rounded corner of a quarter slab must fit its plan and its mesh.
 void check_corner(CaseFindings& found);
 /// A block that is not flat must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 void check_time(CaseFindings& found);
 void check_mechanics(CaseFindings& found);
-/// Steps, and how high the metal ends.
+/// Number of steps and the final metal level.
 void check_course(CaseFindings& found);
 void check_built_in_size(CaseFindings& found);
 void check_imported_mesh(CaseFindings& found);
 void check_temperature_file(CaseFindings& found);
 void check_monitors(CaseFindings& found);
 void check_plausibility(CaseFindings& found);
-/// Warns of a case that shows nothing.
+/// Warns of a case whose results would show nothing of interest.
 void advise(CaseFindings& found);
 
 /// Adds the fault of a mesh beyond limits.maximum_nodes. @param nodes  their number [1]
 void too_many_nodes(CaseFindings& found, double nodes);
 
-/// Seconds and memory, from nodes and steps; estimate_effort.cpp says how well.
+/// Estimates computing time and memory from nodes and steps; estimate_effort.cpp states the
+/// accuracy.
 void estimate_effort(CaseFindings& found);
 
 }  // namespace dccast::casting

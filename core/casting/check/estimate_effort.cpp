@@ -17,12 +17,12 @@ constexpr double heat_by_node = 0.5e-6;       // [s]
 constexpr double heat_by_band = 26e-9;        // [s]
 constexpr double mechanics_by_band = 142e-9;  // [s] newton, at steps of `usual_step`
 constexpr double usual_step = 0.7;            // [s]
-constexpr double ring_factor = 4.0;           // a billet's steps need more iterations
+constexpr double billet_factor = 4.0;         // a billet's steps need more iterations
 constexpr double memory_base = 3e7;           // [bytes]
 constexpr double memory_by_node = 1.2e4;      // [bytes]
 
-// Of a quarter slab, whose cells are bricks: the factor of 3 unknowns a node in a nested
-// dissection, measured from 5,000 to 192,000 unknowns, and what states and matrices take beside it.
+// Quarter slab of bricks: the factor for 3 unknowns per node in a nested dissection, measured from
+// 5,000 to 192,000 unknowns, plus states and matrices.
 constexpr double solid_memory_by_node = 3.5e4;  // [bytes]
 constexpr double factor_bytes = 143e6;          // [bytes] of `factor_unknowns`
 constexpr double factor_seconds = 0.25;         // [s]
@@ -32,14 +32,14 @@ constexpr double factor_time_power = 1.75;
 constexpr double solid_heat_by_node = 5e-6;         // [s]
 constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton without the factor
 
-// The same where two grids take the place of the factor: peaks of whole processes from 6,000 to
-// 97,000 nodes were 13 to 17 kB a node, seconds of a step 40 to 60 us a node
+// The same with the two-grid solver instead of the factor: peak memory of whole processes from
+// 6,000 to 97,000 nodes was 13 to 17 kB per node, the time of a step 40 to 60 us per node
 // (docs/large-solids.md).
 constexpr double grids_memory_by_node = 1.8e4;  // [bytes]
 constexpr double grids_seconds_by_node = 5e-5;  // [s] a mechanical step
-constexpr double memory_before_grids = 1.5e8;   // [bytes] of the factor that they took over from
+constexpr double memory_before_grids = 1.5e8;   // [bytes] of the largest factor before the switch
 
-/// Of a mechanical step against newton's.
+/// Cost of a mechanical step relative to newton.
 double algorithm_factor(const Case& c) {
   const bool p1 = c.section.element == mesh::ElementKind::p1;
   switch (c.mechanics.options.algorithm) {
@@ -94,7 +94,7 @@ StepSeconds in_a_section(const CaseFindings& found) {
   StepSeconds seconds{heat_by_node * size.nodes + heat_by_band * size.band, 0.0};
   if (found.mechanical_steps == 0) return seconds;
   seconds.mechanics = mechanics_by_band * size.band * step_factor(found);
-  if (found.axisymmetric()) seconds.mechanics *= ring_factor;
+  if (found.axisymmetric()) seconds.mechanics *= billet_factor;
   return seconds;
 }
 
@@ -106,7 +106,7 @@ double mean_nodes_of_solid(const CaseFindings& found) {
   return 0.5 * (plan * (s.rows * s.refinement + 1.0) + at_end);
 }
 
-/// Whether so many nodes are solved by two grids.
+/// Whether a mesh with this number of nodes is solved by two grids.
 bool by_two_grids(const CaseFindings& found, double nodes) {
   const Case& c = found.casting;
   const bool lines = c.section.file.empty() && c.section.element != mesh::ElementKind::p1;

@@ -10,7 +10,7 @@ std::optional<Finding> bleed_out_at_bottom(const Case& c, const StepFigures& f) 
       "bleed_out_at_bottom", Severity::danger,
       sentence(
           "Over a gap of %.3g mm to the bottom block the shell is %.3g mm thick, less than %.3g "
-          "mm: nothing carries it there, and the melt runs into the gap and onto the block.",
+          "mm: nothing supports it there, and melt runs into the gap and onto the block.",
           in_mm * f.gap_under_shell, in_mm * f.bottom_shell.value,
           in_mm * c.plausibility.minimum_shell),
       {f.bottom_shell, c.plausibility.minimum_shell, "m", "plausibility.minimum_shell"});

@@ -17,7 +17,7 @@ Located<Dim> whole_height(const mesh::Mesh<Dim>& mesh) {
   return found;
 }
 
-/// Of the lowest node of an element.
+/// Height of the lowest node of an element [m].
 template <int Dim>
 double height_of(const mesh::Mesh<Dim>& mesh, int e) {
   const int* node = mesh.nodes_of(e);
@@ -27,7 +27,7 @@ double height_of(const mesh::Mesh<Dim>& mesh, int e) {
   return lowest;
 }
 
-/// Where an edge between a cold and a hot node reaches the isotherm.
+/// The point where an edge between a cold and a hot node crosses the isotherm.
 template <int Dim>
 std::array<double, Dim> crossing(const double* cold, const double* hot, double share) {
   std::array<double, Dim> at{};

@@ -8,16 +8,16 @@
 
 namespace dccast::casting {
 
-/// A value and where it is.
+/// A value and its location.
 template <int Dim>
 struct Located {
   double value = 0.0;               ///< in the unit of the function that gave it
   std::array<double, Dim> place{};  ///< in the undeformed slab [m]
 };
 
-/// Least height of metal at an isotherm above the bottom [m], linear along the edges of elements,
-/// so that it changes smoothly with time; casting/validity finds the cut of the shell by elements.
-/// Its place is on the bottom. Without metal as hot as that it is the height of the slab.
+/// Smallest height of an isotherm above the bottom [m], interpolated linearly along the edges of
+/// elements, so that it changes smoothly with time; casting/validity works with whole elements. The
+/// location is on the bottom. If no metal is that hot, the height of the slab.
 /// @param temperature  (node) [°C]
 /// @param isotherm     [°C]
 template <int Dim>

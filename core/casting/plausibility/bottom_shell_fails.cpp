@@ -7,8 +7,8 @@ namespace dccast::casting {
 
 namespace {
 
-/// A shell that is about to fail has lost this share of its largest thickness, and what is left is
-/// less than this many times the limit. Sound castings keep more (docs/findings.md).
+/// A shell that is about to fail has lost this share of its largest thickness, and its remaining
+/// thickness is below this multiple of the limit. Sound castings stay above (docs/findings.md).
 constexpr double lost_share = 0.4;
 constexpr double limits_left = 3.0;
 

@@ -4,7 +4,8 @@
 
 namespace dccast::casting {
 
-/// A shell that rests on the block, such as a billet's under its axis, is held by the block.
+/// A shell in contact with the block, such as that of a billet near its axis, is supported by the
+/// block.
 std::optional<Finding> bottom_shell_open(const Case& c, const StepFigures& f) {
   if (!bottom_shell_is_thin(c, f) || f.gap_under_shell >= open_gap) return std::nullopt;
   return finding_of(

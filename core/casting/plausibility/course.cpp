@@ -22,7 +22,7 @@ struct Range {
   double from, to;
 };
 
-/// That a table is read in. @pre against time or cast length
+/// The range in which a table is evaluated. @pre its abscissa is time or cast length
 Range range_of(const Curve& curve, const Course& course) {
   if (curve.abscissa() == Abscissa::cast_length) return {0.0, course.cast_length};
   return {course.begin, course.end};

@@ -9,7 +9,7 @@ constexpr const char* code = "curl_outside_band";
 
 Finding above(const StepFigures& f, double limit) {
   return finding_of(code, Severity::warning,
-                    sentence("The curl stands at %.4g mm, above the %.4g mm that the plant "
+                    sentence("The curl is %.4g mm, above the %.4g mm that the plant "
                              "accepts: the butt rocks on the block, and more of it is sawn off.",
                              in_mm * f.greatest_curl, in_mm * limit),
                     {{f.greatest_curl}, limit, "m", "plausibility.greatest_curl"});
@@ -17,8 +17,8 @@ Finding above(const StepFigures& f, double limit) {
 
 Finding below(const StepFigures& f, double limit) {
   return finding_of(code, Severity::warning,
-                    sentence("The curl ends at %.4g mm, below the %.4g mm that the plant accepts: "
-                             "the recipe misses what it aims at.",
+                    sentence("The final curl is %.4g mm, below the %.4g mm that the plant accepts: "
+                             "the recipe misses its aim.",
                              in_mm * f.greatest_curl, in_mm * limit),
                     {{f.greatest_curl}, limit, "m", "plausibility.least_curl"});
 }

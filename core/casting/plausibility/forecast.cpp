@@ -16,7 +16,7 @@ constexpr int rows = 10;
 constexpr int growth_rows = 20;
 constexpr int steps = 70;
 
-/// Of a quarter slab its section through the thickness, in the middle of the wide face.
+/// The thickness section of a quarter slab, in the middle of the wide face.
 void take_thickness_section(Case& c) {
   c.section.kind = mesh::SectionKind::plane_strain;
   c.section.half_width = c.section.half_thickness(0.0);
@@ -27,7 +27,7 @@ void take_thickness_section(Case& c) {
   for (thermal::SideZone& zone : c.cooling.zones) zone.face.reset();
 }
 
-/// The case's heat alone, on a coarse mesh with few steps.
+/// The heat problem of the case, on a coarse mesh with few steps.
 Case coarse(Case c) {
   const Course course = course_of(c);
   mesh::SectionSpec& s = c.section;
@@ -55,7 +55,7 @@ std::vector<Finding> forecast(const Case& c) {
   try {
     while (!run.finished()) run.advance();
   } catch (const SolveFailed&) {
-    // What was seen until then is still a forecast.
+    // The findings up to that time are still a valid forecast.
   }
   std::vector<Finding> found;
   for (Finding finding : run.state().plausibility.raised) {

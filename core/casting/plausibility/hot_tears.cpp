@@ -10,7 +10,7 @@ std::optional<Finding> hot_tears(const Case& c, const StepFigures& f) {
   return finding_of(
       "hot_tears", Severity::warning,
       sentence("Metal between coherency and solidus has been stretched by %.3g %%, more than the "
-               "%.3g %% that melt can follow: hot tears are likely there.",
+               "%.3g %% that melt can feed: hot tears are likely there.",
                percent * f.mush_strain.value, percent * c.plausibility.maximum_mush_strain),
       {f.mush_strain, c.plausibility.maximum_mush_strain, "1", "plausibility.maximum_mush_strain"});
 }

@@ -4,8 +4,8 @@ namespace dccast::casting {
 
 std::optional<Finding> liquid_pressure_lost(const Case&, const StepFigures& f) {
   return of_validity(f, FailureKind::liquid_pressure_lost, "validity.maximum_liquid_pressure_error",
-                     "The melt presses on its shell otherwise than its depth says: the shell has "
-                     "moved away from it, and nothing after that is an answer.");
+                     "The pressure of the melt on the shell is not that of its depth: the shell "
+                     "has moved away from it, and later results are not valid.");
 }
 
 }  // namespace dccast::casting

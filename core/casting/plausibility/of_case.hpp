@@ -6,8 +6,8 @@
 #include "core/casting/plausibility/course.hpp"
 #include "core/results/finding.hpp"
 
-/// Findings of a case that follow from its tables alone; a file each. Limits, sources and what each
-/// means in the pit: docs/findings.md.
+/// Findings that follow from the tables of a case alone; one file per finding. docs/findings.md has
+/// their limits, sources and practical meaning.
 namespace dccast::casting {
 
 using results::Finding;

@@ -5,8 +5,8 @@
 #include "core/casting/plausibility/step_figures.hpp"
 #include "core/results/finding.hpp"
 
-/// Findings of an accepted step; a file each. Their time is set by who raises them. Limits, sources
-/// and what each means in the pit: docs/findings.md.
+/// Findings of an accepted step; one file per finding. The caller sets their time. docs/findings.md
+/// has their limits, sources and practical meaning.
 namespace dccast::casting {
 
 using results::Finding;

@@ -8,9 +8,9 @@
 
 namespace dccast::casting {
 
-/// A loss of validity as a finding; the verdict itself is validity's.
+/// Reports a loss of validity as a finding; the decision itself is made in casting/validity.
 /// @param key      of the case that sets the limit
-/// @param meaning  what it means in the pit
+/// @param meaning  what it means in practice
 inline std::optional<Finding> of_validity(const StepFigures& f, FailureKind kind, const char* key,
                                           const std::string& meaning) {
   if (!f.validity_lost || f.validity_lost->kind != name_of(kind)) return std::nullopt;

@@ -4,9 +4,9 @@
 
 namespace dccast::casting {
 
-/// A figure of a step and the place it is taken at [m]; empty where there is none.
+/// A figure of a step and where it occurs [m]; the place is empty if there is none.
 struct PlacedFigure {
-  double value = 0.0;           ///< in the unit of the figure
+  double value = 0.0;           ///< [unit of the figure]
   std::vector<double> place{};  ///< [m]
 };
 

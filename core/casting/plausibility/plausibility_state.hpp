@@ -10,13 +10,13 @@ namespace dccast::casting {
 using results::Finding;
 using results::Severity;
 
-/// What judging a step needs to know of the steps before it; a part of RunState.
+/// The history needed to judge a step; a part of RunState.
 struct PlausibilityState {
-  std::vector<Finding> raised;         ///< each code once, in the order they came
-  double thickest_bottom_shell = 0.0;  ///< [m] since the block moves
+  std::vector<Finding> raised;         ///< each code once, in the order in which they were raised
+  double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
 };
 
-/// The state as sections of a checkpoint, and back.
+/// Converts the state to sections of a checkpoint, and back.
 void write_plausibility(const PlausibilityState& state, restart::Sections& sections);
 /// @throws std::out_of_range  a section is missing, names an unknown severity or a
 ///                            number has several values

@@ -3,8 +3,8 @@
 
 namespace dccast::casting {
 
-/// A surface that has not frozen yet where the contact ends is the mould's to hold; one that was
-/// solid there and melts again is the gap's doing.
+/// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
+/// that is solid there and melts again does so because of the gap.
 std::optional<Finding> remelting_in_gap(const Case& c, const StepFigures& f) {
   const double solidus = c.alloy.solidus;
   if (!f.moves || !f.in_gap || f.gap_entry >= solidus || f.gap_surface.value < solidus)

@@ -9,7 +9,7 @@
 
 namespace dccast::casting {
 
-/// printf into a string.
+/// Like printf, but returns a string.
 template <class... Values>
 std::string sentence(const char* format, Values... values) {
   char text[500];
@@ -17,12 +17,12 @@ std::string sentence(const char* format, Values... values) {
   return text;
 }
 
-inline constexpr double in_mm = 1e3;  ///< [mm/m] for texts
+inline constexpr double in_mm = 1e3;  ///< [mm/m] for messages
 
-/// What was found, against the limit that a key of the case sets.
+/// A measured figure and the limit that a key of the case sets.
 struct Measured {
   PlacedFigure figure;
-  double limit = 0.0;     ///< in `unit`
+  double limit = 0.0;     ///< [`unit`]
   const char* unit = "";  ///< of figure and limit
   const char* key = "";
 };

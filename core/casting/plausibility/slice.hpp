@@ -9,31 +9,33 @@
 
 namespace dccast::casting {
 
-/// The slab cut across at one height.
+/// A horizontal cut through the slab.
 template <int Dim>
 struct Slice {
-  double hottest_surface = 0.0;          ///< [°C] of the side
-  std::array<double, Dim> hottest_at{};  ///< [m]
-  double shell = 0.0;  ///< [m] least distance from the side to metal at the isotherm
-  std::array<double, Dim> thinnest_at{};  ///< [m] on that metal
+  double hottest_surface = 0.0;           ///< [°C] of the side
+  std::array<double, Dim> hottest_at{};   ///< [m]
+  double shell = 0.0;                     ///< [m] smallest distance from the side to the isotherm
+  std::array<double, Dim> thinnest_at{};  ///< [m] where the shell is thinnest, on the isotherm
 };
 
-/// Cuts the mesh and looks at its side. Temperatures are linear along the edges of elements and
-/// between the points where an edge meets the cut.
+/// Cuts the mesh at a height. Temperatures are linear along the edges of elements and between the
+/// points where the edges meet the cut.
 ///
-/// Where the side itself is hotter than the isotherm the shell is zero; without such metal at this
-/// height it is as thick as the slab, measured from the side.
+/// If the side itself is hotter than the isotherm, the shell is zero. If no metal at this height is
+/// that hot, the shell is as thick as the slab, measured from the side.
 /// @param temperature  (node) [°C]
 /// @param height       [m] above the bottom of the undeformed slab
 /// @param isotherm     [°C]
-/// @return             nothing where the slab has no side at that height
+/// @return             empty if the slab has no side at that height
 template <int Dim>
 std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                                    double height, double isotherm);
 
-/// The hottest place of the side at a height, with its temperature [°C]: what slice_at says of the
-/// surface, without a look at every element.
-/// @return  nothing where the slab has no side at that height
+/// The hottest point of the side at a height and its temperature [°C]: the same as slice_at()
+/// finds, without visiting every element.
+/// @param temperature  (node) [°C]
+/// @param height       [m] above the bottom of the undeformed slab
+/// @return             empty if the slab has no side at that height
 template <int Dim>
 std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
                                             std::span<const double> temperature, double height);

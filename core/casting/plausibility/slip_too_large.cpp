@@ -3,7 +3,8 @@
 
 namespace dccast::casting {
 
-/// As a run that stops at the loss; one that goes on may come to it after another loss.
+/// Worded as for a run that stops at the loss; a run that continues may reach it after another
+/// loss.
 std::optional<Finding> slip_too_large(const Case& c, const StepFigures& f) {
   if (f.slip <= c.validity.maximum_slip) return std::nullopt;
   return finding_of(

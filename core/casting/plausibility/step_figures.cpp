@@ -12,8 +12,8 @@ namespace dccast::casting {
 
 namespace {
 
-/// What stood below the mould exit during the hold had no water on purpose; the casting is judged
-/// by what has come down since [m].
+/// Metal that was below the mould exit during the hold had no water on purpose; only metal that has
+/// left the mould since then is judged [m].
 constexpr double first_metal_out = 5e-3;
 
 template <class Place>
@@ -31,7 +31,7 @@ void measure_exit(const Case& c, const StepView<Dim>& view, StepFigures& f) {
   f.exit_shell = placed(slice->shell, slice->thinnest_at);
 }
 
-/// At a few heights: a remelted band is centimetres high.
+/// Checks a few heights only: a remelted band is centimetres high.
 template <int Dim>
 void measure_gap(const Case& c, const StepView<Dim>& view, StepFigures& f) {
   constexpr int heights = 4;

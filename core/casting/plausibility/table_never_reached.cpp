@@ -10,7 +10,7 @@ struct Table {
   double shift = 0.0;  ///< [s]
 };
 
-/// Every table that may stand against time or cast length, but the time step's.
+/// Every table that may depend on time or cast length, except the time step.
 std::vector<Table> tables_of(const Case& c) {
   const thermal::BottomBlock& block = c.cooling.bottom_block;
   std::vector<Table> tables{
@@ -45,7 +45,7 @@ std::optional<Finding> table_never_reached(const Case& c, const Course& course) 
   Finding finding;
   finding.code = "table_never_reached";
   finding.severity = Severity::warning;
-  finding.message = "The casting is over before it comes to any change in " + listed(keys) +
+  finding.message = "The casting ends before any change in " + listed(keys) +
                     ", or begins after the last one: one value holds throughout, as if the table "
                     "were a single number.";
   finding.key = keys.front();

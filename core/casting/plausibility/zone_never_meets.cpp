@@ -5,7 +5,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Water runs over the side before anything else does: a zone below its line is never met while it
+/// Running water takes precedence over zones: a zone below the water line has no effect while it
 /// runs.
 bool under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
                  const Course& course) {
@@ -28,10 +28,10 @@ std::optional<Finding> zone_never_meets(const Case& c, const Course& course) {
   Finding finding;
   finding.code = "zone_never_meets";
   finding.severity = Severity::warning;
-  finding.message = "The slab never comes to the cooling zone " + listed(names) +
+  finding.message = "The slab never reaches the cooling zone " + listed(names) +
                     sentence(
-                        " (metal %.4g mm deep at the end): its figures change nothing, as if that "
-                        "part of the mould were not there.",
+                        " (metal %.4g mm deep at the end): it has no effect, as if that part of "
+                        "the mould did not exist.",
                         in_mm * course.depth);
   finding.key = first;
   return finding;

@@ -12,8 +12,8 @@ namespace dccast::casting {
 
 namespace {
 
-/// I + grad u in the middle of a tetrahedron or hexahedron, row by row: change of coordinates over
-/// the reference cell after the motion, times the inverse of that before.
+/// I + grad u at the centre of a tetrahedron or hexahedron, row by row: Jacobian of the reference
+/// cell after the motion, times the inverse of the one before.
 template <std::size_t Nodes>
 Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
                              std::span<const double> displacement,
@@ -33,10 +33,10 @@ Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
   return product(after, inverse(before));
 }
 
-/// atan2(y, x); small angles, nearly all there are, by the series, which is exact to round-off
-/// there and takes a fraction of the time.
+/// atan2(y, x). Small angles, by far the most frequent, are computed by the series, which is exact
+/// to round-off there and takes a fraction of the time.
 double angle_of(double y, double x) {
-  constexpr double small = 0.02;  // its eleventh power is nothing beside it
+  constexpr double small = 0.02;  // its eleventh power is negligible relative to it
   const double t = y / x;
   if (!(x > 0.0 && std::abs(t) < small)) return std::atan2(y, x);
   const double square = t * t;
@@ -81,7 +81,7 @@ Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double
 template <>
 double angle_between<2>(const Turn<2>& from, const Turn<2>& to) {
   const double apart = std::abs(to[0] - from[0]);
-  return std::min(apart, 2.0 * std::numbers::pi - apart);  // the shorter way
+  return std::min(apart, 2.0 * std::numbers::pi - apart);  // the smaller of the two angles
 }
 
 template <>

@@ -16,12 +16,12 @@ namespace dccast::casting {
 template <int Dim>
 std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element);
 
-/// How an element has turned: of the rotation in the polar decomposition of I + grad u. In 2D the
-/// angle [rad], anticlockwise, -pi to pi; in 3D the unit quaternion, its real part first [1].
+/// Rotation of an element, from the polar decomposition of I + grad u. In 2D the angle [rad],
+/// anticlockwise, -pi to pi; in 3D the unit quaternion, real part first [1].
 template <int Dim>
 using Turn = std::array<double, Dim == 2 ? 1 : 4>;
 
-/// The turn of no motion.
+/// The turn of an element that has not moved.
 template <int Dim>
 constexpr Turn<Dim> no_turn() {
   if constexpr (Dim == 2)
@@ -30,7 +30,8 @@ constexpr Turn<Dim> no_turn() {
     return {1.0, 0.0, 0.0, 0.0};
 }
 
-/// The turn of an element; grad u is its mean over the element in 2D, that of the middle in 3D.
+/// The turn of an element, from the mean of grad u over the element in 2D and from grad u at its
+/// centre in 3D.
 /// @param displacement  (node, Dim) [m]
 template <int Dim>
 Turn<Dim> turn_of(const mesh::Mesh<Dim>& mesh, int element, std::span<const double> displacement);
@@ -39,7 +40,7 @@ Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double
 template <>
 Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
 
-/// The angle of the rotation that leads from one turn to another [rad], 0 to pi.
+/// Angle of the rotation from one turn to another [rad], 0 to pi.
 template <int Dim>
 double angle_between(const Turn<Dim>& from, const Turn<Dim>& to);
 template <>
@@ -49,30 +50,33 @@ double angle_between<3>(const Turn<3>& from, const Turn<3>& to);
 
 /// The largest angle by which a solid element has turned since it solidified [rad].
 ///
-/// What a cell of melt went through before does not count: between a mould that holds and a shell
-/// that leaves it the melt shears at will, and the strain of solid counts from solidification.
+/// Rotation before solidification does not count: melt between a holding mould and a receding shell
+/// shears freely, and the strain of the solid is counted from solidification.
 ///
 /// @param solid        (element) carries stress
-/// @param growing      first element of the row that still stretches: its motion is the mesh's
-/// @param when_liquid  (element, numbers of a turn) when it was last liquid or growing; brought up
-///                     to date
+/// @param displacement (node, Dim) [m]
+/// @param growing      first element of the row that still stretches, whose motion is that of the
+///                     mesh
+/// @param when_liquid  (element, components of a turn) [rad] or [1], turn when the element was last
+///                     liquid or growing; updated
 template <int Dim>
 Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
                          std::span<const double> displacement, int growing,
                          std::vector<double>& when_liquid);
 
-/// Carries the turns of elements over a merging of rows: that of a pair is that of its lower cell.
-/// @param when_liquid  (element, numbers of a turn) as largest_rotation() keeps it, or empty
+/// Transfers the turns of elements to the merged mesh: a merged cell takes that of its lower cell.
+/// @param when_liquid  (element, components of a turn) [rad] or [1], see largest_rotation(); may be
+///                     empty
 template <int Dim>
 void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liquid);
 
-/// How far the butt has slid over the bottom block [m]: of the bottom nodes of solid elements, the
-/// largest distance of the sideways displacement from what thermal contraction alone permits, from
-/// nothing to the whole of it, counted from the symmetry plane. In 3D, where no one path leads from
-/// a plane to a node, the whole of it is the distance from the plane times the strain of the
-/// coldest bottom facet.
+/// Sliding of the butt over the bottom block [m]: over the bottom nodes of solid elements, the
+/// largest distance of the lateral displacement from the range that thermal contraction explains.
+/// This range reaches from zero to the full free contraction, counted from the symmetry plane. In
+/// 3D, where the path from a plane to a node is not unique, the full contraction is the distance
+/// from the plane times the thermal strain of the coldest bottom facet.
 ///
-/// @param solid_below  temperature from which the contraction counts [°C]
+/// @param solid_below  temperature below which the contraction is counted [°C]
 /// @param temperature  (node) [°C]
 template <int Dim>
 Extreme largest_slip(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,

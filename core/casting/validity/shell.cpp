@@ -78,11 +78,11 @@ double distance(const mesh::Mesh<Dim>& mesh, int a, int b) {
     return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
 }
 
-/// A node that a cut has come to.
+/// A node reached by a path.
 struct Tip {
   double length;
   int node;
-  int begin;  ///< node of the bottom
+  int begin;  ///< bottom node at which the path begins
   bool operator>(const Tip& other) const { return length > other.length; }
 };
 

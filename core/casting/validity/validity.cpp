@@ -15,7 +15,7 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double millimetres = 1e3;
 constexpr double percent = 100.0;
 
-constexpr const char* no_answer = "what follows is not an answer";
+constexpr const char* not_valid = "later results are not valid";
 
 template <class... Values>
 std::string sentence(const char* format, Values... values) {
@@ -32,7 +32,7 @@ std::string in_words(const std::vector<double>& place) {
   return text + ") m";
 }
 
-/// "0.1 m from the symmetry plane"; of a quarter slab from both.
+/// "0.1 m from the symmetry plane"; for a quarter slab from both.
 std::string along_bottom(const std::vector<double>& place) {
   if (place.size() == 2) return sentence("%.4g m from the symmetry plane", place[0]);
   return sentence("%.4g m and %.4g m from the symmetry planes", place[0], place[1]);
@@ -40,7 +40,7 @@ std::string along_bottom(const std::vector<double>& place) {
 
 template <int Dim>
 constexpr const char* what_melting_through_means =
-    Dim == 2 ? "no solid path joins the plane and the cooled faces any more"
+    Dim == 2 ? "no solid path connects the symmetry plane to the cooled faces any more"
              : "melt that is connected to the top stands on the block there";
 
 }  // namespace
@@ -52,8 +52,8 @@ ValidityJudge<Dim>::ValidityJudge(const Case& c)
       // A billet is held by its hoop stress, whatever happens to the shell below its axis.
       judges_shell_(c.section.kind != mesh::SectionKind::axisymmetric &&
                     c.mechanics.options.liquid != mechanics::Liquid::solid),
-      // The paper's weak liquid is up to a hundred times off its pressure, which is why we do not
-      // use it; choosing it is the user's decision.
+      // With the paper's weak liquid the pressure error is up to a factor of a hundred; it is not
+      // the default, and choosing it is the user's decision.
       judges_pressure_(c.mechanics.options.liquid == mechanics::Liquid::prestressed),
       judges_rotation_(c.mechanics.options.kinematics == mechanics::Kinematics::small_strain),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
@@ -94,7 +94,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::shell(const JudgedStep<Dim>& ste
           : sentence("is %.3g mm thick ", millimetres * shell->value) + where +
                 sentence(", less than validity.minimum_shell = %.3g mm", millimetres * limit);
   return ValidityLoss{name_of(FailureKind::shell_melted_through),
-                      message + "; " + no_answer,
+                      message + "; " + not_valid,
                       step.time,
                       shell->place,
                       shell->value,
@@ -108,10 +108,10 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::rotation(const JudgedStep<Dim>& 
   if (!judges_rotation_ || found.value <= limits_.maximum_rotation) return std::nullopt;
   return ValidityLoss{
       name_of(FailureKind::motion_too_large),
-      sentence("at t = %.6g s the solid at %s has turned by %.3g degrees; small strains "
-               "hold to validity.maximum_rotation = %.3g degrees; %s",
+      sentence("at t = %.6g s the solid at %s has rotated by %.3g degrees, more than "
+               "validity.maximum_rotation = %.3g degrees, the limit of small strains; %s",
                step.time, in_words(found.place).c_str(), degrees * found.value,
-               degrees * limits_.maximum_rotation, no_answer),
+               degrees * limits_.maximum_rotation, not_valid),
       step.time,
       found.place,
       found.value,
@@ -129,7 +129,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::slip(const JudgedStep<Dim>& step
           "at t = %.6g s the butt %s has slid %.3g mm over the bottom "
           "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
           step.time, along_bottom(found.place).c_str(), millimetres * found.value,
-          millimetres * limits_.maximum_slip, no_answer),
+          millimetres * limits_.maximum_slip, not_valid),
       step.time,
       found.place,
       found.value,
@@ -149,7 +149,7 @@ std::optional<ValidityLoss> ValidityJudge<Dim>::liquid_pressure(const JudgedStep
                "hydrostatic one, most at %s, more than "
                "validity.maximum_liquid_pressure_error = %.3g %%; %s",
                step.time, percent * found.value, in_words(found.place).c_str(),
-               percent * limits_.maximum_liquid_pressure_error, no_answer),
+               percent * limits_.maximum_liquid_pressure_error, not_valid),
       step.time,
       found.place,
       found.value,

@@ -12,7 +12,7 @@
 
 namespace dccast::casting {
 
-/// An accepted mechanical step.
+/// An accepted mechanical step to be judged.
 template <int Dim>
 struct JudgedStep {
   double time = 0.0;  ///< [s]
@@ -20,7 +20,7 @@ struct JudgedStep {
   const mechanics::SlabState<Dim>& slab;
   std::span<const double> temperature;  ///< (node) [°C]
   int growing = 0;                      ///< first element of the row that still stretches
-  Extreme liquid_pressure_error;        ///< relative, and the place of the worst cell
+  Extreme liquid_pressure_error;        ///< [1] relative; the place is that of the worst cell
 };
 
 /// How far the solid has moved in a step.
@@ -29,15 +29,15 @@ struct SolidMotion {
   double slip = 0.0;      ///< largest_slip() [m]
 };
 
-/// Judges each step by the limits of the case, one function per finding, whose
-/// computation is a file of its own. Of several findings in one
-/// step the one nearest to the cause comes first: shell, motion, pressure.
+/// Judges each step by the limits of the case. Each criterion is computed in a file of its own. If
+/// a step violates several, the one closest to the cause is reported: shell, then motion, then
+/// pressure.
 template <int Dim>
 class ValidityJudge {
 public:
   explicit ValidityJudge(const Case& casting_case);
 
-  /// Brings the state up to date; a first loss is put into it.
+  /// Updates the state; the first loss of validity is stored in it.
   SolidMotion judge(const JudgedStep<Dim>& step, ValidityState& state) const;
 
 private:
@@ -50,7 +50,7 @@ private:
   material::MechanicalProperties properties_;
   bool judges_shell_;
   bool judges_pressure_;
-  bool judges_rotation_;  ///< with small strains only
+  bool judges_rotation_;  ///< only with small-strain kinematics
   double solid_below_;    ///< [°C]
 };
 

@@ -10,14 +10,14 @@ namespace dccast::casting {
 
 using results::ValidityLoss;
 
-/// What judging a step needs to know of the steps before it; a part of RunState.
+/// The history needed to judge a step; a part of RunState.
 struct ValidityState {
-  bool shell_stood = false;          ///< there was a shell to melt through
+  bool shell_stood = false;          ///< a closed shell has existed, so that it can melt through
   std::vector<double> when_liquid;   ///< [rad] or [1], see largest_rotation()
   std::optional<ValidityLoss> lost;  ///< the first loss is kept
 };
 
-/// The state as sections of a checkpoint, and back.
+/// Converts the state to sections of a checkpoint, and back.
 void write_validity(const ValidityState& state, restart::Sections& sections);
 /// @throws std::out_of_range  a section is missing
 ValidityState read_validity(const restart::Sections& sections);

@@ -134,7 +134,7 @@ TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
        {"section.half_width: not a finite number", "section.kind: unknown choice",
         "time.end: required key is missing", "monitor[0].x: out of range",
         "monitor[0].name: required",
-        "schedule.casting_speed: not a quantity this table may stand against",
+        "schedule.casting_speed: not a permitted abscissa of this table",
         "schedule.casting_speed[1]: must be larger", "schedule.casting_speed[1]: out of range",
         "schedule.water_flow: as many values", "schedule.casting_temperature: an empty table"})
     EXPECT_THAT(all, HasSubstr(expected));

@@ -24,7 +24,7 @@ TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
   EXPECT_GT(checked.estimate.memory_bytes, 0.0);
 }
 
-/// What costs more is said to cost more; how well is measured (docs/validity.md).
+/// A more expensive case gets a higher estimate; docs/validity.md has the measured accuracy.
 TEST(CaseCheck, TheEstimateKnowsAlgorithmElementAndPhysics) {
   const auto seconds = [](const std::function<void(Case&)>& change) {
     Case c = small_casting(mesh::ElementKind::q1);
@@ -54,7 +54,7 @@ void PrintTo(const Mistake& m, std::ostream* out) {
 
 class CaseFault : public ::testing::TestWithParam<Mistake> {};
 
-/// Each fault says where, what, what is permitted and what to write.
+/// Each fault states the key, the problem, the permitted range and the remedy.
 TEST_P(CaseFault, IsFoundAndSaysHowToMendIt) {
   Case c = small_casting();
   GetParam().make(c);
@@ -189,7 +189,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// The mistakes of metal, geometry and time each have their say, whatever is wrong with the others.
+/// Faults of alloy, geometry and time are reported independently of each other.
 TEST(CaseCheck, AFaultHidesNothingThatDoesNotFollowFromIt) {
   Case c = small_casting();
   c.alloy.solidus = 650.0;
@@ -222,7 +222,7 @@ TEST(CaseCheck, AFaultInOnePointOfATableIsOneOfTheTable) {
   Case c = small_casting();
   c.monitors[2].y = 0.13;
   const CheckedCase checked = check(c, {"schedule.casting_speed[1]", "alloy.card"});
-  EXPECT_THAT(fields(checked.faults), IsEmpty());  // nobody knows where the metal ends
+  EXPECT_THAT(fields(checked.faults), IsEmpty());  // the final metal level is unknown
   EXPECT_THAT(fields(checked.warnings), ElementsAre("alloy.card", "schedule.casting_speed[1]"));
 }
 
@@ -236,7 +236,7 @@ TEST(CaseCheck, WhatItFindsItselfIsWaitedForToo) {
   EXPECT_THAT(fields(checked.warnings), ElementsAre("time.step"));
 }
 
-/// Of a case that could hardly be read nothing is made up.
+/// No faults are invented for a case that could hardly be read.
 TEST(CaseCheck, ACaseWithoutItsRequiredKeysIsSurvived) {
   Case c;
   c.monitors = {{"a", 0.1, 0.1}, {"a", 0.2, 0.1}};
@@ -258,7 +258,7 @@ TEST(CaseCheck, AMeshThatCannotBeReadIsWaitedForByItsMonitorsAndTemperatures) {
   EXPECT_THAT(fields(checked.warnings), ElementsAre("mesh.file"));
 }
 
-/// 1e8 steps within the limit: a loop over them took seconds, of a lane that others wait in.
+/// 1e8 steps within the limit: a loop over them took seconds and delayed other queries.
 TEST(CaseCheck, CountsAHundredMillionStepsAtOnce) {
   Case c = small_casting();
   c.time.step = Curve(1e-6);

@@ -42,7 +42,7 @@ double free_strain(const material::AlloyCard& alloy, double time) {
   return stretch(temperature_at(time)) - stretch(hot);
 }
 
-/// Whatever the shape of the slab.
+/// Independent of the shape of the slab.
 void expect_free_contraction(Case c) {
   const TemporaryFolder folder;
   c.section.growth = false;

@@ -56,7 +56,7 @@ TEST_P(Motion, StretchingTurnsNothing) {
   EXPECT_NEAR(largest_rotation(mesh, solid, u, mesh.elements(), when_liquid).value, 0.0, 1e-12);
 }
 
-/// The melt may shear as it likes; the solid it becomes has turned by what comes after.
+/// Rotation of the melt does not count; only rotation after solidification does.
 TEST_P(Motion, RotationCountsFromSolidification) {
   solid.assign(solid.size(), 0);
   EXPECT_EQ(largest_rotation(mesh, solid, turned(0.5), mesh.elements(), when_liquid).value, 0.0);
@@ -68,7 +68,7 @@ TEST_P(Motion, RotationCountsFromSolidification) {
   EXPECT_EQ(largest_rotation(mesh, solid, turned(0.7), mesh.elements(), when_liquid).value, 0.0);
 }
 
-/// From -3.1 to 3.1 is a turn by 0.08 the other way round.
+/// From -3.1 to 3.1 rad is a rotation by 0.08 rad in the opposite direction.
 TEST_P(Motion, TheShorterWayRoundCounts) {
   when_liquid.assign(std::size_t(mesh.elements()), -3.1);
   EXPECT_NEAR(largest_rotation(mesh, solid, turned(3.1), mesh.elements(), when_liquid).value,

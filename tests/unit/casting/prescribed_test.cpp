@@ -182,7 +182,7 @@ TEST_F(ImportedMesh, ThatFitsTheCaseIsSound) {
   EXPECT_TRUE(checked().warnings.empty());
 }
 
-/// Found by a user: 280 "m" gave a curl of zero and no word.
+/// Found by a user: a width of 280 m instead of mm gave a curl of zero without a message.
 TEST_F(ImportedMesh, InMillimetresIsRefusedWithTheFactor) {
   for (double& coordinate : mesh_.node) coordinate *= 1000.0;
   casting_.monitors.clear();

@@ -1,4 +1,4 @@
-// What a case of a quarter slab is refused for.
+// Faults for which a quarter-slab case is rejected.
 #include <gtest/gtest.h>
 
 #include <functional>

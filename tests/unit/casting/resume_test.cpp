@@ -130,8 +130,8 @@ TEST_P(Resume, TakesNoCheckpointOfAnotherCase) {
   ASSERT_EQ(run(c, {folder / "", true}, second).end, RunEnd::succeeded);
   EXPECT_EQ(second.resumed_from, -1);
   EXPECT_EQ(second.messages,
-            std::vector<std::string>{
-                "no checkpoint to go on from (it is of another case): the run starts over"});
+            std::vector<std::string>{"no checkpoint to continue from (it is of another case): the "
+                                     "run starts from the beginning"});
   EXPECT_EQ(second.reports.front().step, 1);
 }
 
@@ -155,8 +155,8 @@ TEST(CheckpointOfAnotherVersion, LetsTheRunBeginAnewAndSaysWhy) {
   EXPECT_EQ(recorder.reports.front().step, 1);
   ASSERT_EQ(recorder.messages.size(), 1u);
   EXPECT_EQ(recorder.messages[0],
-            "no checkpoint to go on from (it is of another version: dccast 0.0.9; this is " +
-                solver_identity() + "): the run starts over");
+            "no checkpoint to continue from (it is of another version: dccast 0.0.9; this is " +
+                solver_identity() + "): the run starts from the beginning");
 }
 
 TEST(CheckpointOfAnotherVersion, WaitsUntilToldToBeginAnew) {

@@ -1,4 +1,4 @@
-// No state of a run is outside its checkpoint, and no checkpoint leads a run astray.
+// A checkpoint contains the complete state of a run, and a damaged checkpoint never corrupts a run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ using testing::equal_except_timing;
 using testing::Recorder;
 using testing::small_casting;
 
-/// Everything that a run gives. Two runs are equal when all of it is, but for the seconds of the
-/// processor in the step reports: results.h5 and results.xdmf hold no reading of a clock.
+/// The complete output of a run. Two runs are equal if all of it is, except the processor times in
+/// the step reports; results.h5 and results.xdmf contain no clock readings.
 struct Given {
   std::vector<results::StepReport> reports;
   RunOutcome outcome;
@@ -56,9 +56,9 @@ void expect_equal(const Given& one, const Given& other) {
   EXPECT_TRUE(one.sidecar == other.sidecar);
 }
 
-/// Stops at single places, about the start of the mechanics and before the end, and then after
-/// every step of one run.
-/// @return the run without a stop
+/// Stops at single steps, near the start of the mechanics and before the end, and then after every
+/// step of one run.
+/// @return the uninterrupted run
 Given expect_no_state_outside(const Case& c) {
   const Given whole = run_with_stops(c, {});
   const std::int64_t last = whole.reports.back().step;
@@ -137,7 +137,8 @@ linalg::DirectSolver::Method method_of(const mesh::SectionSpec& section) {
   return solver.method();
 }
 
-/// A mesh whose factor is no band, and which grows by a row before and by one after the stop.
+/// A mesh that is not solved by the band solver, and which grows by one row before and one after
+/// the stop.
 TEST(NoStateOutside, OfARunThatIsDissected) {
   Case c = small_casting(mesh::ElementKind::q1_bending);
   c.section.columns = 60;
@@ -156,7 +157,7 @@ TEST(NoStateOutside, OfARunThatIsDissected) {
   expect_equal(run_with_stops(c, {8}), whole);
 }
 
-/// The solve fails in the end, behind the check: both are told after any stop.
+/// A check fails, then the solve: both are reported after any stop.
 TEST(NoStateOutside, OfARunThatFailsASolve) {
   Case c = small_casting(mesh::ElementKind::q1);
   c.mechanics.options.tolerance = 1e-2;
@@ -169,7 +170,7 @@ TEST(NoStateOutside, OfARunThatFailsASolve) {
   expect_equal(run_with_stops(c, {5, 11}), whole);
 }
 
-/// A checkpoint with its journal, and what damages it behind the back of the checksum.
+/// A checkpoint with its journal, and damage that the checksum does not detect.
 class Damage : public ::testing::Test {
 protected:
   void SetUp() override {
@@ -208,19 +209,20 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
   ASSERT_EQ(resume_from(content_), "resumed");
   for (const auto& [name, value] : content_.all()) {
     if (const auto* reals = std::get_if<restart::Sections::Reals>(&value)) {
-      if (name.starts_with("failure")) continue;  // of any length, and of no mesh: what was said
+      if (name.starts_with("failure"))
+        continue;  // may have any length and does not depend on the mesh
       const bool of_finding = name.starts_with("finding");
       for (const int change : {-3, -1, 1, 4}) {
         auto longer = *reals;
         longer.resize(std::size_t(std::max(0, int(reals->size()) + change)), 1.0);
-        // A number, of which the first is read.
+        // A single number: only the first value is read.
         if (reals->size() == 1 && change > 0 && !of_finding) continue;
-        // A finding has each of its numbers once or not at all, and a place or none.
+        // A finding has each of its numbers at most once, and at most one place.
         if (of_finding && longer.size() <= (name.ends_with("place_m") ? 0 : 1)) continue;
         if (longer == *reals) continue;
         restart::Sections content = content_;
         content.set(name, longer);
-        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts over"))
+        EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts from the beginning"))
             << name << " by " << change;
       }
     }
@@ -236,11 +238,11 @@ TEST_F(Damage, NamesTheArray) {
   strain.pop_back();
   content.set("slab/inelastic_strain", strain);
   EXPECT_THAT(resume_from(content),
-              ::testing::HasSubstr("'slab/inelastic_strain' is no whole tensors"));
+              ::testing::HasSubstr("'slab/inelastic_strain' has incomplete tensors"));
 }
 
-/// Bits that flipped and bytes that are gone, each with a checksum that fits: the run goes on,
-/// starts over or fails in words. Seeded, so that what it finds can be found again.
+/// Flipped bits and missing bytes, each with a matching checksum: the run continues, starts
+/// from the beginning or reports a failure. The seed is fixed, so that a failure can be reproduced.
 TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
   std::mt19937 random(20240607);
   const std::string whole = restart::encode(content_);
@@ -258,7 +260,7 @@ TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
     if (!content) continue;
     const std::string said = resume_from(*content);
     EXPECT_FALSE(said.empty());
-    if (said.find("starts over") != std::string::npos) ++begun_anew;
+    if (said.find("starts from the beginning") != std::string::npos) ++begun_anew;
   }
   EXPECT_GT(begun_anew, 0);
 }

@@ -159,8 +159,8 @@ TEST(RunEnds, ASolveThatFailsSaysWhenAndWithWhatResiduals) {
   EXPECT_EQ(reader.history().size(), recorder.reports.size()) << "what there was is kept";
 }
 
-/// The small casting solved so loosely that the bottom carries what it should not, and in the end
-/// not at all.
+/// The small casting with such a large tolerance that the bottom reaction is wrong, and the solve
+/// finally fails.
 Case check_fails_then_solve() {
   Case c = small_casting(mesh::ElementKind::q1);
   c.mechanics.options.tolerance = 3e-3;
@@ -211,7 +211,7 @@ TEST(RunEnds, AStorageFaultAtTheEndDoesNotReplaceTheCause) {
   EXPECT_THAT(outcome.failures[2].message, ::testing::HasSubstr("results.h5"));
 }
 
-/// What a run needs to go on goes with its end, unless its results could not be written.
+/// Files needed for a resumption are removed at the end, unless the results could not be written.
 TEST(RunEnds, JournalAndCheckpointStayOnlyForARetry) {
   const TemporaryFolder folder;
   Case c = small_casting();
@@ -248,7 +248,7 @@ TEST(RunEnds, JournalAndCheckpointGoWithAFailureAndWithACancel) {
   }
 }
 
-/// Steps that do not converge are cut and grow back; the casting goes through all the same.
+/// Steps that do not converge are reduced and grow back; the casting is completed nevertheless.
 TEST(RunEnds, StepsAreCutAndGrowBack) {
   const TemporaryFolder folder;
   Recorder recorder;

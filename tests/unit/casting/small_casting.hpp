@@ -58,7 +58,7 @@ inline std::string all(const Faults& faults) {
   return text;
 }
 
-/// Keeps every report and orders what it was told to.
+/// Stores every report and gives a chosen order after a chosen step.
 class Recorder : public StepObserver {
 public:
   std::vector<results::StepReport> reports;
@@ -88,7 +88,8 @@ public:
 /// Whether two steps agree bit by bit in all but the seconds of the processor.
 inline bool equal_except_timing(results::StepReport a, results::StepReport b) {
   const auto bits = [](const auto& points) {
-    std::vector<std::uint64_t> all;  // a monitor above the metal is no number, which equals nothing
+    std::vector<std::uint64_t>
+        all;  // a monitor above the metal is NaN, which is not equal to itself
     for (const auto& point : points)
       for (const double value : point) all.push_back(std::bit_cast<std::uint64_t>(value));
     return all;

@@ -41,7 +41,7 @@ Result result_of(const Case& c) {
   return result;
 }
 
-/// So that one finding alone can be made.
+/// Switches all limits off, so that a single one can be tested.
 void judge_the_shell_alone(Case& c) {
   c.validity.maximum_rotation = 3.2;
   c.validity.maximum_slip = 10.0;
@@ -105,8 +105,8 @@ void PrintTo(const Limit& l, std::ostream* out) {
 
 class LimitOf : public ::testing::TestWithParam<Limit> {};
 
-/// A run without limits says what it reaches; a limit just below that ends it, one just above does
-/// not.
+/// A run without limits reports its largest values; a limit just below such a value ends the run,
+/// one just above does not.
 TEST_P(LimitOf, AStepStopsTheRunThatIsBeyondItAndNoOther) {
   Case c = small_casting(mesh::ElementKind::q1);
   const double reached = largest(result_of(c), GetParam().figure);
@@ -164,7 +164,7 @@ TEST(ShellOfARun, ThinnerThanTheCaseWantsIsAFinding) {
   EXPECT_LE(r.recorder.lost->time, result_of(melting_shell(hot)).recorder.lost->time);
 }
 
-/// What was never there cannot melt.
+/// A shell that never existed cannot melt through.
 TEST(ShellOfARun, ThatHasYetToFormIsNoFinding) {
   Case c = small_casting(mesh::ElementKind::q1);
   judge_the_shell_alone(c);
@@ -188,7 +188,7 @@ TEST(ShellOfARun, IsNotJudgedInARoundBillet) {
   EXPECT_FALSE(r.recorder.lost);
 }
 
-/// The paper's weak liquid is off by whole multiples of its pressure; who asks for it knows.
+/// With the paper's weak liquid the pressure error is a multiple of the pressure; it is not judged.
 TEST(LiquidPressure, OfTheWeakLiquidIsReportedButNotJudged) {
   Case c = small_casting(mesh::ElementKind::p1);
   c.mechanics.options.liquid = mechanics::Liquid::weak;

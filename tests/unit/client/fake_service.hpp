@@ -23,7 +23,7 @@ public:
   Connection connect() const { return Connection(address_); }
   const std::string& address() const { return address_; }
 
-  // What it answers.
+  // Answers.
   std::vector<v1::JobEvent> events;
   std::string artifact;
   std::string artifact_sha256;
@@ -33,7 +33,7 @@ public:
   std::vector<v1::Job> listed_jobs;  ///< in place of `job`, where there are some
   int deletions_aborted = 0;         ///< so many DeleteJob are answered ABORTED first
 
-  // How it misbehaves.
+  // Simulated faults.
   std::size_t events_per_stream = 1000;  ///< a stream is cut after so many
   std::size_t bytes_per_stream = 1 << 30;
   std::atomic<int> unavailable{0};  ///< so many unary calls are answered UNAVAILABLE first
@@ -41,7 +41,7 @@ public:
   int aborted_pages = 0;    ///< so many reads of a second page are answered ABORTED
   int repeated_events = 0;  ///< old events sent again at the beginning of a stream
 
-  // What it was asked.
+  // Received requests.
   std::atomic<int> streams{0};
   std::atomic<int> calls{0};  ///< unary ones
   v1::CancelJobRequest cancelled;

@@ -48,7 +48,7 @@ TEST(MouldText, SaysInPlainWordsWhatWasFound) {
 
 TEST(MouldText, SaysWhyItIsNotFlat) {
   MouldDesign design = design_of(0.8e-3, false);
-  EXPECT_THAT(mould_sentence(design), HasSubstr("three straight segments come no nearer"));
+  EXPECT_THAT(mould_sentence(design), HasSubstr("three straight segments cannot come closer"));
   design.result.mutable_study()->mutable_mould()->set_maximum_runs(2);
   EXPECT_THAT(mould_sentence(design), HasSubstr("these were all the runs permitted"));
   design.result.mutable_study()->set_state(v1::STUDY_RUNNING);

@@ -96,7 +96,7 @@ TYPED_TEST(AlgorithmsOn, AgreeOnACreepingContactWithAShapedFloor) {
   }
 }
 
-/// A step that runs out of iterations says so and keeps its residuals.
+/// A step that reaches the iteration limit reports it and keeps its residual history.
 TYPED_TEST(AlgorithmsOn, ReportNonConvergenceAsAnOutcome) {
   for (Algorithm algorithm : all) {
     RestingBlock<TypeParam> block(2e-2, 3e-36, 2.5e6);

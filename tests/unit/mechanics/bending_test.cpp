@@ -70,8 +70,8 @@ TYPED_TEST(ModesOf, OnlyRigidBodiesMoveWithoutEnergy) {
   }
 }
 
-/// The hourglasses of a square cell are stiffer than those of Q1: an element with too soft an
-/// hourglass would take patterns of hourglasses for an answer.
+/// The hourglass modes of a square cell have a minimum stiffness: an element with too soft
+/// hourglass modes would give solutions polluted by hourglass patterns.
 TEST(BendingQuadrilateral, HasNoSoftHourglass) {
   const std::vector<double> square{0, 0, 1, 0, 1, 1, 0, 1};
   Eigen::VectorXd hourglass = Eigen::VectorXd::Zero(8);
@@ -96,7 +96,7 @@ TEST(BendingQuadrilateral, DoesNotKnowTheAxes) {
   EXPECT_LE((turn.transpose() * of_turned * turn - k).norm(), 1e-14 * k.norm());
 }
 
-/// Nor with which of its corners the numbering of a cell begins.
+/// The stiffness does not depend on the corner at which the numbering of a cell begins.
 TEST(BendingQuadrilateral, DoesNotKnowItsFirstCorner) {
   std::vector<double> rolled(skewed.begin() + 2, skewed.end());
   rolled.insert(rolled.end(), skewed.begin(), skewed.begin() + 2);
@@ -137,16 +137,17 @@ double deflection(const Plate& plate) {
   return body.displacement()[2 * columns + 1] / exact;
 }
 
-/// What metal that hardly changes its volume does is in the space of the element: one layer of
-/// cells ten times longer than thick bends exactly as far as Poisson's ratio is one half.
+/// Nearly incompressible deformation is in the space of the element: one layer of cells ten times
+/// longer than thick has the exact deflection in the limit of a Poisson's ratio of one half.
 TEST(BendingQuadrilateral, OneLayerOfLongCellsBendsAtConstantVolume) {
   for (const double cell : {1.0, 2.75, 5.5, 10.0}) {
     EXPECT_NEAR(deflection<fem::BendingQuadrilateral>({0.4999, cell, 1}), 1.0, 1e-3) << cell;
   }
 }
 
-/// Elsewhere it is too stiff by what the volume resists within a layer, whatever the length: 9 % at
-/// Poisson's ratio 0.45 and 29 % at 0.3, over the square of the number of layers.
+/// At other ratios the element is too stiff because of the volumetric stiffness within a layer,
+/// independently of the length: by 9 % at Poisson's ratio 0.45 and 29 % at 0.3, divided by the
+/// square of the number of layers.
 TEST(BendingQuadrilateral, LayersBringTheRestWhateverTheLength) {
   for (const double cell : {1.0, 2.75, 5.5, 10.0}) {
     EXPECT_NEAR(deflection<fem::BendingQuadrilateral>({0.45, cell, 1}), 0.909, 1e-3) << cell;

@@ -106,8 +106,8 @@ TYPED_TEST(SupportOf, WithoutConfinementTheSideIsFree) {
   }
 }
 
-/// A slab that has been let go of and grows warm again stops at the wall of the mould, within its
-/// length, and leaves it when it contracts.
+/// A released slab that warms up again is stopped by the mould wall within the length of the mould,
+/// and leaves the wall when it contracts.
 TYPED_TEST(SupportOf, AReleasedSideCannotPassTheWall) {
   Options options = balanced_to(1e-10);
   options.mould_wall = true;
@@ -135,7 +135,7 @@ TYPED_TEST(SupportOf, AReleasedSideCannotPassTheWall) {
   EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);
 }
 
-/// Springs in place of the held normal displacement: the stiffer, the nearer.
+/// Springs instead of the exact support: the stiffer they are, the closer the result.
 TYPED_TEST(SupportOf, ConfinementByPenaltyTendsToTheExactOne) {
   const auto at_the_side = [](double stiffness) {
     Options options = balanced_to(1e-10);
@@ -154,7 +154,7 @@ TYPED_TEST(SupportOf, ConfinementByPenaltyTendsToTheExactOne) {
   EXPECT_NEAR(at_the_side(1e14) / at_the_side(1e15), 10.0, 0.5);
 }
 
-/// Small and large rises of the metal: what has moved keeps its elastic strain, what is new has
+/// Small and large rises of the metal level: moved cells keep their elastic strain, new ones have
 /// none.
 TYPED_TEST(SupportOf, GrowthKeepsElasticStrain) {
   auto& bench = this->bench_;

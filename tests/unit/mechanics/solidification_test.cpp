@@ -53,8 +53,8 @@ TYPED_TEST(Solidification, SolidStartsAtMinusTheMetallostaticPressure) {
   EXPECT_LE(bench.mechanics.checks().liquid_pressure_error, 1e-3);
 }
 
-/// numerics 3: what the fictitious liquid was strained by is forgotten. Kept, a strain of a percent
-/// would be hundreds of MPa.
+/// numerics 3: the strain of the fictitious liquid is discarded at solidification. If it were kept,
+/// a strain of one per cent would cause hundreds of MPa.
 TYPED_TEST(Solidification, TheStrainOfTheLiquidLeavesNoStress) {
   auto& bench = this->bench_;
   bench.start(molten);

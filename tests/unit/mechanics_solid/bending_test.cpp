@@ -97,8 +97,8 @@ double deflection_along(double poisson, double cell, int layers) {
   return deflection<Element>({Moment::along, poisson, cell, layers});
 }
 
-/// What metal that hardly changes its volume does is in the space of the element: one layer of
-/// cells ten times longer than thick bends as far as thin plates do, in one direction and in both.
+/// Nearly incompressible deformation is in the space of the element: one layer of cells ten times
+/// longer than thick has the deflection of thin plates, bent in one direction and in both.
 TEST(BendingHexahedron, OneLayerOfLongCellsBendsAtConstantVolume) {
   for (const double cell : {1.0, 2.75, 5.5, 10.0}) {
     for (const Moment moment : {Moment::along, Moment::both, Moment::twisting}) {
@@ -108,8 +108,8 @@ TEST(BendingHexahedron, OneLayerOfLongCellsBendsAtConstantVolume) {
   }
 }
 
-/// Elsewhere it is too stiff by what the volume resists within a layer, whatever the length, over
-/// the square of the number of layers.
+/// At other ratios the element is too stiff because of the volumetric stiffness within a layer,
+/// independently of the length; the error decreases with the square of the number of layers.
 TEST(BendingHexahedron, LayersBringTheRestWhateverTheLength) {
   for (const double cell : {1.0, 2.75, 5.5, 10.0}) {
     EXPECT_NEAR(deflection_along<fem::BendingHexahedron>(0.45, cell, 1), 0.967, 1e-3) << cell;

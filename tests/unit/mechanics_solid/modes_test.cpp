@@ -89,8 +89,9 @@ TEST(P1Tetrahedron, OnlyRigidBodiesMoveWithoutEnergy) {
   EXPECT_EQ(modes_without_energy(stiffness_of_cell<fem::P1Tetrahedron>(corners, 0.45)), 6);
 }
 
-/// Of a cube the softest deformation of constant volume is no softer than a tenth of a uniform
-/// shear: an element with too soft an hourglass would take patterns of hourglasses for an answer.
+/// The softest isochoric deformation of a cube has at least a tenth of the stiffness of a uniform
+/// shear: an element with too soft hourglass modes would give solutions polluted by hourglass
+/// patterns.
 TEST(BendingHexahedron, HasNoSoftHourglass) {
   const auto k = stiffness_of_cell<fem::BendingHexahedron>(brick({1, 1, 1}), 0.45);
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
@@ -120,8 +121,9 @@ TEST(BendingHexahedron, DoesNotKnowTheAxes) {
   EXPECT_LE((of_nodes.transpose() * of_turned * of_nodes - k).norm(), 1e-13 * k.norm());
 }
 
-/// Nor with which of its corners the numbering of a cell begins: a third of a turn about its
-/// diagonal, a quarter of a turn about its axis.
+/// The stiffness does not depend on the corner at which the numbering of a cell begins: rotations
+/// of the numbering by a third of a turn about the diagonal and by a quarter of a turn about an
+/// axis.
 TEST(BendingHexahedron, DoesNotKnowItsFirstCorner) {
   const auto corners = distorted();
   const auto k = stiffness_of_cell<fem::BendingHexahedron>(corners, 0.3);

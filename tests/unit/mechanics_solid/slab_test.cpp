@@ -59,7 +59,7 @@ TYPED_TEST(QuarterSlabOf, TheBlockCarriesTheWeightWhateverTheSlabDoes) {
   EXPECT_GT(checks.contact_length, 0.0);
 }
 
-/// Held along its normal, an oblique face slides along the mould, until the metal is solid.
+/// An oblique face that is held along its normal slides along the mould until the metal is solid.
 TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
   QuarterSlab<TypeParam> bench(slab_options(), true);
   const auto mushy = [](const Vector3&) { return 640.0; };
@@ -93,9 +93,9 @@ TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
   EXPECT_LT(drawn_in, -1e-5);
 }
 
-/// From one step to the next a displacement is kept along the coordinate axes. What an oblique side
-/// holds is held from the start of the next step: nothing is left to move, and a step that finds
-/// all as it was has nothing to do.
+/// Between steps displacements are stored along the coordinate axes. A displacement held by an
+/// oblique side is exactly zero at the start of the next step: a step without any change needs no
+/// iteration.
 TYPED_TEST(QuarterSlabOf, AStepWithoutNewsTakesNoIterations) {
   QuarterSlab<TypeParam> bench(slab_options(1e-8), true);
   const auto mushy = [](const Vector3& x) { return x[2] < 0.05 ? 610.0 : 630.0; };
@@ -151,8 +151,8 @@ TYPED_TEST(QuarterSlabOf, AShapedBlockIsMetWhereItIs) {
               1e-4 * bench.mechanics.checks().weight);
 }
 
-/// A slab that has been let go of and grows warm again stops at the wall of the mould, within its
-/// length, and leaves it when it contracts.
+/// A released slab that warms up again is stopped by the mould wall within the length of the mould,
+/// and leaves the wall when it contracts.
 TYPED_TEST(QuarterSlabOf, AReleasedSideCannotPassTheWall) {
   Options options = slab_options();
   options.mould_wall = true;

@@ -25,7 +25,7 @@ inline RunHeader sample_header() {
   return header;
 }
 
-/// Irrational everywhere, so that no lost bit goes unseen.
+/// Irrational values, so that every lost bit is detected.
 inline StepReport sample_step(std::int64_t step) {
   StepReport report;
   const double s = static_cast<double>(step);

@@ -1,4 +1,4 @@
-// Writes a sample result file and its sidecar for tools nobody here wrote: write_sample_run FOLDER
+// Writes a sample result file and its sidecar for external tools: write_sample_run FOLDER
 #include <iostream>
 
 #include "tests/unit/results/sample_run.hpp"

@@ -44,7 +44,7 @@ TEST(Background, HoldsBackWhoIsFarAhead) {
     });
     most = std::max<int>(most, ++waiting);
   }
-  EXPECT_LE(most, 4);  // one done, two waiting, one posted before it was counted
+  EXPECT_LE(most, 4);  // one being executed, two waiting, one posted before it was counted
 }
 
 TEST(Background, TellsOfAFailureOnceAndDropsWhatFollowed) {

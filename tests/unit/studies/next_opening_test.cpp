@@ -71,7 +71,7 @@ void expect_sound(const MouldOpening& o, const OpeningBounds& bounds) {
     EXPECT_NEAR(1e3 * o.x[i], std::round(1e3 * o.x[i]), 1e-6) << "whole millimetres";
 }
 
-/// Casts until the rule has nothing more to try. @return all trials
+/// Casts until the rule finds no further opening to try. @return all trials
 std::vector<MouldTrial> search(const Law& law, const MouldTarget& target, MouldTrial first) {
   std::vector<MouldTrial> history{std::move(first)};
   while (history.size() < 12) {

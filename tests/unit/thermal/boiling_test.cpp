@@ -34,7 +34,7 @@ TEST(Boiling, KeepsTheStatedValuesAtTheirFlows) {
   EXPECT_DOUBLE_EQ(boiling_of(water, start_flow, 0.0).film_coefficient, 500.0);
 }
 
-/// The exponents, and what twice the flow does.
+/// The exponents, checked by doubling the flow.
 TEST(Boiling, FollowsTheFlow) {
   const Water water = start_up_water();
   const Boiling half = boiling_of(water, 1e-3, 0.0), whole = boiling_of(water, 2e-3, 0.0);
@@ -43,7 +43,8 @@ TEST(Boiling, FollowsTheFlow) {
   EXPECT_NEAR(whole.film_coefficient / half.film_coefficient, std::sqrt(2.0), 1e-14);
 }
 
-/// Colder water bears more, rewets hotter metal and cools more through its film.
+/// Colder water has a higher critical flux and Leidenfrost temperature and cools more through its
+/// film.
 TEST(Boiling, FollowsTheWaterTemperature) {
   Boiling before = boiling_of(start_up_water(5.0), 2e-3, 0.0);
   for (const double temperature : {25.0, 45.0, 65.0, 85.0, 99.0}) {
@@ -148,7 +149,8 @@ TEST_F(StartUp, PulsedWaterTakesLessHeat) {
   EXPECT_GT(in_pulses, 0.4 * steady);
 }
 
-/// What a step needs of the step before is in the field: a resumed run gives the same bits.
+/// The field contains everything a step needs from the previous one: a resumed run gives the same
+/// bits.
 TEST_F(StartUp, FilmIsPartOfTheState) {
   CoolingSpec cooling = testing::casting_cooling();
   cooling.water = start_up_water();

@@ -1,4 +1,4 @@
-// Heat is neither lost nor made where rows are merged.
+// Merging of rows conserves heat.
 #include "core/thermal/row_merging.hpp"
 
 #include <gtest/gtest.h>
@@ -58,8 +58,9 @@ TEST(RowMerging, KeepsTheHeatAndTheRange) {
   EXPECT_LE(*std::ranges::max_element(slab.enthalpy), 2.9e9 * (1.0 + 1e-14));
 }
 
-/// One merging after the other: what a node takes from a neighbour that goes below it, it gives
-/// back when the one above goes. Only the ends of the merged stretch keep their share.
+/// Several mergings in a row: the heat that a node receives from a removed neighbour below
+/// compensates that of a removed neighbour above. Only the ends of the merged range keep a
+/// difference.
 TEST(RowMerging, ALinearProfileIsLinearAgainOnceItsNeighboursAreMergedToo) {
   Slab slab([](int, double z) { return 1e9 + 5e9 * z; });
   slab.merge({2});

@@ -172,7 +172,7 @@ TEST_P(SolidForms, TablesAgainstDistanceAreIntegratedExactly) {
   EXPECT_NEAR(sum, width * cooling.zones[0].solid_coefficient.integral(0.0, 0.03), 1e-13);
 }
 
-/// A side that has risen meets the zones where it now stands.
+/// The cooling zones act on the displaced side.
 TEST_P(SolidForms, ARisenSideMeetsZonesAtItsHeight) {
   const std::vector<double> rise(std::size_t(forms_->nodes()), 0.004);
   std::vector<SideShare> risen, lower;
