@@ -49,16 +49,18 @@ results::RunHeader header_of(const Case& c) {
 }
 
 /// The check that a step violates; empty if there is none.
-std::string failed_check(const results::StepReport& r) {
+/// @param dimension  of the mesh: the forces of a section are per metre
+std::string failed_check(const results::StepReport& r, int dimension) {
   char text[200] = "";
   if (!(std::abs(r.energy_balance_error) <= energy_bound)) {
     std::snprintf(text, sizeof text, "energy balance off by %.2e at t = %g s",
                   r.energy_balance_error, r.time);
   } else if (r.weight > 0.0 &&
              !(std::abs(r.bottom_reaction - r.weight) <= support_bound * r.weight)) {
+    const char* unit = dimension == 2 ? "N/m" : "N";
     std::snprintf(text, sizeof text,
-                  "bottom reaction %.6g N/m against a weight of %.6g N/m at t = %g s",
-                  r.bottom_reaction, r.weight, r.time);
+                  "bottom reaction %.6g %s against a weight of %.6g %s at t = %g s",
+                  r.bottom_reaction, unit, r.weight, unit, r.time);
   } else if (!(r.complementarity_error <= contact_bound)) {
     std::snprintf(text, sizeof text, "contact conditions violated by %.2e at t = %g s",
                   r.complementarity_error, r.time);
@@ -196,7 +198,7 @@ private:
   /// Stores and reports a step. @return the outcome if the observer ends the run here
   std::optional<RunOutcome> after(const results::StepReport& report) {
     if (writer_) writer_->append(report);
-    if (std::string fault = failed_check(report); !fault.empty())
+    if (std::string fault = failed_check(report, header_.dimension); !fault.empty())
       run_->fail(
           {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
     note_lost_validity(report);

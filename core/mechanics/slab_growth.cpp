@@ -68,10 +68,9 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   state.displacement = supports_.by_coordinate(std::move(u));
 }
 
-/// Nodal forces of the stress in a state on the present mesh, along the coordinate axes.
-/// @param acting  set to the root of the sum of squares of all element forces [N]
+/// Forces of the stress in a state on the present mesh.
 template <int Dim>
-std::vector<double> SlabMechanics<Dim>::forces_of_stress(const State& state, double& acting) const {
+StressForces SlabMechanics<Dim>::forces_of_stress(const State& state) const {
   const std::size_t places = elements_in_block * points_;
   std::vector<double> force(problem_.unknowns(), 0.0), numbers(places * Tensor::components),
       pressure(places);
@@ -87,8 +86,7 @@ std::vector<double> SlabMechanics<Dim>::forces_of_stress(const State& state, dou
     }
     forms_->add_forces(block, deviator, pressure, force, squares);
   }
-  acting = std::sqrt(squares);
-  return supports_.by_coordinate(std::move(force));
+  return {supports_.by_coordinate(std::move(force)), std::sqrt(squares)};
 }
 
 template <int Dim>
@@ -107,9 +105,8 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
     strain = strain.deviator();
   }
   set_weight(state, temperature);
-  double acting = 0.0;
   ProjectedState<Dim> to{state, rows.projected(elastic),
-                         rows.restricted(forces_of_stress(state, acting)), problem_.weight};
+                         rows.restricted(forces_of_stress(state).nodal), problem_.weight};
   dilatation = rows.means(dilatation);
   for (std::size_t i = 0; i < dilatation.size(); ++i)
     to.elastic[i].add_identity(dilatation[i] / 3.0);
@@ -135,8 +132,8 @@ MergeChecks SlabMechanics<Dim>::follow_merging(State& state, ProjectedState<Dim>
   state.inelastic.resize(projected.elastic.size());
   set_elastic_strains(*forms_, state, u, projected.elastic);
   set_weight(state, temperature);
-  double acting = 0.0, squares = 0.0;
-  const std::vector<double> force = forces_of_stress(state, acting);
+  double squares = 0.0;
+  const auto [force, acting] = forces_of_stress(state);
   for (std::size_t i = 0; i < force.size(); ++i)
     squares += (force[i] - projected.force[i]) * (force[i] - projected.force[i]);
   return {std::abs(problem_.weight - projected.weight) / projected.weight,

@@ -49,6 +49,12 @@ struct MergeChecks {
   double equilibrium_error = 0.0;  ///< [1] unbalanced nodal forces, relative to the acting forces
 };
 
+/// Forces of the stress in a state [N], per metre of face in a section [N/m].
+struct StressForces {
+  std::vector<double> nodal;  ///< (unknown) along the coordinate axes
+  double acting = 0.0;        ///< root of the sum of squares of all element forces
+};
+
 /// The slab as a mechanical body (paper sections 2.2 and 3.4): it decides which elements carry
 /// stress, models the liquid, applies the supports by mould and block, and solves one time step.
 template <int Dim>
@@ -119,7 +125,7 @@ private:
   /// @param displacement  by unknown [m]
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
   /// Nodal forces of the stress in a state, by unknown [N]. @param acting  set to their scale [N]
-  std::vector<double> forces_of_stress(const State& state, double& acting) const;
+  StressForces forces_of_stress(const State& state) const;
   /// @param metal_level  [m] @param at  temperature of the element [°C]
   void solidify(State& state, int e, double metal_level, double at) const;
   void set_phases(State& state, const SlabStepInput& input);

@@ -222,7 +222,7 @@ std::optional<RunOutcome> FakeRun::resume() {
     if (directory.other_version == OtherVersion::wait)
       return RunOutcome{RunEnd::other_version, {failure}};
     if (directory.other_version == OtherVersion::fail) return RunOutcome{RunEnd::failed, {failure}};
-    observer.on_message(failure.message + ": the run starts over");
+    observer.on_message(failure.message + ": the run starts from the beginning");
     std::filesystem::remove(directory.path / "checkpoint.bin");
     return std::nullopt;
   }

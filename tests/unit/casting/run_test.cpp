@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/results/result_reader.hpp"
-#include "tests/unit/casting/small_casting.hpp"
+#include "tests/unit/casting/small_quarter_slab.hpp"
 
 namespace dccast::casting {
 namespace {
@@ -182,6 +182,19 @@ TEST(RunEnds, ASolveThatFailsDoesNotHideTheCheckThatFailedBefore) {
   const auto summary = results::ResultReader(folder / "results.h5").summary();
   EXPECT_EQ(summary.outcome, "check_failed");
   EXPECT_THAT(summary.message, ::testing::HasSubstr("; then solve_failed: the mechanical step"));
+}
+
+TEST(RunEnds, TheForcesOfAFailedCheckHaveTheUnitOfTheSection) {
+  Case solid = testing::small_quarter_slab();
+  solid.mechanics.options.tolerance = 0.3;
+  const auto message_of = [](const Case& c) {
+    const TemporaryFolder folder;
+    Recorder recorder;
+    const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+    return outcome.failures.empty() ? "no failure" : outcome.failures.front().message;
+  };
+  EXPECT_THAT(message_of(check_fails_then_solve()), ::testing::ContainsRegex(" N/m at t = "));
+  EXPECT_THAT(message_of(solid), ::testing::ContainsRegex("[0-9] N at t = "));
 }
 
 /// A folder in the way of results.h5, from the first step on: publishing fails.
