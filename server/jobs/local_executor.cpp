@@ -176,8 +176,7 @@ LocalExecutor::Child LocalExecutor::spawn() const {
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) fail("cannot start " + worker_program_.string(), error);
   child.orders = std::move(write_end);
-  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
-  child.handle = FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, child.process, 0)));
+  child.handle = open_process(child.process);
   return child;
 }
 

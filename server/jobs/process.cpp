@@ -2,7 +2,9 @@
 
 #include <signal.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -41,6 +43,11 @@ bool kill_stray(const ProcessIdentity& recorded) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return true;
+}
+
+storage::FileDescriptor open_process(pid_t process) {
+  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
+  return storage::FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
 }
 
 ChildState collect(pid_t child, Waiting waiting) {

@@ -6,6 +6,8 @@
 
 #include <sys/types.h>
 
+#include "core/storage/file_descriptor.hpp"
+
 namespace dccast::jobs {
 
 /// A process beyond doubt: process ids come again, the pair of id and start time does not.
@@ -21,6 +23,10 @@ std::optional<ProcessIdentity> identify(pid_t id);
 /// Kills the process if it still is the one that was recorded, and waits until it is gone.
 /// @return whether it was there
 bool kill_stray(const ProcessIdentity& recorded);
+
+/// A pidfd of a process: readable once the process has ended, and never of another process with the
+/// same id. @return nothing and `errno` when there is no such process, or a kernel without pidfds
+storage::FileDescriptor open_process(pid_t process);
 
 /// What has become of a child.
 struct ChildState {

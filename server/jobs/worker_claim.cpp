@@ -2,13 +2,13 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <sstream>
 #include <system_error>
 #include <thread>
+
+#include "server/jobs/process.hpp"
 
 namespace dccast::jobs {
 
@@ -53,11 +53,6 @@ std::optional<WorkerClaim> parse_claim(const std::string& text) {
   WorkerClaim claim;
   words >> claim.protocol >> claim.attempt >> claim.job_id;
   return words ? std::optional(claim) : std::nullopt;
-}
-
-storage::FileDescriptor open_process(pid_t process) {
-  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
-  return storage::FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
 }
 
 }  // namespace
