@@ -17,8 +17,8 @@ namespace dccast::client {
 struct CaseUnderCheck {
   v1::Case description;
   case_file::ReadOutcome read;
-  std::vector<v1::Fault>
-      faults;  ///< local faults and those of the server, in the order of the file
+  /// Local faults and those of the server, in the order of the file
+  std::vector<v1::Fault> faults;
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults

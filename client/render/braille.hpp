@@ -20,8 +20,8 @@ struct BrailleLine {
 
 struct BrailleCell {
   std::string text;  ///< one character
-  std::optional<std::size_t>
-      line;  ///< the last line that runs through the cell; empty if none does
+  /// The last line that runs through the cell; empty if none does
+  std::optional<std::size_t> line;
 };
 
 struct BrailleChart {

@@ -25,8 +25,8 @@ struct EdgePiece {
   /// Level by Gauss point. Two points are exact up to cubic polynomials: the product of a shape
   /// function, the radius and a quantity that is linear along the edge.
   std::array<double, 2> level;
-  std::array<std::array<double, 2>, 2>
-      weight;           ///< by node, by Gauss point [m], axisymmetric [m2/rad]
+  /// By node, by Gauss point [m], axisymmetric [m2/rad]
+  std::array<std::array<double, 2>, 2> weight;
   double middle_level;  ///< [unit of the levels]
 };
 

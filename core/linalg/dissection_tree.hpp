@@ -24,8 +24,8 @@ struct DissectionTree {
   };
 
   std::vector<int> place;  ///< (node) its position in the order
-  std::vector<Front>
-      fronts;  ///< children before parents; the boundary of a child lies in its parent
+  /// Children before parents; the boundary of a child lies in its parent
+  std::vector<Front> fronts;
   int unknowns_per_node = 1;  ///< 2 or 1, so that rows of tiles have whole nodes
 
   /// @param edges  two sets of unknowns along edges of the mesh from which distances are counted

@@ -44,8 +44,8 @@ struct Options {
   double mould_length = 0.0;  ///< [m] mould length below the metal level, for `mould_wall`
   bool contact = true;
   double tolerance = 1e-8;  ///< [1] residual relative to the acting forces
-  std::optional<int>
-      maximum_iterations;  ///< absent: default of the algorithm, see iteration_limit()
+  /// Absent: default of the algorithm, see iteration_limit()
+  std::optional<int> maximum_iterations;
   AlgorithmParameters parameters;
   /// Number of unknowns of an extruded solid from which `newton` uses the two-grid solver instead
   /// of a factorisation. Measured; not a key of a case (docs/large-solids.md).

@@ -49,8 +49,8 @@ private:
   void for_each_element(const Use& use) const;
 
   const mesh::MergedRows& merged_;
-  std::vector<std::array<std::size_t, 2>>
-      rows_;  ///< (row after merging) lowest and highest row before
+  /// (row after merging) lowest and highest row before
+  std::vector<std::array<std::size_t, 2>> rows_;
 };
 
 extern template class RowsOfPoints<2>;

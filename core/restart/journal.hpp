@@ -33,8 +33,8 @@ public:
 private:
   explicit Journal(storage::File file);
 
-  std::unique_ptr<storage::RecordLog>
-      log_;  ///< on the heap: the thread that calls sync() needs a fixed address
+  /// On the heap: the thread that calls sync() needs a fixed address
+  std::unique_ptr<storage::RecordLog> log_;
   std::string pending_;
 };
 

@@ -20,8 +20,8 @@ struct GrownRows {
   /// volume_after if no row was inserted.
   std::span<const double> volume_stretched;
   std::span<const double> volume_after;  ///< (node) [m^Dim], [m3/rad]
-  std::span<const double>
-      height;  ///< [m] of the rows of nodes, starting with the one below the old top
+  /// [m] of the rows of nodes, starting with the one below the old top
+  std::span<const double> height;
 };
 
 /// Transfers nodal enthalpies to a mesh that has grown and conserves heat exactly: the sum of

@@ -32,8 +32,8 @@ struct HeatStepOutcome {
   int iterations = 0;
   int factorizations = 0;
   int solves = 0;
-  std::vector<double>
-      residual_history;  ///< [1] relative to the heat exchanged, before each iteration
+  /// [1] relative to the heat exchanged, before each iteration
+  std::vector<double> residual_history;
   HeatBalance balance;
   /// Heat flow out through the side at the end of the step [W/m], per radian [W/rad], of a solid
   /// [W].
@@ -123,8 +123,8 @@ private:
   int two_grids_from_nodes_;
 
   linalg::DirectSolver solver_;
-  std::unique_ptr<linalg::TwoGrid<1>>
-      two_grid_;  ///< replaces the factor if that would be too large
+  /// Replaces the factor if that would be too large
+  std::unique_ptr<linalg::TwoGrid<1>> two_grid_;
   linalg::ConjugateGradients gradients_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
@@ -134,8 +134,8 @@ private:
   std::vector<double> enthalpy_;    ///< (node) [J/m3] of the iterate
   std::vector<double> trial_;       ///< (node) [J/m3] of the line search
   std::vector<material::ThermalState> state_;
-  std::vector<double>
-      kirchhoff_;  ///< (node) [W/m] minus its value at the casting temperature, against round-off
+  /// (node) [W/m] minus its value at the casting temperature, against round-off
+  std::vector<double> kirchhoff_;
   std::vector<double> residual_;    ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;      ///< (entry of the pattern) c/D + K [1], [m] in 3D
   std::vector<char> stiff_;         ///< (node) held, or nearly so by its diagonal

@@ -12,8 +12,8 @@ namespace dccast::case_file {
 /// The value of a change in the form required by the file reader.
 struct ChangeValue {
   toml::table table;  ///< holds the value under one key
-  std::vector<int>
-      columns;  ///< column of the parsed text -> column of the value as written, from 1
+  /// Column of the parsed text -> column of the value as written, from 1
+  std::vector<int> columns;
 
   const toml::node& node() const { return table.begin()->second; }
 };

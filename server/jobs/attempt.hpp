@@ -40,8 +40,8 @@ struct Attempt {
   std::optional<Clock::time_point> kill_at;
   std::string hung;      ///< why its worker was taken to hang and killed; empty: it was not
   bool settled = false;  ///< what the job has become is decided; only the process is still there
-  std::optional<std::string>
-      ended;             ///< how the process ended, while its link still has words of it
+  /// How the process ended, while its link still has words of it
+  std::optional<std::string> ended;
   bool requeue = false;  ///< back into the queue when the process is gone
 
   // Of its own mutex, so that steps do not wait for the scheduler; taken after the scheduler's.

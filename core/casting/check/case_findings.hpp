@@ -48,8 +48,8 @@ public:
   const Case& casting;
   Faults faults;
   Estimate estimate;
-  std::optional<double>
-      final_level;  ///< [m] metal level at the end; set if `course_keys` are sound
+  /// [m] metal level at the end; set if `course_keys` are sound
+  std::optional<double> final_level;
   std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
   /// The mesh of the section's dimension, set if mesh.file is sound.
   std::optional<mesh::Mesh2D> imported_plane;
