@@ -20,6 +20,7 @@ struct Attempt {
   std::string why;         ///< "heat" or "mechanics" if it did not converge, else empty
   double time_step = 0.0;  ///< [s]
   MergeOutcome merge;
+  double superheat = 0.0;  ///< [J/m], [J/rad], [J] of the metal that entered
   thermal::HeatStepOutcome heat;
   mechanics::StepOutcome mechanics;
 };

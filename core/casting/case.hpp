@@ -22,6 +22,7 @@ namespace dccast::casting {
 
 struct Schedule {
   double hold = 0.0;                        ///< [s]
+  double filling = 0.0;                     ///< [s] in which the initial depth is poured
   Curve casting_speed;                      ///< [m/s] against time or cast length
   Curve casting_temperature;                ///< [°C] against time or cast length
   Curve water_flow;                         ///< [m2/s] against time or cast length

@@ -59,6 +59,7 @@ CastingSchedule::CastingSchedule(const Case& c)
     events_.insert(events_.end(), changes.begin(), changes.end());
   }
   if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
+  if (schedule_.filling > 0.0) events_.push_back(begin_ + schedule_.filling);
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
   std::sort(events_.begin(), events_.end());
 }
@@ -84,6 +85,11 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
   const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
   return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+}
+
+double CastingSchedule::filled_share(double time) const {
+  if (time >= begin_ + schedule_.filling - same_time) return 1.0;
+  return (time - begin_) / schedule_.filling;
 }
 
 double CastingSchedule::casting_temperature(double time, double length) const {

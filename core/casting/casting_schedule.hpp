@@ -32,6 +32,8 @@ public:
   /// @param time    at the beginning of the step [s]
   /// @param step    length of the time step [s]
   double cast_length(double length, double time, double step) const;
+  /// Share of the initial depth that has been poured [1].
+  double filled_share(double time) const;
   double casting_temperature(double time, double length) const;  ///< [°C]
   /// [m2/s], zero before the water starts; for pulsed water the flow while the valve is open.
   double water_flow(double time, double length) const;

@@ -23,6 +23,11 @@ public:
   /// @param temperature  [°C] initial temperature of all metal if none is prescribed
   thermal::HeatField initial_field(double time, double temperature) const;
 
+  /// Heat of the metal above the liquidus, @see HeatSolver; zero if temperatures are prescribed.
+  double superheat(const thermal::HeatField& field) const {
+    return solver_ ? solver_->superheat(field) : 0.0;
+  }
+
   /// Updates the solver after growth of the mesh and transfers the enthalpy to the new mesh.
   /// @param nodes_per_row        nodes per row of the mesh
   /// @param casting_temperature  [°C] of the metal that entered

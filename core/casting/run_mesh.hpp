@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/casting/case.hpp"
+#include "core/casting/casting_schedule.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
@@ -19,9 +20,14 @@ public:
   /// @pre built_in() is not null
   mesh::SlabMesh<Dim>& slab() { return *slab_; }
   const mesh::SlabMesh<Dim>* built_in() const { return slab_ ? &*slab_ : nullptr; }
+  double initial_level() const { return initial_level_; }  ///< [m] when the mould is filled
+  /// Metal level [m] at a time [s] and cast length [m].
+  double level_at(const CastingSchedule& schedule, double time, double length) const;
 
 private:
   bool grows_;
+  double initial_level_ = 0.0;  ///< [m]
+  double first_level_ = 0.0;    ///< [m] with which filling begins
   std::optional<mesh::SlabMesh<Dim>> slab_;
   mesh::Mesh<Dim> imported_;
 };

@@ -29,6 +29,17 @@ void report_merging(const MergeOutcome& merge, results::StepReport& r) {
   r.merge_equilibrium_error = merge.mechanics.equilibrium_error;
 }
 
+void report_water(const thermal::HeatStepOutcome& heat, results::StepReport& r) {
+  const auto& [wide, narrow] = heat.water;
+  const auto ratio = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
+  r.water_share = ratio(wide.taken, wide.capacity);
+  r.narrow_water_share = ratio(narrow.taken, narrow.capacity);
+  r.wetted_share = ratio(wide.wetted, wide.area);
+  r.narrow_wetted_share = ratio(narrow.wetted, narrow.area);
+  r.water_boiled_away = wide.boiled_away || narrow.boiled_away;
+  r.water_thrown_off = wide.thrown_off || narrow.thrown_off;
+}
+
 template <int Dim>
 void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
   const Attempt& accepted = source.accepted;
@@ -39,6 +50,11 @@ void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
   r.side_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::wide)] / length;
   r.narrow_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::narrow)] / length;
   r.bottom_heat = accepted.heat.bottom_heat_flux / length;
+  r.metal_heat = balance.entered / (accepted.time_step * length);
+  r.level_heat = balance.top / (accepted.time_step * length);
+  r.stored_heat = balance.stored / (accepted.time_step * length);
+  report_water(accepted.heat, r);
+  r.block_temperature = source.block_temperature;
   const std::vector<double>& temperature = source.state.heat.temperature;
   const Case& c = source.casting_case;
   r.sump_depth = sump_depth<Dim>(source.mesh, temperature, source.metal_level, c.alloy.coherency);

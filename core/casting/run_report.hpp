@@ -19,6 +19,7 @@ struct ReportSource {
   double metal_level;  ///< [m]
   double face_length;  ///< heat is divided by it: [m], billet [m/rad], quarter slab [1]
   const CastingSchedule& schedule;
+  double block_temperature;  ///< [°C] mean of its surface
 };
 
 /// The report of a step: progress, heat and monitors; of the mechanics only the counters of the

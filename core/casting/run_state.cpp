@@ -89,12 +89,15 @@ void for_fields(State& state, const Use& use) {
   use("step_limit_s", state.step_limit);
   use("solver_s", state.solver_seconds);
   use("process_s", state.process_seconds);
+  use("superheat_j_per_m", state.superheat);
+  use("level_heat_j_per_m", state.level_heat);
   use("row_heights_m", state.row_heights);
   use("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   use("heat/temperature_c", state.heat.temperature);
   use("heat/liquid_fraction", state.heat.liquid_fraction);
   use("heat/enthalpy_rate_w_per_m3", state.heat.enthalpy_rate);
   use("heat/wetted", state.heat.wetted);
+  use("heat/block_temperature_c", state.heat.block_temperature);
   for_slab_fields(state.slab, use);
 }
 

@@ -23,6 +23,9 @@ struct RunState {
   double step_limit = 0.0;          ///< of the step control [s], see StepControl::limit()
   double solver_seconds = 0.0;      ///< [s] computing time of the run so far
   double process_seconds = 0.0;     ///< [s] processor time of all threads so far
+  /// [J/m]; billet [J/rad], quarter slab [J]: heat above the liquidus of the metal poured so far, and
+  /// heat in through the metal level.
+  double superheat = 0.0, level_heat = 0.0;
   RunFailures failures;             ///< those so far that did not end the run
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;

@@ -74,7 +74,6 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       mesh_(c),
       heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
       mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
-      initial_level_(largest(mesh_.mesh(), Dim - 1)),
       face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
                                                                      : 1.0),
       has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
@@ -90,6 +89,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       state_.time,
       c.thermal.initial_temperature.value_or(schedule_.casting_temperature(state_.time, 0.0)));
   state_.slab = mechanics_.initial_state();
+  state_.superheat = heat_.superheat(state_.heat);
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
   state_.plausibility.raised = findings_of_case(c);
 }
@@ -113,7 +113,7 @@ template <int Dim>
 std::string SlabRun<Dim>::restore(const restart::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
-    std::string reason = misfit(state, {case_, schedule_, mesh_, initial_level_,
+    std::string reason = misfit(state, {case_, schedule_, mesh_,
                                         mechanics_.points(), mechanics_.bottom_nodes().size()});
     if (reason.empty()) go_back_to(state);
     return reason;
@@ -129,7 +129,25 @@ bool SlabRun<Dim>::finished() const {
 
 template <int Dim>
 double SlabRun<Dim>::metal_level() const {
-  return mesh_.grows() ? initial_level_ + state_.cast_length : initial_level_;
+  return mesh_.level_at(schedule_, state_.time, state_.cast_length);
+}
+
+template <int Dim>
+double SlabRun<Dim>::mould_level() const {
+  return mesh_.initial_level() + (mesh_.grows() ? state_.cast_length : 0.0);
+}
+
+/// Mean surface temperature of the block [°C].
+template <int Dim>
+double SlabRun<Dim>::block_temperature() const {
+  const std::vector<double>& columns = state_.heat.block_temperature;
+  if (columns.empty()) return case_.cooling.bottom_block.temperature(state_.time);
+  double sum = 0.0, area = 0.0;
+  for (std::size_t i = 0; i < mechanics_.bottom_area().size(); ++i) {
+    sum += mechanics_.bottom_area()[i] * columns[i * thermal::BlockColumns::points];
+    area += mechanics_.bottom_area()[i];
+  }
+  return sum / area;
 }
 
 template <int Dim>
@@ -164,6 +182,8 @@ results::StepReport SlabRun<Dim>::advance() {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
+      state_.superheat += tried.superheat;
+      state_.level_heat += tried.heat.balance.top;
       state_.solver_seconds += processor_seconds() - start;
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
       return report(tried, failed);
@@ -197,7 +217,8 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   const double length = schedule_.cast_length(state_.cast_length, state_.time, dt);
   std::optional<thermal::MetalEntry> entry;
   tried.merge = merge_rows();
-  grow(length, schedule_.casting_temperature(end, length), entry);
+  grow(mesh_.level_at(schedule_, end, length), schedule_.casting_temperature(end, length), entry);
+  if (entry) tried.superheat = entry->superheat;
   state_.cast_length = length;
   state_.time = std::abs(end) < same_time ? 0.0 : end;
 
@@ -239,7 +260,7 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
-  input.metal_level = metal_level();
+  input.metal_level = mould_level();
   input.casting_temperature = schedule_.casting_temperature(state_.time, state_.cast_length);
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
@@ -274,7 +295,9 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
 template <int Dim>
 results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts) {
   results::StepReport r = report_of<Dim>(
-      {case_, mesh(), state_, accepted, metal_level(), face_length_, schedule_}, failed_attempts);
+      {case_, mesh(), state_, accepted, metal_level(), face_length_, schedule_,
+       block_temperature()},
+      failed_attempts);
   if (state_.slab.started) report_mechanics(r);
   judge_plausibility(r);
   return r;

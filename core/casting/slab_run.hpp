@@ -67,14 +67,17 @@ private:
   void go_back_to(const RunState<Dim>& state);
   /// @param dt  time step [s]
   Attempt attempt(double dt);
-  /// Grows the mesh to a cast length [m] with metal of a temperature [°C]. @return whether it grew
-  bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
+  /// Grows the mesh to a metal level [m] with metal of a temperature [°C]. @return whether it grew
+  bool grow(double level, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
   bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
   bool step_mechanics(Attempt& tried);
+  double block_temperature() const;        ///< [°C]
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]
   double metal_level() const;              ///< [m]
+  /// [m] The level from which mould and water lines are counted, also while the mould is filled.
+  double mould_level() const;
   results::StepReport report(const Attempt& accepted, int failed_attempts);
   void report_mechanics(results::StepReport& report);
   void judge_plausibility(results::StepReport& report);
@@ -88,7 +91,6 @@ private:
   RunMesh<Dim> mesh_;
   HeatSource heat_;
   mechanics::SlabMechanics<Dim> mechanics_;
-  double initial_level_;  ///< [m]
   /// Heat and forces of a step are per this length: 1 m in plane strain, of a billet [m/rad], of a
   /// quarter slab 1 (the totals) [1].
   double face_length_;

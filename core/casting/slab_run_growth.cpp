@@ -8,9 +8,8 @@
 namespace dccast::casting {
 
 template <int Dim>
-bool SlabRun<Dim>::grow(double length, double temperature,
+bool SlabRun<Dim>::grow(double level, double temperature,
                         std::optional<thermal::MetalEntry>& entry) {
-  const double level = initial_level_ + length;
   if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
   mesh::SlabMesh<Dim>& slab = mesh_.slab();
   const int first_moved = slab.elements_per_row() * (slab.rows() - 1);

@@ -59,7 +59,12 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   if (!heat.enthalpy_rate.empty())
     reasons.require_reals(heat.enthalpy_rate, shape.nodes, "enthalpy rate");
   // Empty before the first step, and without `boiling_follows_flow`.
-  if (!heat.wetted.empty()) reasons.require_size(heat.wetted, shape.nodes, "wetted nodes");
+  if (!heat.wetted.empty())
+    reasons.require_reals(heat.wetted, thermal::faces * shape.nodes, "wetted share");
+  // Empty before the first step, and where the block keeps its temperature.
+  if (!heat.block_temperature.empty())
+    reasons.require_reals(heat.block_temperature,
+                          thermal::BlockColumns::points * shape.bottom_nodes, "block temperature");
 }
 
 template <int Dim>
@@ -103,7 +108,7 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
   reasons.require(heights.size() > std::size_t(slab->rows()), "it has too few rows");
   reasons.require(std::ranges::is_sorted(heights, std::less_equal{}), "its rows do not ascend");
   if (!reasons.first().empty()) return;
-  const double level = run.initial_level + (run.mesh.grows() ? state.cast_length : 0.0);
+  const double level = run.mesh.level_at(run.schedule, state.time, state.cast_length);
   reasons.require(std::abs(heights.back() - level) <= same_height,
                   "its rows do not end at its metal level");
 }

@@ -16,7 +16,6 @@ struct RunShape {
   const Case& casting_case;
   const CastingSchedule& schedule;
   const RunMesh<Dim>& mesh;
-  double initial_level = 0.0;  ///< [m]
   std::size_t points = 0;      ///< integration points per element
   std::size_t bottom_nodes = 0;
 };

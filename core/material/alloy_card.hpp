@@ -33,6 +33,8 @@ struct AlloyCard {
   double liquidus = 0.0;           ///< [°C]
   double solidus = 0.0;            ///< [°C]; equal to the liquidus for a pure metal
   double coherency = 0.0;          ///< [°C] below it the mush transmits stress
+  /// [°C] below it metal counts as a shell, and the mould releases it; absent: the solidus
+  std::optional<double> shell;
   double latent_heat = 0.0;        ///< [J/kg]
   Curve density;                   ///< [kg/m3]
   Curve specific_heat;             ///< [J/(kg K)]
@@ -43,6 +45,8 @@ struct AlloyCard {
   Curve young_modulus;  ///< [Pa]
   Curve poisson_ratio;  ///< [1]
   std::variant<NortonHoffConstants, ReferenceCreep> creep;
+
+  double shell_temperature() const { return shell.value_or(solidus); }  ///< [°C]
 };
 
 }  // namespace dccast::material

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include "core/material/alloy_card.hpp"
 
@@ -32,6 +34,42 @@ inline double temperature_of_fraction(const AlloyCard& card, double fraction) {
 /// @param temperature [°C] @return [1]
 inline double solid_fraction_at(const AlloyCard& card, double temperature) {
   return 1.0 - liquid_fraction_at(card, temperature);
+}
+
+/// A property of the mush, weighted by the fractions of solid and liquid: fs solid(T) + fl liquid.
+/// Tables that are linear from solidus to liquidus instead would let an alloy that is 90 % solid
+/// far above its solidus shrink by as much again as it has left to.
+/// @param card    with solidus, liquidus and liquid fraction
+/// @param solid   against temperature [any unit]; used up to the liquidus
+/// @param liquid  at and above the liquidus [the same unit]
+/// @return        against temperature, linear between points at most 2.5 K apart in the mush
+inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double liquid) {
+  constexpr double spacing = 2.5;  // [K]
+  std::vector<double> at, value;
+  const auto add = [&](double t) {
+    const double fraction = t >= card.liquidus ? 1.0 : liquid_fraction_at(card, t);
+    at.push_back(t);
+    value.push_back((1.0 - fraction) * solid(t) + fraction * liquid);
+  };
+  if (!solid.constant())
+    for (const double t : solid.at())
+      if (t < card.solidus) add(t);
+  std::vector<double> kinks{card.solidus, card.liquidus};
+  for (const Curve* curve : {&solid, &card.liquid_fraction})
+    if (!curve->constant()) kinks.insert(kinks.end(), curve->at().begin(), curve->at().end());
+  std::erase_if(kinks, [&](double t) { return t < card.solidus || t > card.liquidus; });
+  std::sort(kinks.begin(), kinks.end());
+  kinks.erase(std::unique(kinks.begin(), kinks.end()), kinks.end());
+  for (std::size_t i = 0; i < kinks.size(); ++i) {
+    add(kinks[i]);
+    if (i + 1 == kinks.size()) break;
+    const double width = kinks[i + 1] - kinks[i];
+    const int parts = static_cast<int>(width / spacing) + 1;
+    for (int k = 1; k < parts; ++k) add(kinks[i] + width * k / parts);
+  }
+  if (at.size() > 1) return Curve(Abscissa::temperature, std::move(at), std::move(value));
+  return Curve(Abscissa::temperature, {card.liquidus - 0.01, card.liquidus + 0.01},
+               {solid(card.liquidus), liquid});  // a pure metal
 }
 
 /// The coherency temperature that corresponds to a solid fraction [°C]: at 1 the solidus, at 0 the

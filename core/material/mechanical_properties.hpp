@@ -31,7 +31,7 @@ public:
   double kappa(double temperature) const;
   double coherency() const { return card_.coherency; }  ///< [°C]
   double liquidus() const { return card_.liquidus; }    ///< [°C]
-  double solidus() const { return card_.solidus; }      ///< [°C]
+  double shell() const { return card_.shell_temperature(); }  ///< [°C] below it the mould releases
 
 private:
   AlloyCard card_;

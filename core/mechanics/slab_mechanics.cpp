@@ -269,7 +269,7 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   StepUnknowns<Dim> unknowns{displacement_, state.contact, state.contact_multiplier,
                              state.deviator};
   if (!options_.contact) unknowns.contact.clear();
-  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.solidus(),
+  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.shell(),
                        input.metal_level - options_.mould_length, displacement_, unknowns.contact);
   if (!unknowns.contact_multiplier.empty()) {
     unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);

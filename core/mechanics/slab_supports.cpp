@@ -206,7 +206,7 @@ void SlabSupports<Dim>::place_on_block(StepProblem<Dim>& problem, bool contact) 
 template <int Dim>
 void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state,
                                    const Options& options, std::span<const double> temperature,
-                                   double solidus, double mould_bottom,
+                                   double shell, double mould_bottom,
                                    std::span<const double> displacement,
                                    std::vector<char>& closed) const {
   place_on_block(problem, options.contact);
@@ -215,7 +215,7 @@ void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& st
   for (const SideNode& side : side_nodes_) {
     char& released = state.released[std::size_t(side.node)];
     const bool was_released = released != 0;
-    if (!options.confinement || temperature[std::size_t(side.node)] < solidus) released = 1;
+    if (!options.confinement || temperature[std::size_t(side.node)] < shell) released = 1;
     for (const Direction& d : side.direction) {
       const std::size_t unknown = std::size_t(d.unknown);
       problem.fixed[unknown] = released == 0 && exact ? 1 : 0;

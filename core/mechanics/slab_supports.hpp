@@ -44,12 +44,12 @@ public:
   void place_on_block(StepProblem<Dim>& problem, bool contact) const;
   /// Releases the side where it is cold, and adds the support by the mould in this step.
   /// @param temperature    (node) [°C]
-  /// @param solidus        [°C] below it the mould releases a node permanently
+  /// @param shell          [°C] below it the mould releases a node permanently
   /// @param mould_bottom   [m] height of the lower edge of the mould
   /// @param displacement   by unknown [m]
   /// @param closed         by contact unknown; on entry for the bottom, on return for the walls too
   void hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state, const Options& options,
-                  std::span<const double> temperature, double solidus, double mould_bottom,
+                  std::span<const double> temperature, double shell, double mould_bottom,
                   std::span<const double> displacement, std::vector<char>& closed) const;
 
   /// Displacements by unknown [m] from those along the coordinate axes [m].

@@ -12,6 +12,7 @@ namespace dccast::mesh {
 namespace {
 
 constexpr double divide_above = 1.5;  // growth cells
+constexpr std::size_t first_rows = 2;  // of cells, when the mould begins to be filled
 
 /// The nodes of a cell, below and above, as the corners of its division.
 template <int Dim>
@@ -52,7 +53,14 @@ ExtrudedMesh<Dim>::ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<do
       growth_cell_(growth_cell),
       merging_(merging),
       first_grown_(first_grown(row_heights)),
-      heights_(std::move(row_heights)) {
+      plan_(std::move(row_heights)),
+      heights_(plan_) {
+  build();
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::start_filling() {
+  heights_.resize(std::min(heights_.size(), first_rows + 1));
   build();
 }
 
@@ -132,16 +140,29 @@ void ExtrudedMesh<Dim>::set_top() {
 }
 
 template <int Dim>
+void ExtrudedMesh<Dim>::divide_top_row(double height, std::vector<double>& between) {
+  const double level = heights_.back();
+  heights_.back() = height;
+  heights_.push_back(level);
+  between.push_back(height);
+}
+
+template <int Dim>
 std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
   if (level < heights_.back()) throw std::logic_error("ExtrudedMesh: the metal level cannot sink");
   std::vector<double> between;
+  const bool filling = heights_.back() < plan_.back();
   heights_.back() = level;
-  while (heights_.back() - heights_[heights_.size() - 2] > divide_above * growth_cell_) {
-    const double height = heights_[heights_.size() - 2] + growth_cell_;
-    heights_.back() = height;
-    heights_.push_back(level);
-    between.push_back(height);
-  }
+  const auto next_is_due = [&] {
+    const std::size_t next = heights_.size() - 1;
+    if (next + 1 >= plan_.size()) return false;
+    return level >= plan_.back() ||
+           level - plan_[next] > (divide_above - 1.0) * (plan_[next + 1] - plan_[next]);
+  };
+  while (filling && next_is_due()) divide_top_row(plan_[heights_.size() - 1], between);
+  while (level >= plan_.back() &&
+         level - heights_[heights_.size() - 2] > divide_above * growth_cell_)
+    divide_top_row(heights_[heights_.size() - 2] + growth_cell_, between);
   const int last_old_row = rows() - static_cast<int>(between.size());
   for (int row = last_old_row; row <= rows(); ++row) place_row_of_nodes(row);
   for (int row = last_old_row; row < rows(); ++row) add_row_of_cells(row);

@@ -19,7 +19,8 @@ namespace dccast::mesh {
 /// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
 /// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
 /// can be merged in pairs once they are deep below the metal level; nodes and elements above them
-/// are then renumbered.
+/// are then renumbered. While the mould is filled, rows are divided off at the planned heights of the
+/// initial rows instead.
 template <int Dim>
 class ExtrudedMesh {
 public:
@@ -34,7 +35,11 @@ public:
   int nodes_per_row() const { return base_.nodes(); }
   int elements_per_row() const;
   double level() const { return heights_.back(); }                     ///< [m] metal level
+  double planned_level() const { return plan_.back(); }  ///< [m] once the mould is filled
   const std::vector<double>& row_heights() const { return heights_; }  ///< [m] of the rows of nodes
+
+  /// Begins with the lowest rows only, before the mould is filled. @pre nothing has grown yet
+  void start_filling();
 
   /// Raises the metal level.
   /// @param level  [m], not below the present one
@@ -52,6 +57,7 @@ public:
 
 private:
   void build();
+  void divide_top_row(double height, std::vector<double>& between);
   void place_row_of_nodes(int row);
   void add_row_of_cells(int row);
   void add_walls(int row);
@@ -63,6 +69,7 @@ private:
   double growth_cell_;  ///< [m]
   RowMerging merging_;
   int first_grown_;              ///< row of nodes below the rows added by growth
+  std::vector<double> plan_;     ///< [m] heights of the initial rows
   std::vector<double> heights_;  ///< [m] of the rows of nodes
   Mesh<Dim> mesh_;
 };

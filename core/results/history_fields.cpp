@@ -74,6 +74,29 @@ const std::array fields{
     HistoryField{"progress", "1", "share of the simulated time", &R::progress},
     HistoryField{"nodes", "1", "nodes of the mesh", &R::nodes},
     HistoryField{"elements", "1", "elements of the mesh", &R::elements},
+    HistoryField{"metal_heat_w_per_m", "W/m", "heat of the metal that entered, above 0 degC",
+                 &R::metal_heat, "W"},
+    HistoryField{"level_heat_w_per_m", "W/m",
+                 "heat in through the metal level; negative: lost to the air", &R::level_heat, "W"},
+    HistoryField{"stored_heat_w_per_m", "W/m", "heat gained by the slab", &R::stored_heat, "W"},
+    HistoryField{"water_share", "1",
+                 "heat taken by the water of the side, of a quarter slab its wide face, relative to "
+                 "all that heating and evaporating it would take",
+                 &R::water_share},
+    HistoryField{"narrow_water_share", "1", "the same for the narrow face of a quarter slab",
+                 &R::narrow_water_share},
+    HistoryField{"wetted_share", "1",
+                 "share of the side under water, of a quarter slab its wide face, that is not "
+                 "under a vapour film",
+                 &R::wetted_share},
+    HistoryField{"narrow_wetted_share", "1", "the same for the narrow face of a quarter slab",
+                 &R::narrow_wetted_share},
+    HistoryField{"water_boiled_away", "1", "1 where too little water is left to cover a face",
+                 &R::water_boiled_away},
+    HistoryField{"water_thrown_off", "1", "1 where a vapour film has thrown the water off a face",
+                 &R::water_thrown_off},
+    HistoryField{"block_temperature_c", "degC", "mean surface temperature of the bottom block",
+                 &R::block_temperature},
 };
 
 }  // namespace

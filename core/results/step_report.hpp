@@ -55,6 +55,18 @@ struct StepReport {
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging
   double merge_equilibrium_error = 0.0;  ///< [1] forces unbalanced by merging / acting forces
+  // Heat by where it came from and went, mean over the step: metal_heat + level_heat =
+  // stored_heat + side_heat + narrow_heat + bottom_heat. [W/m], quarter slab [W]
+  double metal_heat = 0.0;         ///< [W/m] of the metal that entered, above 0 °C
+  double level_heat = 0.0;         ///< [W/m] in through the metal level; negative: lost to the air
+  double stored_heat = 0.0;        ///< [W/m] gained by the slab
+  double water_share = 0.0;        ///< [1] taken by the side's water, of all it could take
+  double narrow_water_share = 0.0; ///< [1] the same of a quarter slab's narrow face
+  double wetted_share = 0.0;       ///< [1] of the side under water that is not under vapour
+  double narrow_wetted_share = 0.0;  ///< [1] the same of a quarter slab's narrow face
+  bool water_boiled_away = false;    ///< on some face less is left than covers it
+  bool water_thrown_off = false;     ///< vapour has thrown the water off some face
+  double block_temperature = 0.0;    ///< [°C] of the block's surface, mean over its area
   bool operator==(const StepReport&) const = default;
 };
 

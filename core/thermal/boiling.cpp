@@ -6,38 +6,50 @@
 namespace dccast::thermal {
 namespace {
 
-constexpr double boiling_point = 100.0;     // [°C]
-constexpr double stated_subcooling = 75.0;  // [K] of water of 25 °C, Water's default
+constexpr double stated_subcooling = 75.0;  // [K] of water of 25 °C
 
-/// Relative increase of the critical flux of a jet by subcooling [K], compared to saturated water;
-/// Monde and Katto. Properties of water and steam at 100 °C and 1 bar.
-double subcooling_gain(double subcooling) {
-  constexpr double density_ratio = 958.4 / 0.598;                  // liquid to vapour [1]
-  constexpr double specific_heat = 4217.0, evaporation = 2.257e6;  // [J/(kg K)], [J/kg]
-  const double share = specific_heat * subcooling / evaporation;
+double subcooling(const Film& film) {
+  return std::max(0.0, boiling_point - film.temperature);
+}
+
+/// Relative increase of the critical flux of a jet by subcooling [K], compared to saturated water.
+/// Properties of water and steam at 100 °C and 1 bar.
+double subcooling_gain(double kelvin) {
+  constexpr double density_ratio = 958.4 / 0.598;  // liquid to vapour [1]
+  constexpr double specific_heat = 4217.0;         // [J/(kg K)]
+  const double share = specific_heat * kelvin / evaporation_heat;
   return 1.0 + 2.7 * std::sqrt(density_ratio) * share * share;
 }
 
 }  // namespace
 
-Boiling boiling_of(const Water& water, double water_flow, double time) {
-  const Boiling stated{water.critical_heat_flux, water.film_boiling_above,
-                       water.film_boiling_coefficient};
-  if (!water.boiling_follows_flow) return stated;
-  const double subcooling = std::max(0.0, boiling_point - water.temperature(time));
-  const double share = subcooling / stated_subcooling, flow = water_flow / start_flow;
-  return {stated.critical_heat_flux * std::cbrt(water_flow / full_flow) *
-              subcooling_gain(subcooling) / subcooling_gain(stated_subcooling),
-          boiling_point + (stated.leidenfrost - boiling_point) * flow * share,
-          stated.film_coefficient * std::sqrt(flow) * share};
+double critical_heat_flux(const Water& water, const Film& film, double depth) {
+  const Wetting& w = water.wetting;
+  return water.critical_heat_flux * std::pow(film.flow / full_flow, w.flow_exponent) *
+         subcooling_gain(subcooling(film)) / subcooling_gain(stated_subcooling) *
+         (depth < w.jet_length ? 1.0 : w.falling_film_share);
 }
 
-double film_share(const Water& water, const Boiling& boiling, double surface_temperature,
-                  bool wetted) {
-  if (!water.film_boiling && !water.boiling_follows_flow) return 0.0;
-  const bool holds = wetted && water.boiling_follows_flow;
-  const double above = surface_temperature - boiling.leidenfrost - (holds ? film_hysteresis : 0.0);
-  return std::clamp(above / film_boiling_blend + 0.5, 0.0, 1.0);
+double rewetting_temperature(const Wetting& w, const Film& film) {
+  const double share = 0.25 + 0.75 * subcooling(film) / stated_subcooling;
+  return std::min(w.rewetting_limit, w.rewetting_saturated + w.rewetting_rise *
+                                                                 std::sqrt(film.flow / start_flow) *
+                                                                 share);
+}
+
+double wet_in_the_end(const Wetting& w, double surface_temperature, double rewetting) {
+  return 1.0 / (1.0 + std::exp((surface_temperature - rewetting) / w.rewetting_width));
+}
+
+double film_coefficient(const Wetting& w, const Film& film, double depth) {
+  return (depth < w.jet_length ? w.jet_film_coefficient : w.film_coefficient) *
+         std::sqrt(film.flow / start_flow) * (0.3 + 0.7 * subcooling(film) / stated_subcooling);
+}
+
+double fixed_film_share(const Water& water, double surface_temperature) {
+  constexpr double blend = 5.0;  // [K]
+  if (!water.film_boiling) return 0.0;
+  return std::clamp((surface_temperature - water.film_boiling_above) / blend + 0.5, 0.0, 1.0);
 }
 
 bool is_open(const Water& water, double time) {

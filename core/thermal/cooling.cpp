@@ -49,19 +49,22 @@ SurfaceFlux weckman_niessen(double temperature, double water_temperature, double
           film * (convective + 352.0 * excess) + 3.0 * 20.8 * boiling * boiling, 0.0};
 }
 
-SurfaceFlux water_flux(const Water& water, const Boiling& boiling, const SurfaceState& surface,
-                       const SidePlace& place, double water_flow, double film_share) {
-  const double temperature = surface.temperature;
-  const double surroundings = water.temperature(place.time);
-  SurfaceFlux wet = water.coefficient.empty()
-                        ? weckman_niessen(temperature, surroundings, water_flow)
-                        : convection(coefficient(water.coefficient, temperature, place),
-                                     temperature, surroundings);
-  if (wet.flux > boiling.critical_heat_flux) wet = {boiling.critical_heat_flux, 0.0, 0.0};
-  if (film_share <= 0.0) return wet;
-  const SurfaceFlux film = convection({boiling.film_coefficient, 0.0}, temperature, surroundings);
-  return {(1.0 - film_share) * wet.flux + film_share * film.flux,
-          (1.0 - film_share) * wet.d_temperature + film_share * film.d_temperature, 0.0};
+SurfaceFlux water_flux(const Water& water, const WaterPlace& film, const SurfaceState& surface,
+                       const SidePlace& place) {
+  const double temperature = surface.temperature, surroundings = film.film.temperature;
+  SurfaceFlux flux = water.coefficient.empty()
+                         ? weckman_niessen(temperature, surroundings, film.film.flow)
+                         : convection(coefficient(water.coefficient, temperature, place),
+                                      temperature, surroundings);
+  if (flux.flux > film.critical_heat_flux) flux = {film.critical_heat_flux, 0.0, 0.0};
+  if (film.wetted < 1.0) {
+    const SurfaceFlux vapour = convection({film.film_coefficient, 0.0}, temperature, surroundings);
+    const double dry = 1.0 - film.wetted;
+    flux = {film.wetted * flux.flux + dry * vapour.flux,
+            film.wetted * flux.d_temperature + dry * vapour.d_temperature, 0.0};
+  }
+  if (flux.flux > film.largest_flux) flux = {film.largest_flux, 0.0, 0.0};
+  return flux;
 }
 
 SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
@@ -84,6 +87,11 @@ SurfaceFlux dry_flux(const CoolingSpec& cooling, const SurfaceState& surface) {
                     cooling.ambient_temperature);
 }
 
+SurfaceFlux level_flux(const CoolingSpec& cooling, const SurfaceState& surface) {
+  return convection({cooling.level_coefficient, 0.0}, surface.temperature,
+                    cooling.ambient_temperature);
+}
+
 double bottom_coefficient(const BottomBlock& block, double time, double gap) {
   const double contact = block.contact_coefficient(time);
   if (gap <= 0.0 || block.gap_coefficient.empty()) return contact;
@@ -92,15 +100,20 @@ double bottom_coefficient(const BottomBlock& block, double time, double gap) {
   return contact + (block.gap_coefficient.value().front() - contact) * gap / first;
 }
 
-SurfaceFlux bottom_flux(const BottomBlock& block, const SurfaceState& surface, double time,
-                        double gap) {
-  const double temperature = surface.temperature;
-  Coefficient h{bottom_coefficient(block, time, gap), 0.0};
+BottomFlux bottom_flux(const BottomBlock& block, const BottomPlace& place,
+                       const SurfaceState& surface) {
+  const double t = surface.temperature, wet = place.wet_coefficient, r = place.compliance;
+  double h = place.coefficient, dh = 0.0;
   if (!block.temperature_factor.empty()) {
-    h.d_temperature = h.value * block.temperature_factor.derivative(temperature);
-    h.value *= block.temperature_factor(temperature);
+    dh = h * block.temperature_factor.derivative(t);
+    h *= block.temperature_factor(t);
   }
-  return convection(h, temperature, block.temperature(time));
+  const double divisor = 1.0 + r * (h + wet);
+  const double block_surface = (place.block + r * (h * t + wet * place.water)) / divisor;
+  const double excess = t - block_surface;
+  const double d_block = r * (dh * excess + h) / divisor;
+  return {{h * excess + wet * (t - place.water), dh * excess + h * (1.0 - d_block) + wet, 0.0},
+          h * excess - wet * (block_surface - place.water)};
 }
 
 }  // namespace dccast::thermal

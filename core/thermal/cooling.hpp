@@ -32,12 +32,12 @@ struct SidePlace {
 /// @param water_flow         Gamma [m2/s], per metre of perimeter
 SurfaceFlux weckman_niessen(double temperature, double water_temperature, double water_flow);
 
-/// Water on the side: the law of Weckman and Niessen or the table of the case, limited by the
-/// critical heat flux; under a vapour film the film coefficient. The limit causes a kink, which the
+/// Water on the side: on the wetted share the law of Weckman and Niessen or the table of the case,
+/// with the film's temperature and flow, up to the critical heat flux; on the rest the coefficient
+/// of the vapour film; in all not more than the film can take. The limits cause kinks, which the
 /// semismooth Newton method can handle.
-/// @param water_flow  [m2/s] @param film_share  [1] @see thermal::film_share
-SurfaceFlux water_flux(const Water& water, const Boiling& boiling, const SurfaceState& surface,
-                       const SidePlace& place, double water_flow, double film_share);
+SurfaceFlux water_flux(const Water& water, const WaterPlace& film, const SurfaceState& surface,
+                       const SidePlace& place);
 
 /// A cooling zone of the side: the coefficients for liquid and solid surface are weighted by the
 /// liquid fraction.
@@ -48,16 +48,33 @@ SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const S
 /// The side outside zones and water.
 SurfaceFlux dry_flux(const CoolingSpec& cooling, const SurfaceState& surface);
 
-/// Bottom block: contact coefficient against time if the gap is closed, gap coefficient if it is
-/// open, linear between contact and the first point of the gap table; multiplied by the factor for
-/// the surface temperature.
-/// @param time  [s]
-/// @param gap   [m]; zero or less is contact
-SurfaceFlux bottom_flux(const BottomBlock& block, const SurfaceState& surface, double time,
-                        double gap);
+/// The metal level, if it loses heat to the surroundings.
+SurfaceFlux level_flux(const CoolingSpec& cooling, const SurfaceState& surface);
 
-/// Coefficient of the bottom block without the temperature factor [W/(m2 K)].
-/// @param time  [s] @param gap  [m]
+/// What the bottom of the slab faces at one place during one step.
+struct BottomPlace {
+  double coefficient = 0.0;      ///< [W/(m2 K)] to the block, without the temperature factor
+  double block = 0.0;            ///< [°C] of the block's surface at the end, if no heat flowed
+  double compliance = 0.0;       ///< [m2 K/W] by which a flux warms the block's surface
+  double wet_coefficient = 0.0;  ///< [W/(m2 K)] from slab and from block to water in the gap
+  double water = 0.0;            ///< [°C]
+};
+
+/// Coefficient of the bottom block without the temperature factor [W/(m2 K)]: contact coefficient
+/// against time if the gap is closed, gap coefficient if it is open, linear between contact and the
+/// first point of the gap table.
+/// @param time  [s] @param gap  [m]; zero or less is contact
 double bottom_coefficient(const BottomBlock& block, double time, double gap);
+
+/// Heat between slab, block and water in the gap.
+struct BottomFlux {
+  SurfaceFlux slab;         ///< out of the slab
+  double into_block = 0.0;  ///< [W/m2]
+};
+
+/// With H the coefficient times the factor for the surface temperature, W that of the water:
+///   q = H (T - T_b) + W (T - T_w),   T_b = block + compliance (H (T - T_b) - W (T_b - T_w)).
+BottomFlux bottom_flux(const BottomBlock& block, const BottomPlace& place,
+                       const SurfaceState& surface);
 
 }  // namespace dccast::thermal

@@ -10,6 +10,7 @@ namespace dccast::thermal {
 struct MetalEntry {
   double stored_before = 0.0;  ///< [J/m]; axisymmetric: per radian [J/rad]; solid: [J]
   double entered = 0.0;        ///< [J/m], [J/rad], [J]
+  double superheat = 0.0;      ///< [J/m], [J/rad], [J] part of it above the liquidus
 };
 
 /// Nodal data of a mesh of rows that has grown (mesh::ExtrudedMesh::grow_to).

@@ -45,6 +45,11 @@ public:
   /// Integral of the shape function over the bottom, by bottom node [m^(Dim-1)], [m2/rad].
   const std::vector<double>& bottom_weight() const { return bottom_weight_; }
   const std::vector<int>& top_nodes() const { return top_nodes_; }
+  /// Integral of the shape function over the top, by top node [m^(Dim-1)], [m2/rad].
+  const std::vector<double>& top_weight() const { return top_weight_; }
+  /// (node) column of the side to which a node belongs, -1 elsewhere: the nodes above each other,
+  /// or all of a side that has no such columns.
+  const std::vector<int>& side_column() const { return side_column_; }
 
   /// Input of the direct solver's ordering.
   virtual linalg::Geometry geometry() const = 0;
@@ -54,7 +59,8 @@ public:
 
   /// Divides the side among nodes and cooling laws, @see SideShare. @param shares  overwritten; an
   /// output argument, so that its memory is reused between steps
-  virtual void divide_side(const CoolingSpec& cooling, const SideInstant& instant,
+  /// @return  height of the side [m]
+  virtual double divide_side(const CoolingSpec& cooling, const SideInstant& instant,
                            std::vector<SideShare>& shares) const = 0;
 
   /// Updates the forms after growth of the mesh and transfers the nodal enthalpies, see growth.hpp.
@@ -77,6 +83,8 @@ protected:
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_weight_;  ///< (bottom node) [m^(Dim-1)], [m2/rad]
   std::vector<int> top_nodes_;
+  std::vector<double> top_weight_;  ///< (top node) [m^(Dim-1)], [m2/rad]
+  std::vector<int> side_column_;    ///< (node)
 };
 
 /// Creates the forms of a mesh, which must not move in memory.

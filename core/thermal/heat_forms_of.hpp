@@ -1,6 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 
 #include "core/fem/facet_pieces.hpp"
 #include "core/thermal/element_conduction.hpp"
@@ -43,17 +46,24 @@ public:
       return std::nullopt;
   }
 
-  void divide_side(const CoolingSpec& cooling, const SideInstant& instant,
-                   std::vector<SideShare>& shares) const override {
+  double divide_side(const CoolingSpec& cooling, const SideInstant& instant,
+                     std::vector<SideShare>& shares) const override {
     shares.clear();
     const SideLaws laws(cooling, instant);
+    double lowest = INFINITY, highest = -INFINITY;
     mesh::for_each_facet(mesh_, mesh::PatchKind::side, [&](const Facet& facet, const auto& patch) {
       const Face face = face_of(patch);
+      for (int i = 0; i < facet.nodes; ++i) {
+        const double height = mesh_.point(facet.node[std::size_t(i)])[dim - 1];
+        lowest = std::min(lowest, height);
+        highest = std::max(highest, height);
+      }
       const auto use = [&](const auto& piece) {
         add_piece(facet, piece, face, laws.at(piece.middle_level, face), shares);
       };
       cut(facet, depth_of(facet, instant)).for_each_piece(laws.edges(), use);
     });
+    return highest - lowest;
   }
 
   MetalEntry follow_growth(int nodes_per_row, double entering_enthalpy,
@@ -83,6 +93,24 @@ private:
     volume_.resize(std::size_t(mesh_.nodes()));
     bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
     top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
+    find_side_columns();
+  }
+
+  /// Nodes of the side at the same place of the plan are one column.
+  void find_side_columns() {
+    constexpr double same_place = 1e-9;  // [m]
+    const std::vector<int> nodes = mesh::patch_nodes(mesh_, mesh::PatchKind::side);
+    std::map<std::array<long long, dim - 1>, int> columns;
+    side_column_.assign(std::size_t(mesh_.nodes()), -1);
+    for (const int n : nodes) {
+      std::array<long long, dim - 1> place{};
+      for (std::size_t d = 0; d + 1 < dim; ++d)
+        place[d] = std::llround(mesh_.point(n)[d] / same_place);
+      side_column_[std::size_t(n)] =
+          columns.try_emplace(place, static_cast<int>(columns.size())).first->second;
+    }
+    if (2 * columns.size() <= nodes.size()) return;
+    for (const int n : nodes) side_column_[std::size_t(n)] = 0;  // a mesh without columns
   }
 
   /// First node of an element that is new or has a node that has moved.
@@ -124,7 +152,9 @@ private:
       integrate(static_cast<int>((node - mesh_.element_node.data()) / Element::nodes), first);
     });
     const auto last = std::max_element(bottom_nodes_.begin(), bottom_nodes_.end());
-    if (last != bottom_nodes_.end() && std::size_t(*last) >= first) weigh_bottom();
+    if (last != bottom_nodes_.end() && std::size_t(*last) >= first)
+      weigh(mesh::PatchKind::bottom, bottom_nodes_, bottom_weight_);
+    weigh(mesh::PatchKind::top, top_nodes_, top_weight_);
   }
 
   /// Adds the contribution of an element to the nodes numbered `first` or higher.
@@ -150,16 +180,17 @@ private:
     }
   }
 
-  void weigh_bottom() {
+  /// Integrals of the shape functions over a patch, by its nodes.
+  void weigh(mesh::PatchKind kind, const std::vector<int>& nodes, std::vector<double>& weight) {
     std::vector<SideShare> shares;
-    mesh::for_each_facet(mesh_, mesh::PatchKind::bottom, [&](const Facet& facet, const auto&) {
+    mesh::for_each_facet(mesh_, kind, [&](const Facet& facet, const auto&) {
       cut(facet, {}).for_each_piece(
           {}, [&](const auto& piece) { add_piece(facet, piece, Face::wide, {}, shares); });
     });
     std::vector<double> by_node(volume_.size(), 0.0);
     for (const SideShare& share : shares) by_node[std::size_t(share.node)] += share.weight;
-    bottom_weight_.clear();
-    for (const int node : bottom_nodes_) bottom_weight_.push_back(by_node[std::size_t(node)]);
+    weight.clear();
+    for (const int node : nodes) weight.push_back(by_node[std::size_t(node)]);
   }
 
   /// Levels by which a facet is cut: the distance of its nodes below the metal level [m].

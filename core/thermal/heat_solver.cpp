@@ -65,11 +65,13 @@ void HeatSolver::update_mesh() {
 MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double temperature) {
   bool new_pattern = false;
   const std::size_t first = field.enthalpy.size() - 2 * std::size_t(nodes_per_row);  // that changes
-  const MetalEntry entry = forms_->follow_growth(nodes_per_row, properties_.enthalpy(temperature),
-                                                 field.enthalpy, new_pattern);
+  const double entering = properties_.enthalpy(temperature);
+  MetalEntry entry =
+      forms_->follow_growth(nodes_per_row, entering, field.enthalpy, new_pattern);
+  entry.superheat = entry.entered * std::max(0.0, 1.0 - properties_.liquidus_enthalpy() / entering);
   if (new_pattern) take_elements();
   refresh(field, first);
-  if (!field.wetted.empty()) field.wetted.resize(field.enthalpy.size(), 0);
+  if (!field.wetted.empty()) field.wetted.resize(faces * field.enthalpy.size(), 0.0);
   if (!field.enthalpy_rate.empty()) field.enthalpy_rate.resize(field.enthalpy.size(), 0.0);
   return entry;
 }
@@ -79,7 +81,8 @@ double HeatSolver::follow_merging(HeatField& field, const mesh::MergedRows& merg
   forms_->follow_merging(merged, field.enthalpy);
   take_elements();
   refresh(field);
-  if (!field.wetted.empty()) mesh::take_out_rows(merged, merged.nodes_per_row, field.wetted);
+  if (!field.wetted.empty())
+    mesh::take_out_rows(merged, faces * merged.nodes_per_row, field.wetted);
   if (!field.enthalpy_rate.empty())
     mesh::take_out_rows(merged, merged.nodes_per_row, field.enthalpy_rate);
   return std::abs(heat_content(forms_->volume(), field.enthalpy) - before) / std::abs(before);
@@ -96,7 +99,7 @@ void HeatSolver::take_elements() {
   state_.assign(nodes, ThermalState{});
   matrix_.assign(forms_->pattern().entries(), 0.0);
   top_nodes_.clear();
-  if (cooling_.spec().top == Top::pouring) top_nodes_ = forms_->top_nodes();
+  if (cooling_.spec().top == Top::held) top_nodes_ = forms_->top_nodes();
   held_.assign(nodes, 0);
   stiff_.assign(nodes, 0);
   for (const int node : top_nodes_) held_[std::size_t(node)] = 1;
@@ -114,6 +117,14 @@ void HeatSolver::choose_solver() {
   }
   const auto fronts = forms_->fronts();
   solver_.analyze(forms_->pattern(), forms_->geometry(), fronts);
+}
+
+double HeatSolver::superheat(const HeatField& field) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < field.enthalpy.size(); ++i)
+    sum += forms_->volume()[i] *
+           std::max(0.0, field.enthalpy[i] - properties_.liquidus_enthalpy());
+  return sum;
 }
 
 HeatField HeatSolver::uniform_field(double temperature) const {
@@ -319,6 +330,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.face_heat_flux = cooling_.side_power();
   outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
   outcome.bottom_heat_flux = cooling_.bottom_power();
+  outcome.water = cooling_.water();
   store_rate(field, input.time_step);
   field.enthalpy = enthalpy_;
   field.temperature.resize(state_.size());
@@ -327,7 +339,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
     field.temperature[i] = state_[i].temperature;
     field.liquid_fraction[i] = state_[i].liquid_fraction;
   }
-  cooling_.mark_wetted(field);
+  cooling_.finish_step(*forms_, state_, input, field);
   return outcome;
 }
 
@@ -345,6 +357,7 @@ HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   heat.entered = input.entry ? input.entry->entered : 0.0;
   heat.stored = sum_of_products(volume, enthalpy_) - stored_before;
   for (const int node : top_nodes_) heat.top += input.time_step * residual_[std::size_t(node)];
+  heat.top -= input.time_step * cooling_.level_power();
   heat.side = input.time_step * (cooling_.side_power()[0] + cooling_.side_power()[1]);
   heat.bottom = input.time_step * cooling_.bottom_power();
   heat.moved = moved_;

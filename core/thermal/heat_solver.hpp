@@ -18,8 +18,9 @@ namespace dccast::thermal {
 /// section [J/rad], total of a solid [J].
 struct HeatBalance {
   double stored = 0.0;   ///< [J/m] gained by the slab, including the metal that entered
-  double entered = 0.0;  ///< [J/m] brought in by the metal
-  double top = 0.0;      ///< [J/m] conducted in at the metal level
+  double entered = 0.0;  ///< [J/m] brought in by the metal, above 0 °C
+  /// [J/m] in through the metal level: conducted from a held level, negative where it loses heat
+  double top = 0.0;
   double side = 0.0;     ///< [J/m] out
   double bottom = 0.0;   ///< [J/m] out
   double moved = 0.0;    ///< [J/m] total heat exchanged, the scale of the errors
@@ -40,6 +41,7 @@ struct HeatStepOutcome {
   double wall_heat_flux = 0.0;
   std::array<double, faces> face_heat_flux{};  ///< the same by face [W/m]
   double bottom_heat_flux = 0.0;               ///< the same through the bottom [W/m]
+  std::array<FaceWater, faces> water{};        ///< by face, at the end of the step
 };
 
 /// Solver for implicit Euler steps of the enthalpy equation, paper eq. (2).
@@ -79,6 +81,9 @@ public:
   /// Updates the solver after rows were merged and transfers the field.
   /// @return  relative change of the heat content, caused by rounding [1]
   double follow_merging(HeatField& field, const mesh::MergedRows& merged);
+
+  /// Heat of the metal above the liquidus [J/m]; billet [J/rad], solid [J].
+  double superheat(const HeatField& field) const;
 
   /// A field of uniform temperature [°C].
   HeatField uniform_field(double temperature) const;

@@ -18,9 +18,11 @@ struct HeatField {
   /// method in the next one. The last bits of a solution depend on it, so a resumed run needs it.
   /// Empty before the first step.
   std::vector<double> enthalpy_rate;
-  /// (node) not zero: in the last step water touched the metal, not a vapour film. Part of the
+  /// (node, face) [1] wetted share of the surface, 0 where a vapour film covers it. Part of the
   /// state; empty if no water has `boiling_follows_flow`.
-  std::vector<char> wetted;
+  std::vector<double> wetted;
+  /// (bottom node, depth) [°C] of the bottom block; empty unless the block is a body.
+  std::vector<double> block_temperature;
 };
 
 /// Input of a heat step besides field and mesh.
@@ -28,7 +30,7 @@ struct HeatStepInput {
   double time = 0.0;                 ///< [s] at the end of the step
   double time_step = 0.0;            ///< [s]
   double metal_level = 0.0;          ///< [m] at the end of the step
-  double casting_temperature = 0.0;  ///< [°C] held at the metal level when the top is poured
+  double casting_temperature = 0.0;  ///< [°C] at the metal level where that is held
   /// [m2/s] Water runs during a step if the valve is open at its middle. Otherwise, and without
   /// flow, the side below the water line is dry.
   double water_flow = 0.0;

@@ -1,11 +1,18 @@
 #include "core/thermal/surface_cooling.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
 
 namespace dccast::thermal {
 namespace {
 
 using material::ThermalState;
+
+/// Gaps up to this much wider than `wet_gap` are wet in part [1]; so the heat into the gap is a
+/// continuous function of it.
+constexpr double wet_gap_blend = 0.1;
 
 double water_flow_of(Face face, const HeatStepInput& input) {
   return face == Face::narrow ? input.narrow_water_flow.value_or(input.water_flow)
@@ -16,7 +23,15 @@ SurfaceState surface_of(const ThermalState& state) {
   return {state.temperature, state.liquid_fraction};
 }
 
+std::size_t wetted_index(const SideShare& share) {
+  return faces * std::size_t(share.node) + std::size_t(share.face);
+}
+
 }  // namespace
+
+SurfaceCooling::SurfaceCooling(CoolingSpec cooling) : cooling_(std::move(cooling)) {
+  if (cooling_.bottom_block.body) block_.emplace(*cooling_.bottom_block.body);
+}
 
 void SurfaceCooling::resize(std::size_t nodes) {
   flux_.assign(nodes, 0.0);
@@ -26,27 +41,14 @@ void SurfaceCooling::resize(std::size_t nodes) {
 void SurfaceCooling::begin_step(const HeatForms& forms,
                                 const material::ThermalProperties& properties,
                                 const HeatField& field, const HeatStepInput& input) {
-  forms.divide_side(cooling_,
-                    {input.metal_level,
-                     {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
-                     input.rise},
-                    side_);
-  for (const Face face : {Face::wide, Face::narrow}) {
-    boiling_[std::size_t(face)] =
-        boiling_of(cooling_.water_of(face), water_flow_of(face, input), input.time);
-  }
-  film_share_.clear();
-  for (const SideShare& share : side_)
-    film_share_.push_back(share.law == law_water ? film_share_of(share, properties, field) : 0.0);
-}
-
-double SurfaceCooling::film_share_of(const SideShare& share,
-                                     const material::ThermalProperties& properties,
-                                     const HeatField& field) const {
-  const std::size_t node = std::size_t(share.node);
-  return film_share(cooling_.water_of(share.face), boiling_[std::size_t(share.face)],
-                    properties.temperature(field.enthalpy[node]),
-                    !field.wetted.empty() && field.wetted[node] != 0);
+  const double height = forms.divide_side(
+      cooling_,
+      {input.metal_level,
+       {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
+       input.rise},
+      side_);
+  lay_water(forms, properties, field, input, height);
+  lay_bottom(forms, field, input);
 }
 
 bool SurfaceCooling::water_runs(Face face, const HeatStepInput& input) const {
@@ -55,13 +57,113 @@ bool SurfaceCooling::water_runs(Face face, const HeatStepInput& input) const {
   return is_open(cooling_.water_of(face), middle) && water_flow_of(face, input) > 0.0;
 }
 
-void SurfaceCooling::mark_wetted(HeatField& field) const {
-  if (!cooling_.water.boiling_follows_flow && !cooling_.water_of(Face::narrow).boiling_follows_flow)
-    return;
-  field.wetted.assign(flux_.size(), 0);
-  for (std::size_t i = 0; i < side_.size(); ++i) {
-    if (side_[i].law == law_water && film_share_[i] < 0.5)
-      field.wetted[std::size_t(side_[i].node)] = 1;
+/// Sorts the side shares by face and column, from the metal level down.
+void SurfaceCooling::find_columns(const HeatForms& forms) {
+  column_order_.resize(side_.size());
+  std::iota(column_order_.begin(), column_order_.end(), std::size_t(0));
+  const auto place = [&](std::size_t i) {
+    const SideShare& share = side_[i];
+    return std::tuple(share.face, forms.side_column()[std::size_t(share.node)], share.distance, i);
+  };
+  std::ranges::sort(column_order_, {}, place);
+}
+
+void SurfaceCooling::lay_water(const HeatForms& forms,
+                               const material::ThermalProperties& properties,
+                               const HeatField& field, const HeatStepInput& input,
+                               double side_height) {
+  water_ = {};
+  side_water_.assign(side_.size(), {});
+  find_columns(forms);
+  const auto column = [&](std::size_t i) {
+    return std::pair(side_[i].face, forms.side_column()[std::size_t(side_[i].node)]);
+  };
+  for (auto first = column_order_.begin(); first != column_order_.end();) {
+    const auto last = std::find_if(first, column_order_.end(), [&](std::size_t i) {
+      return column(i) != column(*first);
+    });
+    double area = 0.0;
+    for (auto at = first; at != last; ++at) area += side_[*at].weight;
+    const auto wet = std::stable_partition(
+        first, last, [this](std::size_t i) { return side_[i].law == law_water; });
+    lay_column({first, wet}, area / side_height, properties, field, input);
+    first = last;
+  }
+}
+
+/// Water over the shares of one column, from above. @param width  [m]; axisymmetric [m2/rad / m]
+void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double width,
+                                const material::ThermalProperties& properties,
+                                const HeatField& field, const HeatStepInput& input) {
+  if (shares.empty()) return;
+  const Face face = side_[shares.front()].face;
+  const Water& water = cooling_.water_of(face);
+  const Film supply{water.temperature(input.time), water_flow_of(face, input)};
+  FaceWater& total = water_[std::size_t(face)];
+  std::vector<WetPiece> pieces;
+  for (const std::size_t i : shares) {
+    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[wetted_index(side_[i])];
+    pieces.push_back({side_[i].weight,
+                      {input.time, side_[i].distance},
+                      properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
+                      wetted});
+  }
+  const FilmHeat heat = march_film(water, supply, width, input.time_step, pieces, film_);
+  total.capacity += heat.capacity;
+  if (!water.boiling_follows_flow) {
+    film_.clear();
+    for (const WetPiece& piece : pieces)
+      film_.push_back({.film = supply,
+                       .wetted = 1.0 - fixed_film_share(water, piece.surface_temperature),
+                       .critical_heat_flux = water.critical_heat_flux,
+                       .film_coefficient = water.film_boiling_coefficient});
+  } else {
+    total.boiled_away = total.boiled_away || heat.boiled_away;
+    total.thrown_off = total.thrown_off || heat.thrown_off;
+  }
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    if (k >= film_.size()) {
+      side_[shares[k]].law = law_dry;
+      continue;
+    }
+    side_water_[shares[k]] = film_[k];
+    total.area += pieces[k].area;
+    total.wetted += pieces[k].area * film_[k].wetted;
+  }
+}
+
+/// Whether water has met the butt on some face: it can then run into the gap.
+bool SurfaceCooling::water_at_butt(const HeatStepInput& input) const {
+  for (const Face face : {Face::wide, Face::narrow})
+    if (water_runs(face, input) && input.metal_level > cooling_.water_of(face).from) return true;
+  return false;
+}
+
+void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
+                                const HeatStepInput& input) {
+  const BottomBlock& block = cooling_.bottom_block;
+  const double start = block.temperature(input.time), water = cooling_.water.temperature(input.time);
+  const bool wet = block.wet_coefficient && water_at_butt(input);
+  if (block_) block_->begin_step(input.time_step);
+  bottom_.clear();
+  const std::vector<double> cold(BlockColumns::points, start);
+  for (std::size_t i = 0; i < forms.bottom_nodes().size(); ++i) {
+    const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
+    const double share =
+        wet ? std::clamp((gap / block.wet_gap - 1.0) / wet_gap_blend, 0.0, 1.0) : 0.0;
+    BottomPlace place{.coefficient = (1.0 - share) * bottom_coefficient(block, input.time, gap),
+                      .block = start,
+                      .wet_coefficient = share * block.wet_coefficient.value_or(0.0),
+                      .water = water};
+    if (block_) {
+      std::span<const double> column = cold;
+      if (!field.block_temperature.empty())
+        column = std::span(field.block_temperature)
+                     .subspan(i * BlockColumns::points, BlockColumns::points);
+      place.block = block_->free_surface(column, water);
+      place.compliance = block_->compliance();
+    }
+    bottom_.push_back(place);
   }
 }
 
@@ -70,11 +172,8 @@ SurfaceFlux SurfaceCooling::side_flux(std::size_t share, const SurfaceState& sur
   const SidePlace place{input.time, side_[share].distance};
   const int law = side_[share].law;
   if (law == law_dry) return dry_flux(cooling_, surface);
-  if (law == law_water) {
-    const Face face = side_[share].face;
-    return water_flux(cooling_.water_of(face), boiling_[std::size_t(face)], surface, place,
-                      water_flow_of(face, input), film_share_[share]);
-  }
+  if (law == law_water)
+    return water_flux(cooling_.water_of(side_[share].face), side_water_[share], surface, place);
   return zone_flux(cooling_.zones[std::size_t(law)], surface, place, cooling_.ambient_temperature);
 }
 
@@ -88,25 +187,38 @@ void SurfaceCooling::add(int node, double weight, const SurfaceFlux& flux,
 
 void SurfaceCooling::add_side(std::span<const ThermalState> state, const HeatStepInput& input) {
   side_power_ = {};
+  for (FaceWater& water : water_) water.taken = 0.0;
   for (std::size_t i = 0; i < side_.size(); ++i) {
     const ThermalState& at = state[std::size_t(side_[i].node)];
     const SurfaceFlux flux = side_flux(i, surface_of(at), input);
     add(side_[i].node, side_[i].weight, flux, at);
-    side_power_[std::size_t(side_[i].face)] += side_[i].weight * flux.flux;
+    const double power = side_[i].weight * flux.flux;
+    side_power_[std::size_t(side_[i].face)] += power;
+    if (side_[i].law == law_water) water_[std::size_t(side_[i].face)].taken += power;
   }
 }
 
-void SurfaceCooling::add_bottom(const HeatForms& forms, std::span<const ThermalState> state,
-                                const HeatStepInput& input) {
+void SurfaceCooling::add_bottom(const HeatForms& forms, std::span<const ThermalState> state) {
   bottom_power_ = 0.0;
   const std::vector<int>& nodes = forms.bottom_nodes();
   const std::vector<double>& weight = forms.bottom_weight();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
     const ThermalState& at = state[std::size_t(nodes[i])];
-    const SurfaceFlux flux = bottom_flux(cooling_.bottom_block, surface_of(at), input.time, gap);
+    const SurfaceFlux flux = bottom_flux(cooling_.bottom_block, bottom_[i], surface_of(at)).slab;
     add(nodes[i], weight[i], flux, at);
     bottom_power_ += weight[i] * flux.flux;
+  }
+}
+
+void SurfaceCooling::add_level(const HeatForms& forms, std::span<const ThermalState> state) {
+  level_power_ = 0.0;
+  if (cooling_.top != Top::pouring || cooling_.level_coefficient == 0.0) return;
+  const std::vector<int>& nodes = forms.top_nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const ThermalState& at = state[std::size_t(nodes[i])];
+    const SurfaceFlux flux = level_flux(cooling_, surface_of(at));
+    add(nodes[i], forms.top_weight()[i], flux, at);
+    level_power_ += forms.top_weight()[i] * flux.flux;
   }
 }
 
@@ -115,7 +227,49 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
   std::fill(flux_.begin(), flux_.end(), 0.0);
   std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
   add_side(state, input);
-  add_bottom(forms, state, input);
+  add_bottom(forms, state);
+  add_level(forms, state);
+}
+
+/// A surface that water has left dries with the lag of its wetting.
+void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const HeatStepInput& input,
+                                  HeatField& field) const {
+  if (!cooling_.water.boiling_follows_flow && !cooling_.water_of(Face::narrow).boiling_follows_flow)
+    return;
+  const std::size_t size = faces * state.size();
+  field.wetted.resize(size, 0.0);
+  std::vector<double> wet(size, 0.0), area(size, 0.0);
+  for (std::size_t i = 0; i < side_.size(); ++i) {
+    const Water& water = cooling_.water_of(side_[i].face);
+    if (side_[i].law != law_water || !water.boiling_follows_flow) continue;
+    const double surface = state[std::size_t(side_[i].node)].temperature;
+    wet[wetted_index(side_[i])] +=
+        side_[i].weight * wet_in_the_end(water.wetting, surface, side_water_[i].rewetting);
+    area[wetted_index(side_[i])] += side_[i].weight;
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    const Water& water = cooling_.water_of(Face(i % faces));
+    if (!water.boiling_follows_flow) continue;
+    field.wetted[i] = wetted_after(water.wetting, field.wetted[i],
+                                   area[i] > 0.0 ? wet[i] / area[i] : 0.0, input.time_step);
+  }
+}
+
+void SurfaceCooling::finish_step(const HeatForms& forms, std::span<const ThermalState> state,
+                                 const HeatStepInput& input, HeatField& field) const {
+  store_wetted(state, input, field);
+  if (!block_) return;
+  const std::vector<int>& nodes = forms.bottom_nodes();
+  if (field.block_temperature.empty())
+    field.block_temperature.assign(nodes.size() * BlockColumns::points,
+                                   cooling_.bottom_block.temperature(input.time - input.time_step));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const SurfaceState surface = surface_of(state[std::size_t(nodes[i])]);
+    block_->finish(bottom_flux(cooling_.bottom_block, bottom_[i], surface).into_block,
+                   bottom_[i].water,
+                   std::span(field.block_temperature)
+                       .subspan(i * BlockColumns::points, BlockColumns::points));
+  }
 }
 
 }  // namespace dccast::thermal

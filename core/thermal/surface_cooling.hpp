@@ -1,34 +1,48 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/material/thermal_properties.hpp"
-#include "core/thermal/boiling.hpp"
+#include "core/thermal/block_body.hpp"
 #include "core/thermal/cooling.hpp"
 #include "core/thermal/heat_forms.hpp"
 #include "core/thermal/heat_step.hpp"
+#include "core/thermal/water_film.hpp"
 
 namespace dccast::thermal {
 
-/// Heat flow out through side and bottom in one step. The cooling law of each place is fixed at the
-/// beginning of the step; the flux follows the nodal states of each iterate.
+/// The water of one face in one step.
+struct FaceWater {
+  double capacity = 0.0;  ///< [W/m]; billet [W/rad], solid [W]: heat that all of it could take
+  double taken = 0.0;     ///< [W/m] the same units
+  double area = 0.0;      ///< [m]; [m2/rad], [m2] that it runs over
+  double wetted = 0.0;    ///< [m] of it that is not under a vapour film
+  bool boiled_away = false;  ///< somewhere less than the least flow is left
+  bool thrown_off = false;   ///< somewhere the vapour film has thrown it off the face
+};
+
+/// Heat flow out through side, bottom and level in one step. The cooling law of each place is fixed
+/// at the beginning of the step; the flux follows the nodal states of each iterate.
 class SurfaceCooling {
 public:
-  explicit SurfaceCooling(CoolingSpec cooling) : cooling_(std::move(cooling)) {}
+  explicit SurfaceCooling(CoolingSpec cooling);
 
   /// Adapts the arrays to a mesh. @param nodes  number of nodes
   void resize(std::size_t nodes);
-  /// Assigns cooling laws to the side for a step. @param field  at the beginning of the step
+  /// Assigns cooling laws to the boundary for a step. @param field  at the beginning of the step
   void begin_step(const HeatForms& forms, const material::ThermalProperties& properties,
                   const HeatField& field, const HeatStepInput& input);
   /// Fluxes at the states of an iterate. @param state  (node)
   void evaluate(const HeatForms& forms, std::span<const material::ThermalState> state,
                 const HeatStepInput& input);
-  /// Records in the field where water touches the metal; only with `boiling_follows_flow`.
-  void mark_wetted(HeatField& field) const;
+  /// Completes an accepted step: wetted surface and block of the field.
+  /// @param field  with the temperatures at the end of the step
+  void finish_step(const HeatForms& forms, std::span<const material::ThermalState> state,
+                   const HeatStepInput& input, HeatField& field) const;
 
   const CoolingSpec& spec() const { return cooling_; }
   const std::vector<double>& flux() const { return flux_; }  ///< (node) [W/m] out
@@ -36,30 +50,45 @@ public:
   const std::vector<double>& flux_derivative() const { return flux_derivative_; }
   const std::array<double, faces>& side_power() const { return side_power_; }  ///< [W/m] by face
   double bottom_power() const { return bottom_power_; }                        ///< [W/m]
+  double level_power() const { return level_power_; }                          ///< [W/m] lost
+  /// Water of each face, at the last iterate.
+  const std::array<FaceWater, faces>& water() const { return water_; }
 
 private:
   bool water_runs(Face face, const HeatStepInput& input) const;
-  /// @return [1]
-  double film_share_of(const SideShare& share, const material::ThermalProperties& properties,
-                       const HeatField& field) const;
+  void find_columns(const HeatForms& forms);
+  void lay_water(const HeatForms& forms, const material::ThermalProperties& properties,
+                 const HeatField& field, const HeatStepInput& input, double side_height);
+  void lay_column(std::span<const std::size_t> shares, double width,
+                  const material::ThermalProperties& properties, const HeatField& field,
+                  const HeatStepInput& input);
+  void lay_bottom(const HeatForms& forms, const HeatField& field, const HeatStepInput& input);
+  bool water_at_butt(const HeatStepInput& input) const;
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
   void add_side(std::span<const material::ThermalState> state, const HeatStepInput& input);
-  void add_bottom(const HeatForms& forms, std::span<const material::ThermalState> state,
-                  const HeatStepInput& input);
+  void add_bottom(const HeatForms& forms, std::span<const material::ThermalState> state);
+  void add_level(const HeatForms& forms, std::span<const material::ThermalState> state);
+  void store_wetted(std::span<const material::ThermalState> state, const HeatStepInput& input,
+                    HeatField& field) const;
   /// @param weight  [m], axisymmetric [m2/rad], in 3D [m2]
   void add(int node, double weight, const SurfaceFlux& flux, const material::ThermalState& state);
 
   CoolingSpec cooling_;
+  std::optional<BlockColumns> block_;
 
   // Of the current step; the memory is reused between steps.
   std::vector<SideShare> side_;
-  std::array<Boiling, faces> boiling_;
-  std::vector<double> film_share_;          ///< (side share) [1]
+  std::vector<std::size_t> column_order_;  ///< side shares by face and column, from above
+  std::vector<WaterPlace> side_water_;     ///< (side share) if it has water
+  std::vector<WaterPlace> film_;           ///< of one column
+  std::vector<BottomPlace> bottom_;        ///< (bottom node)
+  std::array<FaceWater, faces> water_{};
   std::vector<double> flux_;                ///< (node) [W/m] out
   std::vector<double> flux_derivative_;     ///< (node) dq/dH [(W/m)/(J/m3)]
   std::array<double, faces> side_power_{};  ///< [W/m] by face
   double bottom_power_ = 0.0;               ///< [W/m]
+  double level_power_ = 0.0;                ///< [W/m]
 };
 
 }  // namespace dccast::thermal

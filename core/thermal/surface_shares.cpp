@@ -17,6 +17,7 @@ void add_kinks(const Curve& curve, std::vector<double>& edges) {
 
 void add_water(const Water& water, std::vector<double>& edges) {
   edges.push_back(water.from);
+  if (water.boiling_follows_flow) edges.push_back(water.from + water.wetting.jet_length);
   add_kinks(water.coefficient, edges);
 }
 

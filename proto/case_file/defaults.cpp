@@ -51,10 +51,21 @@ void apply(Message& message, bool alloy_inside) {
   }
 }
 
+/// The block's place in the mould gives the depth of the metal. @pre the defaults of `cooling`
+void apply_block_place(v1::Case& c) {
+  v1::Section& section = *c.mutable_section();
+  if (section.has_block_above_water_m() && !section.has_initial_depth_m())
+    section.set_initial_depth_m(c.cooling().water().from_m() - section.block_above_water_m());
+}
+
 }  // namespace
 
 void apply_defaults(Message& message) {
-  if (auto* description = dynamic_cast<v1::Case*>(&message)) apply_quality(*description);
+  if (auto* description = dynamic_cast<v1::Case*>(&message)) {
+    apply(*description->mutable_cooling(), false);
+    apply_block_place(*description);
+    apply_quality(*description);
+  }
   apply(message, false);
 }
 

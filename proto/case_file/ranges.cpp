@@ -135,11 +135,30 @@ void check_message(const Message& message, const std::string& path, Faults& faul
                 faults);
 }
 
+/// The depth of the metal is given by itself, or by the place of the block.
+void check_depth(const v1::Case& c, Faults& faults) {
+  constexpr double same = 1e-9;  // [m]
+  const v1::Section& section = c.section();
+  const std::string remedy = "give section.initial_depth, or section.block_above_water";
+  if (!section.has_initial_depth_m()) {
+    faults.push_back(make_fault("section.initial_depth", "", "required key is missing",
+                                "a depth, or section.block_above_water instead", remedy));
+  } else if (section.has_block_above_water_m() &&
+             std::abs(section.initial_depth_m() + section.block_above_water_m() -
+                      c.cooling().water().from_m()) > same) {
+    faults.push_back(make_fault("section.block_above_water",
+                                quantity_text(section.block_above_water_m(), "m"),
+                                "does not agree with section.initial_depth and cooling.water.from",
+                                "one of the two keys", remedy));
+  }
+}
+
 }  // namespace
 
 std::vector<v1::Fault> check_ranges(const Message& message) {
   Faults faults;
   check_message(message, "", faults);
+  if (const auto* c = dynamic_cast<const v1::Case*>(&message)) check_depth(*c, faults);
   return faults;
 }
 

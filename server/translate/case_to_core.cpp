@@ -103,18 +103,30 @@ void coherency(const v1::Alloy& from, material::AlloyCard& to) {
   if (from.has_coherency_c()) to.coherency = from.coherency_c();
 }
 
+/// A table of the metal, or solid and liquid weighted by their fractions.
+/// @pre liquidus, solidus and liquid fraction are in the card
+Curve of_metal(const material::AlloyCard& card, const v1::Curve& table, const v1::Curve& solid,
+               double liquid) {
+  if (solid.value_size() == 0 || liquid <= 0.0) return to_core(table);
+  return material::mixed_by_fraction(card, to_core(solid), liquid);
+}
+
 material::AlloyCard alloy(const v1::Alloy& from) {
   material::AlloyCard to;
   to.name = from.card();
   to.liquidus = from.liquidus_c();
   to.solidus = from.solidus_c();
   to.latent_heat = from.latent_heat_j_per_kg();
-  to.density = to_core(from.density_kg_per_m3());
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
-  to.conductivity = to_core(from.conductivity_w_per_m_k());
   to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
   to.liquid_fraction = to_core(from.liquid_fraction());
+  to.density = of_metal(to, from.density_kg_per_m3(), from.solid_density_kg_per_m3(),
+                        from.liquid_density_kg_per_m3());
+  to.conductivity =
+      of_metal(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
+               from.liquid_conductivity_w_per_m_k());
   coherency(from, to);
+  to.shell = material::coherency_at(to, from.shell_solid_fraction());
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);

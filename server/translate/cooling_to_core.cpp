@@ -33,6 +33,37 @@ thermal::SideZone zone(const v1::SideZone& from) {
           .face = face_of(from.face())};
 }
 
+thermal::Wetting wetting(const v1::Wetting& from) {
+  return {.flow_exponent = from.flow_exponent(),
+          .falling_film_share = from.falling_film_share(),
+          .jet_length = from.jet_length_m(),
+          .rewetting_saturated = from.rewetting_saturated_c(),
+          .rewetting_rise = from.rewetting_rise_k(),
+          .rewetting_limit = from.rewetting_limit_c(),
+          .rewetting_width = from.rewetting_width_k(),
+          .lag = from.lag_s(),
+          .jet_film_coefficient = from.jet_film_coefficient_w_per_m2_k(),
+          .film_coefficient = from.film_coefficient_w_per_m2_k(),
+          .throw_off_length = from.throw_off_length_m(),
+          .least_flow = from.least_flow_m2_per_s(),
+          .evaporation_from = from.evaporation_from_c()};
+}
+
+/// Conductivity and heat capacity of the two materials at 200 °C, recalled; docs/bottom-block.md.
+std::optional<thermal::BlockBody> body(const v1::BottomBlock& from) {
+  if (!from.has_thickness_m()) return std::nullopt;
+  const bool steel = from.material() == v1::BottomBlock::STEEL;
+  return thermal::BlockBody{.thickness = from.thickness_m(),
+                            .conductivity = steel ? 45.0 : 170.0,
+                            .heat_capacity = steel ? 4.1e6 : 2.6e6,
+                            .cooling_coefficient = from.cooling_coefficient_w_per_m2_k()};
+}
+
+thermal::Top top_of(v1::Cooling::Top from) {
+  if (from == v1::Cooling::INSULATED) return thermal::Top::insulated;
+  return from == v1::Cooling::HELD ? thermal::Top::held : thermal::Top::pouring;
+}
+
 thermal::Water water(const v1::Water& from) {
   thermal::Water to;
   if (from.has_enabled()) to.enabled = from.enabled();
@@ -46,6 +77,7 @@ thermal::Water water(const v1::Water& from) {
     to.film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k();
   if (from.has_film_boiling_above_c()) to.film_boiling_above = from.film_boiling_above_c();
   if (from.has_boiling_follows_flow()) to.boiling_follows_flow = from.boiling_follows_flow();
+  to.wetting = wetting(from.wetting());
   if (from.has_pulse_period_s()) to.pulse_period = from.pulse_period_s();
   if (from.has_pulse_share()) to.pulse_share = from.pulse_share();
   if (from.has_pulse_end_s()) to.pulse_end = from.pulse_end_s();
@@ -57,6 +89,7 @@ thermal::Water water(const v1::Water& from) {
 
 casting::Schedule schedule_to_core(const v1::Schedule& from) {
   return {.hold = from.hold_s(),
+          .filling = from.filling_s(),
           .casting_speed = to_core(from.casting_speed_m_per_s()),
           .casting_temperature = to_core(from.casting_temperature_c()),
           .water_flow = to_core(from.water_flow_m2_per_s()),
@@ -77,11 +110,16 @@ thermal::CoolingSpec cooling_to_core(const v1::Cooling& from) {
                      .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
                      .temperature_factor = to_core(block.temperature_factor()),
                      .temperature = to_core(block.temperature_c()),
+                     .body = body(block),
+                     .wet_gap = block.wet_gap_m(),
                      .profile_x = to_core(block.profile_x_m()),
                      .profile_y = to_core(block.profile_y_m())};
+  if (block.has_wet_coefficient_w_per_m2_k())
+    to.bottom_block.wet_coefficient = block.wet_coefficient_w_per_m2_k();
   if (from.has_dry_coefficient_w_per_m2_k()) to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
   if (from.has_ambient_temperature_c()) to.ambient_temperature = from.ambient_temperature_c();
-  to.top = from.top() == v1::Cooling::INSULATED ? thermal::Top::insulated : thermal::Top::pouring;
+  to.top = top_of(from.top());
+  to.level_coefficient = from.level_coefficient_w_per_m2_k();
   return to;
 }
 

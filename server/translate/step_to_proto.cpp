@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "core/results/history_fields.hpp"
 
 namespace dccast::translate {
 
@@ -67,48 +71,30 @@ v1::Failure::Kind kind_named(std::string name) {
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors) {
   v1::StepReport to;
-  to.set_step(report.step);
-  to.set_time_s(report.time);
-  to.set_time_step_s(report.time_step);
-  to.set_cast_length_m(report.cast_length);
-  to.set_iterations(report.iterations);
-  to.set_heat_iterations(report.heat_iterations);
-  to.set_contact_changes(report.contact_changes);
-  to.set_factorizations(report.factorizations);
-  to.set_solves(report.solves);
-  to.set_failed_attempts(report.failed_attempts);
+  const auto& reflection = *to.GetReflection();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const auto* of_message = to.GetDescriptor()->FindFieldByName(field.name);
+    if (of_message == nullptr)
+      throw std::logic_error(std::string("StepReport of job.proto lacks ") + field.name);
+    using Field = google::protobuf::FieldDescriptor;
+    switch (of_message->cpp_type()) {
+      case Field::CPPTYPE_DOUBLE:
+        reflection.SetDouble(&to, of_message, results::real_value(field, report));
+        break;
+      case Field::CPPTYPE_BOOL:
+        reflection.SetBool(&to, of_message, results::integer_value(field, report) != 0);
+        break;
+      case Field::CPPTYPE_INT32:
+        reflection.SetInt32(&to, of_message,
+                            static_cast<std::int32_t>(results::integer_value(field, report)));
+        break;
+      default:
+        reflection.SetInt64(&to, of_message, results::integer_value(field, report));
+    }
+  }
   add_monitors(report, monitors, to);
-  to.set_equilibrium_residual(report.equilibrium_residual);
-  to.set_energy_balance_error(report.energy_balance_error);
-  to.set_wall_heat_flux_w_per_m(report.wall_heat_flux);
-  to.set_bottom_reaction_n_per_m(report.bottom_reaction);
-  to.set_weight_n_per_m(report.weight);
-  to.set_sump_depth_m(report.sump_depth);
-  to.set_contact_length_m(report.contact_length);
   to.set_solver_s(report.solver_seconds);
-  to.set_progress(report.progress);
-  to.set_nodes(report.nodes);
-  to.set_elements(report.elements);
-  to.set_maximum_surface_temperature_at_mould_exit_c(report.mould_exit_temperature);
-  to.set_complementarity_error(report.complementarity_error);
-  to.set_constitutive_residual(report.constitutive_residual);
-  to.set_liquid_pressure_error(report.liquid_pressure_error);
-  to.set_beyond_validity(report.beyond_validity);
-  to.set_maximum_rotation_rad(report.maximum_rotation);
-  to.set_bottom_slip_m(report.bottom_slip);
-  to.set_shell_at_exit_m(report.shell_at_exit);
-  to.set_bottom_shell_m(report.bottom_shell);
-  to.set_mush_strain(report.mush_strain);
   to.set_process_s(report.process_seconds);
-  to.set_side_heat_w_per_m(report.side_heat);
-  to.set_narrow_heat_w_per_m(report.narrow_heat);
-  to.set_bottom_heat_w_per_m(report.bottom_heat);
-  to.set_conjugate_gradient_iterations(report.conjugate_gradient_iterations);
-  to.set_contact_area_m2(report.contact_area);
-  to.set_merged_rows(report.merged_rows);
-  to.set_merge_mass_error(report.merge_mass_error);
-  to.set_merge_energy_error(report.merge_energy_error);
-  to.set_merge_equilibrium_error(report.merge_equilibrium_error);
   return to;
 }
 

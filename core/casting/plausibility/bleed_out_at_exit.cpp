@@ -11,8 +11,8 @@ Finding hot_surface(const Case& c, const StepFigures& f) {
   return finding_of(code, Severity::danger,
                     sentence("The surface leaves the mould at %.4g degC, above the solidus of %.6g "
                              "degC: nothing solid holds the melt there, and it runs out.",
-                             f.exit_surface.value, c.alloy.solidus),
-                    {f.exit_surface, c.alloy.solidus, "degC", "alloy.solidus"});
+                             f.exit_surface.value, c.alloy.shell_temperature()),
+                    {f.exit_surface, c.alloy.shell_temperature(), "degC", "alloy.solidus"});
 }
 
 Finding thin_shell(const Case& c, const StepFigures& f) {
@@ -29,7 +29,7 @@ Finding thin_shell(const Case& c, const StepFigures& f) {
 
 std::optional<Finding> bleed_out_at_exit(const Case& c, const StepFigures& f) {
   if (!f.moves || !f.left_mould) return std::nullopt;
-  if (f.exit_surface.value >= c.alloy.solidus) return hot_surface(c, f);
+  if (f.exit_surface.value >= c.alloy.shell_temperature()) return hot_surface(c, f);
   if (f.exit_shell.value < c.plausibility.minimum_shell) return thin_shell(c, f);
   return std::nullopt;
 }

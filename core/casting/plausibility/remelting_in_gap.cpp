@@ -6,7 +6,7 @@ namespace dccast::casting {
 /// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
 /// that is solid there and melts again does so because of the gap.
 std::optional<Finding> remelting_in_gap(const Case& c, const StepFigures& f) {
-  const double solidus = c.alloy.solidus;
+  const double solidus = c.alloy.shell_temperature();
   if (!f.moves || !f.in_gap || f.gap_entry >= solidus || f.gap_surface.value < solidus)
     return std::nullopt;
   return finding_of("remelting_in_gap", Severity::warning,

@@ -24,7 +24,7 @@ PlacedFigure placed(double value, const Place& place) {
 template <int Dim>
 void measure_exit(const Case& c, const StepView<Dim>& view, StepFigures& f) {
   const double height = view.metal_level - mould_exit(c);
-  const auto slice = slice_at(view.mesh, view.temperature, std::max(0.0, height), c.alloy.solidus);
+  const auto slice = slice_at(view.mesh, view.temperature, std::max(0.0, height), c.alloy.shell_temperature());
   if (!slice) return;  // a mesh without a side
   f.left_mould = height >= 0.0 && view.report.cast_length >= first_metal_out;
   f.exit_surface = placed(slice->hottest_surface, slice->hottest_at);
@@ -67,7 +67,7 @@ int nearest_of(const mesh::Mesh<Dim>& mesh, const std::vector<int>& nodes,
 
 template <int Dim>
 void measure_bottom(const Case& c, const StepView<Dim>& view, StepFigures& f) {
-  const Located<Dim> shell = bottom_shell(view.mesh, view.temperature, c.alloy.solidus);
+  const Located<Dim> shell = bottom_shell(view.mesh, view.temperature, c.alloy.shell_temperature());
   f.bottom_shell = placed(shell.value, shell.place);
   const std::vector<int> nodes = mesh::patch_nodes(view.mesh, mesh::PatchKind::bottom);
   if (!f.mechanical || nodes.empty()) return;
@@ -81,7 +81,7 @@ template <int Dim>
 void measure_mush(const Case& c, const StepView<Dim>& view, StepFigures& f) {
   const bool hoop = c.section.kind == mesh::SectionKind::axisymmetric;
   const auto strain =
-      mush_strain(view.mesh, view.slab, view.temperature, c.alloy.solidus, view.growing, hoop);
+      mush_strain(view.mesh, view.slab, view.temperature, c.alloy.shell_temperature(), view.growing, hoop);
   f.mush_strain = placed(strain.value, strain.place);
 }
 

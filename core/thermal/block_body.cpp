@@ -1,0 +1,60 @@
+#include "core/thermal/block_body.hpp"
+
+namespace dccast::thermal {
+
+BlockColumns::BlockColumns(const BlockBody& body)
+    : body_(body), cell_(body.thickness / double(points - 1)) {}
+
+/// Lumped heat capacity, half a cell at both ends; a symmetric tridiagonal matrix.
+void BlockColumns::begin_step(double time_step) {
+  if (time_step == time_step_) return;
+  time_step_ = time_step;
+  const double conductance = body_.conductivity / cell_;
+  const double storage = body_.heat_capacity * cell_ / time_step;
+  pivot_.assign(points, storage + 2.0 * conductance);
+  pivot_.front() = 0.5 * storage + conductance;
+  pivot_.back() = 0.5 * storage + conductance + body_.cooling_coefficient;
+  lower_.assign(points, 0.0);
+  for (std::size_t i = 1; i < points; ++i) {
+    lower_[i] = -conductance / pivot_[i - 1];
+    pivot_[i] += lower_[i] * conductance;
+  }
+  std::vector<double> unit(points, 0.0);
+  unit.front() = 1.0;
+  solve(unit);
+  compliance_ = unit.front();
+}
+
+void BlockColumns::solve(std::vector<double>& right) const {
+  const double conductance = body_.conductivity / cell_;
+  for (std::size_t i = 1; i < points; ++i) right[i] -= lower_[i] * right[i - 1];
+  right.back() /= pivot_.back();
+  for (std::size_t i = points - 1; i-- > 0;)
+    right[i] = (right[i] + conductance * right[i + 1]) / pivot_[i];
+}
+
+double BlockColumns::free_surface(std::span<const double> column, double below) const {
+  std::vector<double> after(column.begin(), column.end());
+  finish(0.0, below, after);
+  return after.front();
+}
+
+void BlockColumns::finish(double flux, double below, std::span<double> column) const {
+  const double storage = body_.heat_capacity * cell_ / time_step_;
+  std::vector<double> right(points);
+  for (std::size_t i = 0; i < points; ++i)
+    right[i] = (i == 0 || i + 1 == points ? 0.5 : 1.0) * storage * column[i];
+  right.front() += flux;
+  right.back() += body_.cooling_coefficient * below;
+  solve(right);
+  for (std::size_t i = 0; i < points; ++i) column[i] = right[i];
+}
+
+double BlockColumns::heat(std::span<const double> column) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points; ++i)
+    sum += (i == 0 || i + 1 == points ? 0.5 : 1.0) * column[i];
+  return sum * cell_ * body_.heat_capacity;
+}
+
+}  // namespace dccast::thermal

@@ -1,0 +1,94 @@
+#include "core/thermal/water_film.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dccast::thermal {
+namespace {
+
+/// The vapour film counts as unbroken where less than this share [1] of the surface is wet.
+constexpr double hardly_wetted = 0.1;
+
+/// The water of a column on its way down.
+class Stream {
+public:
+  Stream(const Water& water, const Film& supply, double width)
+      : from_(water.wetting.evaporation_from),
+        width_(width),
+        mass_flow_(water_density * supply.flow * width),
+        temperature_(supply.temperature) {}
+
+  Film film() const { return {temperature_, mass_flow_ / (water_density * width_)}; }
+  /// [W] that it can still take.
+  double capacity() const {
+    return mass_flow_ *
+           (water_specific_heat * std::max(0.0, boiling_point - temperature_) + evaporation_heat);
+  }
+  /// @param heat  [W], at most capacity()
+  void take(double heat) {
+    const double begin = temperature_, heat_capacity = mass_flow_ * water_specific_heat;
+    const double below = heat_capacity * std::max(0.0, from_ - temperature_);
+    temperature_ += std::min(heat, below) / heat_capacity;
+    if (heat > below) {  // (100 °C - T) decays with the heat while the vapour's share grows
+      const double rest = boiling_point - temperature_, range = boiling_point - from_;
+      temperature_ = boiling_point - rest * std::exp(-(heat - below) / (range * heat_capacity));
+    }
+    mass_flow_ -= (heat - heat_capacity * (temperature_ - begin)) / evaporation_heat;
+    mass_flow_ = std::max(mass_flow_, 0.0);
+  }
+
+private:
+  double from_;         ///< [°C]
+  double width_;        ///< [m]
+  double mass_flow_;    ///< [kg/s]
+  double temperature_;  ///< [°C]
+};
+
+/// Mean over the step of a share that approaches its end with the lag.
+double wetted_in(const Wetting& wetting, double before, double in_the_end, double time_step) {
+  const double steps = time_step / wetting.lag;
+  return in_the_end + (before - in_the_end) * -std::expm1(-steps) / steps;
+}
+
+}  // namespace
+
+double wetted_after(const Wetting& wetting, double before, double in_the_end, double time_step) {
+  return in_the_end + (before - in_the_end) * std::exp(-time_step / wetting.lag);
+}
+
+FilmHeat march_film(const Water& water, const Film& supply, double width, double time_step,
+                    std::span<const WetPiece> pieces, std::vector<WaterPlace>& place) {
+  const Wetting& w = water.wetting;
+  Stream stream(water, supply, width);
+  FilmHeat heat{.capacity = stream.capacity()};
+  place.clear();
+  double vapour = 0.0, area = 0.0;  // [m] of unbroken vapour film, [m2] of the pieces so far
+  std::vector<double> flux;
+  for (const WetPiece& piece : pieces) {
+    const Film film = stream.film();
+    heat.boiled_away = film.flow < w.least_flow;
+    heat.thrown_off = vapour > w.throw_off_length;
+    if (heat.boiled_away || heat.thrown_off) break;
+    const double depth = piece.at.distance - water.from, hot = piece.surface_temperature;
+    const double rewetting = rewetting_temperature(w, film);
+    const WaterPlace here{.film = film,
+                          .wetted = wetted_in(w, piece.wetted, wet_in_the_end(w, hot, rewetting),
+                                              time_step),
+                          .rewetting = rewetting,
+                          .critical_heat_flux = critical_heat_flux(water, film, depth),
+                          .film_coefficient = film_coefficient(w, film, depth)};
+    const double wanted = water_flux(water, here, {hot, 0.0}, piece.at).flux;
+    const double taken = std::min(wanted * piece.area, stream.capacity());
+    stream.take(taken);
+    flux.push_back(taken / piece.area);
+    area += piece.area;
+    place.push_back(here);
+    if (depth >= w.jet_length)
+      vapour = here.wetted < hardly_wetted ? vapour + piece.area / width : 0.0;
+  }
+  const double spare = area > 0.0 ? stream.capacity() / area : 0.0;
+  for (std::size_t i = 0; i < place.size(); ++i) place[i].largest_flux = flux[i] + spare;
+  return heat;
+}
+
+}  // namespace dccast::thermal

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/thermal/cooling.hpp"
+
+namespace dccast::thermal {
+
+/// A piece of a face that water runs over, at the start of a step.
+struct WetPiece {
+  double area = 0.0;                 ///< [m2]; 2D [m], axisymmetric [m2/rad]
+  SidePlace at;
+  double surface_temperature = 0.0;  ///< [°C]
+  double wetted = 0.0;               ///< [1]
+};
+
+/// Heat of the water of one column: of the whole face together, its share of the capacity.
+struct FilmHeat {
+  double capacity = 0.0;   ///< [W]; 2D [W/m]: to heat the water to 100 °C and to evaporate it
+  bool boiled_away = false;
+  bool thrown_off = false;
+};
+
+/// Marches the film of one column of a face down from the water line.
+///
+/// The film takes the flux that the surface temperatures at the start of the step give; it warms,
+/// and from `evaporation_from` on a growing share of the heat evaporates water:
+///   dm = -p q dA / h_fg,  dT = (1 - p) q dA / (m c),  p = (T - T_e) / (100 °C - T_e).
+/// Water leaves the face for good after `throw_off_length` of vapour film below the jet, or where
+/// less than `least_flow` is left; the face is dry below.
+///
+/// Film temperature and flow hold for the whole step. The flux may rise in it: each piece may take
+/// what the march gives it and its part, by area, of what the film has left at its end. So no face
+/// gives off more than its water can take.
+///
+/// A surface that the film wets in the end is wet after `lag`; w is the mean over the step of
+///   dw/dt = (w_e(T) - w) / lag.
+///
+/// @param supply     at the water line
+/// @param time_step  [s]
+/// @param width    [m] of the column along the perimeter; axisymmetric [m2/rad / m]
+/// @param pieces   from the water line down
+/// @param place    overwritten, (piece); those beyond the end of the film are missing
+FilmHeat march_film(const Water& water, const Film& supply, double width, double time_step,
+                    std::span<const WetPiece> pieces, std::vector<WaterPlace>& place);
+
+/// Wetted share of a surface [1] after a step. @param before  [1] @param in_the_end  [1]
+/// @param time_step  [s]
+double wetted_after(const Wetting& wetting, double before, double in_the_end, double time_step);
+
+}  // namespace dccast::thermal
