@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {

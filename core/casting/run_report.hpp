@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/case/case.hpp"
+#include "core/case/casting_schedule.hpp"
 #include "core/casting/attempt.hpp"
-#include "core/casting/case.hpp"
-#include "core/casting/casting_schedule.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/results/step_report.hpp"

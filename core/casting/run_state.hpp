@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/casting/plausibility/plausibility_state.hpp"
-#include "core/casting/run_failure.hpp"
-#include "core/casting/validity/validity_state.hpp"
+#include "core/findings/plausibility_state.hpp"
+#include "core/findings/run_failure.hpp"
+#include "core/findings/validity_state.hpp"
 #include "core/mechanics/slab_state.hpp"
 #include "core/restart/sections.hpp"
 #include "core/thermal/heat_solver.hpp"

@@ -6,11 +6,11 @@
 #include <ctime>
 
 #include "core/base/stopwatch.hpp"
-#include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/run_frame.hpp"
 #include "core/casting/run_report.hpp"
 #include "core/casting/state_fit.hpp"
-#include "core/casting/validity/motion.hpp"
+#include "core/findings/motion.hpp"
+#include "core/findings/plausibility.hpp"
 
 namespace dccast::casting {
 
@@ -160,7 +160,7 @@ results::StepReport SlabRun<Dim>::advance() {
   for (int failed = 0;; ++failed) {
     const double dt = control_.choose(schedule_.step_at(state_.time));
     const Attempt tried = attempt(dt);
-    if (tried.converged) {
+    if (tried.converged()) {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
@@ -173,15 +173,15 @@ results::StepReport SlabRun<Dim>::advance() {
     go_back_to(saved);
     control_.restore(limit);
     if (smaller) continue;
+    const bool heat = tried.diverged == Diverged::heat;
     char text[256];
     std::snprintf(
         text, sizeof text,
         "the %s step at t = %.6g s did not converge, and the time step cannot be cut below "
         "%.3g s (time.minimum_step)",
-        tried.why.c_str(), state_.time, case_.time.minimum_step);
-    const auto& history =
-        tried.why == "heat" ? tried.heat.residual_history : tried.mechanics.residual_history;
-    throw SolveFailed(text, state_.time, dt, history);
+        heat ? "heat" : "mechanical", state_.time, case_.time.minimum_step);
+    throw SolveFailed(text, state_.time, dt,
+                      heat ? tried.heat.residual_history : tried.mechanics.residual_history);
   }
 }
 
@@ -210,7 +210,6 @@ Attempt SlabRun<Dim>::attempt(double dt) {
     if (round > 0) state_.slab = again->slab;
     if (moves && !step_mechanics(tried)) return tried;
   }
-  tried.converged = true;
   return tried;
 }
 
@@ -249,7 +248,7 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.entry = entry;
   const Stopwatch watch(heat_seconds_);
   tried.heat = heat_.step(state_.heat, input);
-  if (!tried.heat.converged) tried.why = "heat";
+  if (!tried.heat.converged) tried.diverged = Diverged::heat;
   return tried.heat.converged;
 }
 
@@ -267,7 +266,7 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
   tried.mechanics.solves += before.solves;
   tried.mechanics.gradient_iterations += before.gradient_iterations;
   tried.mechanics.contact_changes += before.contact_changes;
-  if (!outcome.converged) tried.why = "mechanical";
+  if (!outcome.converged) tried.diverged = Diverged::mechanics;
   return outcome.converged;
 }
 

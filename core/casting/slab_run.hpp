@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "core/base/team.hpp"
+#include "core/case/case.hpp"
+#include "core/case/casting_schedule.hpp"
 #include "core/casting/attempt.hpp"
-#include "core/casting/case.hpp"
 #include "core/casting/casting_run.hpp"
-#include "core/casting/casting_schedule.hpp"
 #include "core/casting/heat_source.hpp"
 #include "core/casting/run_mesh.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/casting/step_control.hpp"
-#include "core/casting/validity/validity.hpp"
+#include "core/findings/validity.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
@@ -51,7 +51,7 @@ public:
     return state_.plausibility.raised;
   }
   restart::Sections state_sections() const override { return to_sections(state_); }
-  std::string restore(const restart::Sections& state) override;
+  [[nodiscard]] std::string restore(const restart::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
@@ -70,8 +70,8 @@ private:
   /// Grows the mesh to a cast length [m] with metal of a temperature [°C]. @return whether it grew
   bool grow(double length, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
-  bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
-  bool step_mechanics(Attempt& tried);
+  [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
+  [[nodiscard]] bool step_mechanics(Attempt& tried);
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]
   double metal_level() const;              ///< [m]

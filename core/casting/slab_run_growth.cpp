@@ -3,7 +3,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/casting/slab_run.hpp"
-#include "core/casting/validity/motion.hpp"
+#include "core/findings/motion.hpp"
 
 namespace dccast::casting {
 

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/casting/validity/motion.hpp"
+#include "core/findings/motion.hpp"
 
 namespace dccast::casting {
 
