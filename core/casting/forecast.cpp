@@ -59,7 +59,7 @@ std::vector<results::Finding> forecast(const Case& c) {
     // The findings up to that time are still a valid forecast.
   }
   std::vector<results::Finding> found;
-  for (results::Finding finding : run.state().plausibility.raised) {
+  for (results::Finding finding : run.findings()) {
     if (!finding.time) continue;  // of the coarse case itself
     finding.message = "Forecast by heat alone on a coarse mesh: " + finding.message;
     found.push_back(std::move(finding));

@@ -105,9 +105,9 @@ std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element) {
 }
 
 template <int Dim>
-Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
-                         std::span<const double> displacement, int growing,
-                         std::vector<double>& when_liquid) {
+PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                              std::span<const double> displacement, int growing,
+                              std::vector<double>& when_liquid) {
   constexpr std::size_t numbers = std::tuple_size_v<Turn<Dim>>;
   while (when_liquid.size() < std::size_t(mesh.elements()) * numbers)
     for (const double number : no_turn<Dim>()) when_liquid.push_back(number);
@@ -154,7 +154,7 @@ double contraction_of(const mesh::Facet<Dim>& facet, std::span<const double> tem
 
 /// Keeps the worst slip: displacement `u` along one axis against a contraction, both [m].
 template <int Dim>
-void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, Extreme& slip) {
+void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, PlacedFigure& slip) {
   const double beyond = std::max(u, -contraction - u);
   if (beyond > slip.value) slip = {beyond, {mesh.point(n), mesh.point(n) + Dim}};
 }
@@ -162,10 +162,11 @@ void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, Ext
 }  // namespace
 
 template <>
-Extreme largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> solid,
-                        std::span<const double> displacement, std::span<const double> temperature,
-                        const material::MechanicalProperties& properties, double solid_below) {
-  Extreme slip;
+PlacedFigure largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> solid,
+                             std::span<const double> displacement,
+                             std::span<const double> temperature,
+                             const material::MechanicalProperties& properties, double solid_below) {
+  PlacedFigure slip;
   double contraction = 0.0;  // of the solid from the symmetry plane to here [m]
   for (const auto& edge : mesh.facets(mesh::PatchKind::bottom)) {
     if (solid[std::size_t(edge.element)] == 0) continue;
@@ -179,15 +180,16 @@ Extreme largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> solid,
 }
 
 template <>
-Extreme largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> solid,
-                        std::span<const double> displacement, std::span<const double> temperature,
-                        const material::MechanicalProperties& properties, double solid_below) {
+PlacedFigure largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> solid,
+                             std::span<const double> displacement,
+                             std::span<const double> temperature,
+                             const material::MechanicalProperties& properties, double solid_below) {
   double strain = 0.0;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] != 0)
       strain = std::max(strain, contraction_of(facet, temperature, properties, solid_below));
   });
-  Extreme slip;
+  PlacedFigure slip;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] == 0) return;
     for (int i = 0; i < facet.nodes; ++i) {
@@ -203,9 +205,9 @@ template std::vector<double> centroid(const mesh::Mesh<2>&, int);
 template std::vector<double> centroid(const mesh::Mesh<3>&, int);
 template void merge_turns<2>(const mesh::MergedRows&, std::vector<double>&);
 template void merge_turns<3>(const mesh::MergedRows&, std::vector<double>&);
-template Extreme largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
-                                  std::span<const double>, int, std::vector<double>&);
-template Extreme largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
-                                  std::span<const double>, int, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
 
 }  // namespace dccast::casting

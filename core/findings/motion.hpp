@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/findings/extreme.hpp"
+#include "core/findings/placed_figure.hpp"
 #include "core/material/mechanical_properties.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/row_merging.hpp"
@@ -60,9 +60,9 @@ double angle_between<3>(const Turn<3>& from, const Turn<3>& to);
 /// @param when_liquid  (element, components of a turn) [rad] or [1], turn when the element was last
 ///                     liquid or growing; updated
 template <int Dim>
-Extreme largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
-                         std::span<const double> displacement, int growing,
-                         std::vector<double>& when_liquid);
+PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                              std::span<const double> displacement, int growing,
+                              std::vector<double>& when_liquid);
 
 /// Transfers the turns of elements to the merged mesh: a merged cell takes that of its lower cell.
 /// @param when_liquid  (element, components of a turn) [rad] or [1], see largest_rotation(); may be
@@ -79,14 +79,16 @@ void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liqui
 /// @param solid_below  temperature below which the contraction is counted [°C]
 /// @param temperature  (node) [°C]
 template <int Dim>
-Extreme largest_slip(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
-                     std::span<const double> displacement, std::span<const double> temperature,
-                     const material::MechanicalProperties& properties, double solid_below);
+PlacedFigure largest_slip(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                          std::span<const double> displacement, std::span<const double> temperature,
+                          const material::MechanicalProperties& properties, double solid_below);
 template <>
-Extreme largest_slip<2>(const mesh::Mesh2D&, std::span<const char>, std::span<const double>,
-                        std::span<const double>, const material::MechanicalProperties&, double);
+PlacedFigure largest_slip<2>(const mesh::Mesh2D&, std::span<const char>, std::span<const double>,
+                             std::span<const double>, const material::MechanicalProperties&,
+                             double);
 template <>
-Extreme largest_slip<3>(const mesh::Mesh3D&, std::span<const char>, std::span<const double>,
-                        std::span<const double>, const material::MechanicalProperties&, double);
+PlacedFigure largest_slip<3>(const mesh::Mesh3D&, std::span<const char>, std::span<const double>,
+                             std::span<const double>, const material::MechanicalProperties&,
+                             double);
 
 }  // namespace dccast::casting

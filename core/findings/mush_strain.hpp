@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "core/findings/bottom_shell.hpp"
+#include "core/findings/shell.hpp"
 #include "core/mechanics/slab_state.hpp"
 
 namespace dccast::casting {

@@ -34,6 +34,7 @@ struct RunFailure {
   double time_step = 0.0;     ///< [s]
   std::vector<double> place;  ///< in the undeformed slab [m]; empty if the failure has no place
   std::vector<double> residual_history;  ///< [1] of the last attempt; for solve_failed only
+  std::string finding{};  ///< code of the finding that it follows from; empty if from none
   bool operator==(const RunFailure&) const = default;
 };
 

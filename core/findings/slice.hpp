@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "core/findings/bottom_shell.hpp"
+#include "core/findings/shell.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::casting {

@@ -15,7 +15,7 @@
 #include "core/case/case_check.hpp"
 #include "core/casting/forecast.hpp"
 #include "core/casting/solver_identity.hpp"
-#include "core/findings/plausibility.hpp"
+#include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
 #include "dccast/v1/service.pb.h"

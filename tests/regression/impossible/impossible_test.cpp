@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/casting/forecast.hpp"
-#include "core/findings/plausibility.hpp"
+#include "core/findings/judge.hpp"
 #include "tests/regression/whole_run.hpp"
 #include "tests/support/load_case.hpp"
 

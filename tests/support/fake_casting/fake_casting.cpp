@@ -18,7 +18,7 @@
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/solver_identity.hpp"
-#include "core/findings/plausibility.hpp"
+#include "core/findings/judge.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {

@@ -40,7 +40,7 @@ protected:
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < slab.cells_per_row(); ++column) set(column, row, true);
   }
-  Extreme thinnest() const { return thinnest_shell(slab.mesh(), solid).value(); }
+  PlacedFigure thinnest() const { return thinnest_shell(slab.mesh(), solid).value(); }
 };
 
 TEST_P(Shell, OfMeltAloneThereIsNone) {

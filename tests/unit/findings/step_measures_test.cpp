@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/findings/bottom_shell.hpp"
 #include "core/findings/mush_strain.hpp"
+#include "core/findings/shell.hpp"
 #include "core/findings/slice.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/print_kinds.hpp"

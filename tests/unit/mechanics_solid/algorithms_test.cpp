@@ -106,17 +106,5 @@ TYPED_TEST(SolidAlgorithmsOn, AgreeOnACreepingPartialContact) {
   }
 }
 
-/// A block that is pulled off its support has no equilibrium: once every pair is open the linear
-/// problem has no solution, and the step ends there instead of going on with what was left behind.
-TYPED_TEST(SolidAlgorithmsOn, EndAStepWhoseLinearProblemHasNoSolution) {
-  for (Algorithm algorithm : {Algorithm::newton, Algorithm::vnbm, Algorithm::nbm}) {
-    typename TestFixture::Block body;
-    for (double& force : body.problem.external_force) force = -force;
-    const auto outcome = body.step(options_of(algorithm), 0.05);
-    EXPECT_FALSE(outcome.converged) << name_of(algorithm);
-    EXPECT_LT(outcome.iterations, 100) << name_of(algorithm);
-  }
-}
-
 }  // namespace
 }  // namespace dccast::mechanics

@@ -1,4 +1,4 @@
-#include "core/casting/temperature_figures.hpp"
+#include "core/findings/temperature_figures.hpp"
 
 #include <gtest/gtest.h>
 
