@@ -5,16 +5,16 @@
 #include <map>
 #include <string_view>
 
-#include "client/case_faults.hpp"
-#include "client/case_options.hpp"
+#include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/message_json.hpp"
-#include "client/render/job_text.hpp"
-#include "client/render/progress.hpp"
-#include "client/render/study_table.hpp"
-#include "client/render/validity.hpp"
-#include "client/study_reading.hpp"
-#include "client/study_watch.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/model/json.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/studies.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/progress.hpp"
+#include "client/text/study_text.hpp"
 #include "proto/case_file/divided_case.hpp"
 #include "proto/values/uuid.hpp"
 
@@ -294,30 +294,28 @@ constexpr const char* examples =
 
 }  // namespace
 
-void add_convergence(CLI::App& app, Program& program) {
-  auto options = make_options<Options>();
-  CLI::App* const command = subcommand(
-      app, "convergence",
+void add_convergence(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<Options>();
+  const cli::Command command = line.command(
+      "convergence",
       "How much of a curl is discretisation: runs the case with cells and steps halved again and "
       "again, and extrapolates the curl of every monitor",
       examples);
-  command->add_option("FILE", options->file, "Case file; needed to begin a study");
-  add_set_option(*command, options->set);
-  command->add_option(
+  command.option("FILE", options->file, "Case file; needed to begin a study");
+  add_set_option(command, options->set);
+  command.option(
       "--study", options->study,
       "Take this study up again: submit levels that were lost again, wait for what has not ended, "
       "print the table; with FILE also submit the levels that are missing");
-  command->add_flag("--as-it-is", options->as_it_is,
-                    "With --study and without FILE: submit nothing, levels that were lost stay so");
+  command.flag("--as-it-is", options->as_it_is,
+               "With --study and without FILE: submit nothing, levels that were lost stay so");
   command
-      ->add_option("--levels", options->levels,
-                   "Runs, each with half the cell and step of the one before; an order needs three")
-      ->check(CLI::Range(2, 5))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON, in metres and seconds, with the histories");
-  command->callback([options, &program] {
-    program.action = [options, &program] { return run(*options, program); };
-  });
+      .option("--levels", options->levels,
+              "Runs, each with half the cell and step of the one before; an order needs three")
+      .between(2, 5)
+      .show_default();
+  command.json(options->json, "As JSON, in metres and seconds, with the histories");
+  command.action([options, &program] { return run(*options, program); });
 }
 
 }  // namespace dccast::client::commands

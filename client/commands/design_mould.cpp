@@ -1,15 +1,13 @@
 #include <iostream>
 
-#include "client/case_options.hpp"
+#include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/commands/output_file.hpp"
-#include "client/commands/study_options.hpp"
-#include "client/failure.hpp"
-#include "client/message_json.hpp"
-#include "client/mould_design.hpp"
-#include "client/render/mould_page.hpp"
-#include "client/render/mould_text.hpp"
-#include "client/study_creation.hpp"
+#include "client/html/mould_page.hpp"
+#include "client/model/json.hpp"
+#include "client/session/failure.hpp"
+#include "client/session/mould_design.hpp"
+#include "client/session/studies.hpp"
+#include "client/text/mould_text.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -107,22 +105,20 @@ constexpr const char* examples =
     "the\n"
     "tolerance was found.";
 
-void add_options(CLI::App& command, Options& options) {
-  command.add_option("CASE", options.base.file,
-                     "Case file of a quarter slab that is cast until it is steady");
-  command.add_flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
+void add_options(const cli::Command& command, Options& options) {
+  command.option("CASE", options.base.file,
+                 "Case file of a quarter slab that is cast until it is steady");
+  command.flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
   command
-      .add_option(
-          "--tolerance", options.tolerance,
-          "Largest permitted deviation of the half-thickness of the cold slab along the face")
-      ->capture_default_str();
-  command.add_option(
-      "--wanted", options.wanted,
-      "Half-thickness of the cold slab; absent: the half-opening of the case's mould "
-      "at its narrow face");
-  command.add_option("--runs", options.most_runs, "Largest number of runs; 0 for 12")
-      ->check(CLI::Range(0, 50))
-      ->capture_default_str();
+      .option("--tolerance", options.tolerance,
+              "Largest permitted deviation of the half-thickness of the cold slab along the face")
+      .show_default();
+  command.option("--wanted", options.wanted,
+                 "Half-thickness of the cold slab; absent: the half-opening of the case's mould "
+                 "at its narrow face");
+  command.option("--runs", options.most_runs, "Largest number of runs; 0 for 12")
+      .between(0, 50)
+      .show_default();
   add_study_options(command, options,
                     {.study = "Take this design up again",
                      .plot = "Write an HTML page with mould and cold slab of the runs; - for "
@@ -132,15 +128,13 @@ void add_options(CLI::App& command, Options& options) {
 
 }  // namespace
 
-void add_design_mould(CLI::App& app, Program& program) {
-  auto options = make_options<Options>();
-  CLI::App* const command =
-      subcommand(app, "design-mould",
-                 "Find the mould opening of three segments that gives a flat cold slab", examples);
-  add_options(*command, *options);
-  command->callback([options, &program] {
-    program.action = [options, &program] { return run(*options, program); };
-  });
+void add_design_mould(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<Options>();
+  const cli::Command command = line.command(
+      "design-mould", "Find the mould opening of three segments that gives a flat cold slab",
+      examples);
+  add_options(command, *options);
+  command.action([options, &program] { return run(*options, program); });
 }
 
 }  // namespace dccast::client::commands

@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <iostream>
 
+#include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/commands/output_file.hpp"
-#include "client/download.hpp"
-#include "client/message_json.hpp"
-#include "client/render/job_text.hpp"
-#include "client/render/study_text.hpp"
-#include "client/render/table.hpp"
+#include "client/model/json.hpp"
+#include "client/session/download.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/study_text.hpp"
+#include "client/text/table.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -114,47 +114,42 @@ ExitCode remove(const Options& options, Program& program) {
 
 using Action = ExitCode (*)(const Options&, Program&);
 
-CLI::App* add_action(CLI::App& command, Program& program, const std::shared_ptr<Options>& options,
-                     const std::string& name, const std::string& description, Action action) {
-  CLI::App* const added = command.add_subcommand(name, description);
-  added->add_option("STUDY", options->id, "Study id")->required();
-  added->add_flag("--json", options->json, "As JSON");
-  added->callback([options, &program, action] {
-    program.action = [options, &program, action] { return action(*options, program); };
-  });
+cli::Command add_action(const cli::Command& command, Program& program,
+                        const std::shared_ptr<Options>& options, const std::string& name,
+                        const std::string& description, Action action) {
+  const cli::Command added = command.command(name, description);
+  added.option("STUDY", options->id, "Study id").required();
+  added.json(options->json);
+  added.action([options, &program, action] { return action(*options, program); });
   return added;
 }
 
 }  // namespace
 
-void add_studies(CLI::App& app, Program& program) {
-  auto options = make_options<Options>();
-  CLI::App* const command = subcommand(
-      app, "studies", "List studies, newest first; show, fetch, cancel, resume or delete one",
+void add_studies(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<Options>();
+  const cli::Command command = line.command(
+      "studies", "List studies, newest first; show, fetch, cancel, resume or delete one",
       "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed "
       "STUDY");
-  command->add_option("-n,--limit", options->limit, "At most this many")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON");
-  add_action(*command, program, options, "show", "Everything about one study", show);
-  CLI::App* const fetched = add_action(
-      *command, program, options, "fetch",
+  command.option("-n,--limit", options->limit, "At most this many")
+      .between(1, 1000000)
+      .show_default();
+  command.json(options->json);
+  add_action(command, program, options, "show", "Everything about one study", show);
+  const cli::Command fetched = add_action(
+      command, program, options, "fetch",
       "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
       fetch);
-  fetched->add_option("-o,--output", options->output, "File to write")->capture_default_str();
-  add_force_flag(*fetched, options->force);
-  add_action(*command, program, options, "cancel", "Cancel what has not ended", cancel)
-      ->add_option("--reason", options->reason, "Kept with the jobs");
-  add_action(*command, program, options, "resume",
+  fetched.option("-o,--output", options->output, "File to write").show_default();
+  add_force_flag(fetched, options->force);
+  add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
+      .option("--reason", options->reason, "Kept with the jobs");
+  add_action(command, program, options, "resume",
              "Queue again what was cancelled, or lost to its worker or a full disk", resume)
-      ->add_flag("--failed", options->failed, "Also runs that failed by their own case");
-  add_action(*command, program, options, "delete", "Remove an ended study and its jobs", remove);
-  command->require_subcommand(0, 1);
-  command->callback([options, command, &program] {
-    if (!command->get_subcommands().empty()) return;
-    program.action = [options, &program] { return list(*options, program); };
-  });
+      .flag("--failed", options->failed, "Also runs that failed by their own case");
+  add_action(command, program, options, "delete", "Remove an ended study and its jobs", remove);
+  command.action([options, &program] { return list(*options, program); });
 }
 
 }  // namespace dccast::client::commands

@@ -1,22 +1,28 @@
 #include <iostream>
-#include <map>
 
-#include "client/case_faults.hpp"
-#include "client/case_options.hpp"
+#include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/submission.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/job_watch.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/progress.hpp"
+#include "client/text/table.hpp"
+#include "client/text/watch_output.hpp"
 #include "proto/values/shortened.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client::commands {
 namespace {
 
-struct Options {
+struct SubmitOptions {
   std::vector<std::string> files;
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string request_id;
-  v1::Priority priority = v1::NORMAL;
+  int priority = v1::NORMAL;
   bool watch = false;
   bool json = false;
   bool strict = false;
@@ -30,7 +36,7 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
   return ExitCode::invalid;
 }
 
-void require_one_file(const Options& options) {
+void require_one_file(const SubmitOptions& options) {
   const char* const what = !options.request_id.empty() ? "--request-id" : "--watch";
   if (options.files.size() == 1 || (options.request_id.empty() && !options.watch)) return;
   throw CommandFailed(ExitCode::invalid, std::string(what) + " goes with one FILE; " +
@@ -39,7 +45,7 @@ void require_one_file(const Options& options) {
 
 /// Checks all cases: if one has faults, none is submitted.
 /// @return  empty if one has faults, which have then been printed
-std::optional<std::vector<CaseUnderCheck>> examined_cases(const Options& options,
+std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& options,
                                                           Connection& connection) {
   std::vector<CaseUnderCheck> cases;
   bool sound = true;
@@ -56,10 +62,10 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const Options& options
   return cases;
 }
 
-v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const Options& options) {
+v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const SubmitOptions& options) {
   v1::SubmitJobRequest request;
   request.set_request_id(options.request_id.empty() ? values::random_uuid() : options.request_id);
-  request.set_priority(options.priority);
+  request.set_priority(static_cast<v1::Priority>(options.priority));
   *request.mutable_case_() = checked.description;
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
@@ -69,7 +75,7 @@ v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const Options& options)
 }
 
 /// @return  empty if the server has found further faults, which have then been printed
-std::optional<v1::Job> submit(CaseUnderCheck& checked, const Options& options,
+std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& options,
                               Connection& connection) {
   const v1::SubmitJobRequest request = request_of(checked, options);
   v1::Job job;
@@ -84,7 +90,7 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const Options& options,
   return job;
 }
 
-ExitCode run(const Options& options, Program& program) {
+ExitCode run(const SubmitOptions& options, Program& program) {
   require_one_file(options);
   Connection connection = program.connect();
   auto cases = examined_cases(options, connection);
@@ -98,7 +104,7 @@ ExitCode run(const Options& options, Program& program) {
   return ExitCode::done;
 }
 
-constexpr const char* examples =
+constexpr const char* submit_examples =
     "dccast submit my.toml\n"
     "  dccast submit --watch --priority high my.toml\n"
     "  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale=\"0.8 until 100 mm\" "
@@ -108,39 +114,126 @@ constexpr const char* examples =
     "\n"
     "Of several files all are checked before the first is submitted; one id a line.";
 
+struct WatchOptions {
+  std::string id;
+  std::int64_t from = 1;
+  bool json = false;
+  bool strict = false;
+};
+
+void print_curl(const render::CurlHistory& history) {
+  if (history.monitors.empty()) return;
+  render::Table table({"monitor", ">curl mm", ">horizontal mm"});
+  for (const auto& series : history.monitors)
+    table.add({series.name, render::fixed(1e3 * series.curl_m.back(), 3),
+               render::fixed(1e3 * series.horizontal_m.back(), 3)});
+  std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
+            << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
+            << (history.beyond.back() ? ", beyond validity" : "") << '\n'
+            << table.text() << std::flush;
+}
+
+v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::string& id,
+                                            std::int64_t from) {
+  render::WatchOutput output;
+  return follow_job(
+      connection, id, from,
+      [&](const v1::JobEvent& event) { std::cout << output.line(event).dump() << std::endl; },
+      std::cerr);
+}
+
+v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
+                                           std::int64_t from, bool talk_only) {
+  render::Progress progress(talk_only ? std::cerr : std::cout,
+                            render::terminal_of(talk_only ? 2 : 1));
+  const auto end = follow_job(
+      connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
+  progress.finish();
+  print_curl(progress.history());
+  return end;
+}
+
+/// Reports why a job waits, if it is held; errors are left to the watch.
+void say_if_held(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  v1::Job job;
+  connection.set_policy({.attempts = 1});  // the watch itself retries
+  try {
+    connection.try_call(&Stub::GetJob, request, job);
+  } catch (const Interrupted&) {
+    return;  // the watch itself reports how to continue
+  }
+  if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
+}
+
+/// Findings of the whole job: a watch may start after some of them.
+bool is_implausible(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  return render::more_than_notes(connection.call(&Stub::GetJob, request).findings());
+}
+
 }  // namespace
 
-void add_submit(CLI::App& app, Program& program) {
-  auto options = make_options<Options>();
-  CLI::App* const command =
-      subcommand(app, "submit", "Queue cases; prints the id of each job", examples);
-  command->add_option("FILE", options->files, "Case files; - for standard input")->required();
-  add_set_option(*command, options->set);
-  command->add_option("--label", options->labels, "Label for finding the job; repeatable")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command->add_flag("-w,--watch", options->watch,
-                    "Follow the job to its end; exit code 3 if it does not succeed");
+void add_submit(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<SubmitOptions>();
+  const cli::Command command =
+      line.command("submit", "Queue cases; prints the id of each job", submit_examples);
+  command.option("FILE", options->files, "Case files; - for standard input").required();
+  add_set_option(command, options->set);
+  command.option("--label", options->labels, "Label for finding the job; repeatable")
+      .comma_separated()
+      .one_value_each();
+  command.flag("-w,--watch", options->watch,
+               "Follow the job to its end; exit code 3 if it does not succeed");
   command
-      ->add_flag("--strict", options->strict,
-                 "With --watch: exit code 3 for a job with findings beyond notes too")
-      ->needs("--watch");
-  const std::map<std::string, v1::Priority> priorities{
-      {"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}};
+      .flag("--strict", options->strict,
+            "With --watch: exit code 3 for a job with findings beyond notes too")
+      .needs("--watch");
   command
-      ->add_option("-p,--priority", options->priority,
-                   "Place in the queue: low, normal (default) or high")
-      ->transform(CLI::CheckedTransformer(priorities, CLI::ignore_case).description(""))
-      ->type_name("PRIORITY");
+      .choice("-p,--priority", options->priority,
+              {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
+              "Place in the queue: low, normal (default) or high")
+      .placeholder("PRIORITY");
   command
-      ->add_option(
-          "--request-id", options->request_id,
-          "Submitting again with the same id gives the same job; by default a new one is made")
-      ->check([](const std::string& text) { return values::too_long("the request id", text); });
-  command->add_flag("--json", options->json,
-                    "Each job as JSON on a line, with --watch followed by one event a line");
-  command->callback([options, &program] {
-    program.action = [options, &program] { return run(*options, program); };
+      .option("--request-id", options->request_id,
+              "Submitting again with the same id gives the same job; by default a new one is made")
+      .check([](const std::string& text) { return values::too_long("the request id", text); });
+  command.json(options->json,
+               "Each job as JSON on a line, with --watch followed by one event a line");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
+                   bool talk_only, bool strict) {
+  say_if_held(connection, id);
+  const auto end = json ? watch_for_scripts(connection, id, from)
+                        : watch_for_people(connection, id, from, talk_only);
+  if (end.has_failure())
+    std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
+  const ExitCode code = exit_code_of(end.state());
+  if (!strict || code != ExitCode::done || !is_implausible(connection, id)) return code;
+  std::cerr << "dccast: job " << id << " has findings beyond notes (--strict)\n";
+  return ExitCode::solve_failed;
+}
+
+void add_watch(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<WatchOptions>();
+  const cli::Command command =
+      line.command("watch",
+                   "Follow a job to its end: every event so far, then as they happen. A dropped "
+                   "connection is taken up again; leaving with Ctrl-C does not touch the job",
+                   "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
+  command.option("JOB", options->id, job_help).required();
+  command.option("--from", options->from, "Sequence number of the first event").positive();
+  command.flag("--strict", options->strict,
+               "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
+  command.json(options->json, "One JSON object per event and line");
+  command.action([options, &program] {
+    Connection connection = program.connect();
+    return watch_job(connection, resolve_job(connection, options->id), options->from, options->json,
+                     false, options->strict);
   });
 }
 

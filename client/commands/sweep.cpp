@@ -1,23 +1,22 @@
+#include <cmath>
 #include <iostream>
 #include <optional>
 
-#include "client/case_options.hpp"
+#include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/commands/output_file.hpp"
-#include "client/commands/study_options.hpp"
-#include "client/download.hpp"
-#include "client/message_json.hpp"
-#include "client/render/sweep_page.hpp"
-#include "client/render/sweep_table.hpp"
-#include "client/study_creation.hpp"
-#include "client/study_reading.hpp"
-#include "client/study_watch.hpp"
-#include "client/sweep_request.hpp"
+#include "client/html/sweep_page.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/model/json.hpp"
+#include "client/model/sweep_request.hpp"
+#include "client/session/download.hpp"
+#include "client/session/studies.hpp"
+#include "client/text/sweep_table.hpp"
+#include "client/text/table.hpp"
 
 namespace dccast::client::commands {
 namespace {
 
-struct Options : StudyOptions {  // its file may be a sweep file
+struct SweepOptions : StudyOptions {  // its file may be a sweep file
   std::vector<std::string> grid, list;
   int hypercube = 0;
   std::uint64_t seed = 0;
@@ -25,7 +24,7 @@ struct Options : StudyOptions {  // its file may be a sweep file
 };
 
 /// The plan that the command line names.
-v1::SweepPlan plan_of(const Options& options) {
+v1::SweepPlan plan_of(const SweepOptions& options) {
   v1::SweepPlan plan;
   const auto& axes = options.list.empty() ? options.grid : options.list;
   for (const std::string& axis : axes) *plan.add_axes() = axis_of(axis);
@@ -38,7 +37,7 @@ v1::SweepPlan plan_of(const Options& options) {
 }
 
 /// The case file and the plan, from a sweep file or from the command line.
-SweepFile sweep_of(const Options& options) {
+SweepFile sweep_of(const SweepOptions& options) {
   const bool by_command = !options.grid.empty() || !options.list.empty();
   if (by_command) return {options.base.file, plan_of(options)};
   if (is_sweep_file(options.base.file)) return read_sweep_file(options.base.file);
@@ -48,14 +47,14 @@ SweepFile sweep_of(const Options& options) {
                           "KEY=a,b,c");
 }
 
-std::optional<v1::Study> create(Connection& connection, const Options& options) {
+std::optional<v1::Study> create(Connection& connection, const SweepOptions& options) {
   const SweepFile sweep = sweep_of(options);
   return create_study(
       connection, {sweep.case_file, options.base.set, options.base.labels},
       [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
 }
 
-void print(const Options& options, const v1::StudyResult& result) {
+void print(const SweepOptions& options, const v1::StudyResult& result) {
   if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(result));
   if (!options.plot.empty()) write_output(options.plot, render::sweep_page(result));
   if (options.json)
@@ -70,7 +69,8 @@ void fetch_table(Connection& connection, const std::string& id, const std::strin
   std::cerr << "wrote " << file << " (" << table.bytes << " bytes, checksum verified)\n";
 }
 
-ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
+ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
+                        const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
   const v1::StudyResult result = evaluate_study(connection, id, options.json);
   print(options, result);
@@ -79,7 +79,7 @@ ExitCode wait_and_print(Connection& connection, const Options& options, const st
   return exit_code_of(result.study().state());
 }
 
-ExitCode run(const Options& options, Program& program) {
+ExitCode run(const SweepOptions& options, Program& program) {
   if (options.base.file.empty() == options.study.empty())
     throw CommandFailed(ExitCode::invalid,
                         "give a sweep FILE or a case to begin, or --study ID to take one up again");
@@ -98,7 +98,7 @@ ExitCode run(const Options& options, Program& program) {
   return wait_and_print(connection, options, study->id());
 }
 
-constexpr const char* examples =
+constexpr const char* sweep_examples =
     "dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,60 mm/min,70 mm/min'\n"
     "  dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,80 mm/min' \\\n"
     "      --grid schedule.water_flow.scale=0.7,1.2 --lhs 40 --plot sweep.html\n"
@@ -108,22 +108,23 @@ constexpr const char* examples =
     "docs/studies.md has the format of a sweep file. The runs wait behind all other jobs; dccast\n"
     "studies cancels and resumes them, dccast predict answers for values that were not run.";
 
-void add_options(CLI::App& command, Options& options) {
-  command.add_option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
-  auto* const grid = command.add_option(
-      "--grid", options.grid, "KEY=a,b,c: every value with those of the other keys; repeatable");
-  auto* const list = command.add_option(
-      "--list", options.list, "KEY=a,b,c: the first values of all keys, the second ones, ...");
-  list->excludes(grid);
+void add_options(const cli::Command& command, SweepOptions& options) {
+  command.option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
+  command.option("--grid", options.grid,
+                 "KEY=a,b,c: every value with those of the other keys; repeatable");
   command
-      .add_option("--lhs", options.hypercube,
-                  "Number of runs of a Latin hypercube between the two values of each --grid")
-      ->check(CLI::Range(1, 10000))
-      ->excludes(list);
-  command.add_option("--seed", options.seed, "Seed of the Latin hypercube")->capture_default_str();
-  command.add_option("--csv", options.csv, "Write the table as CSV; - for standard output");
-  command.add_option("-o,--output", options.output,
-                     "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
+      .option("--list", options.list,
+              "KEY=a,b,c: the first values of all keys, the second ones, ...")
+      .excludes("--grid");
+  command
+      .option("--lhs", options.hypercube,
+              "Number of runs of a Latin hypercube between the two values of each --grid")
+      .between(1, 10000)
+      .excludes("--list");
+  command.option("--seed", options.seed, "Seed of the Latin hypercube").show_default();
+  command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
+  command.option("-o,--output", options.output,
+                 "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
   add_study_options(
       command, options,
       {.study = "Take this study up again",
@@ -131,16 +132,78 @@ void add_options(CLI::App& command, Options& options) {
        .json = "As JSON, in metres, with the curves"});
 }
 
+struct PredictOptions {
+  std::string id;
+  std::vector<std::string> set;
+  bool json = false;
+};
+
+v1::PredictStudyRequest request_of(const PredictOptions& options) {
+  v1::PredictStudyRequest request;
+  request.set_id(options.id);
+  const auto values = changes_of(options.set);
+  *request.mutable_values() = {values.begin(), values.end()};
+  return request;
+}
+
+std::string millimetres(double metres) {
+  return render::fixed(1e3 * metres, 3);
+}
+
+void print(const v1::Prediction& prediction) {
+  render::Table table({"monitor", ">curl mm", ">+- mm", ">at s", ">cast mm"});
+  for (const v1::CurlCurve& curve : prediction.curves()) {
+    const int last = curve.time_s_size() - 1;
+    if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
+    table.add({curve.monitor(), millimetres(curve.curl_m(last)),
+               millimetres(curve.uncertainty_m(last)), render::fixed(curve.time_s(last), 2),
+               render::fixed(1e3 * curve.cast_length_m(last), 1)});
+  }
+  std::cout << table.text() << std::flush;
+  std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
+            << millimetres(prediction.cross_validated_error_m()) << " mm (root mean square)\n";
+  if (prediction.next_run().empty()) return;
+  std::cerr << "most informative next run:";
+  for (const v1::CaseChange& change : prediction.next_run())
+    std::cerr << " --set '" << change.key() << "=" << change.value() << "'";
+  std::cerr << '\n';
+}
+
+ExitCode run(const PredictOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const v1::Prediction prediction = connection.call(&Stub::PredictStudy, request_of(options));
+  if (options.json)
+    std::cout << to_json(prediction).dump() << std::endl;
+  else
+    print(prediction);
+  return ExitCode::done;
+}
+
 }  // namespace
 
-void add_sweep(CLI::App& app, Program& program) {
-  auto options = make_options<Options>();
-  CLI::App* const command = subcommand(
-      app, "sweep", "Run a case at many values of its keys, and compare the curl", examples);
-  add_options(*command, *options);
-  command->callback([options, &program] {
-    program.action = [options, &program] { return run(*options, program); };
-  });
+void add_sweep(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<SweepOptions>();
+  const cli::Command command = line.command(
+      "sweep", "Run a case at many values of its keys, and compare the curl", sweep_examples);
+  add_options(command, *options);
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_predict(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<PredictOptions>();
+  const cli::Command command = line.command(
+      "predict",
+      "The curl at values that a sweep has not run, from a response surface over its runs. It "
+      "covers "
+      "the range of the sweep and nothing outside; the +- is its own standard error, without "
+      "the mesh error of the runs",
+      "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
+      "schedule.water_flow.scale=0.9");
+  command.option("STUDY", options->id, "Id of a sweep").required();
+  command.option("--set", options->set,
+                 "KEY=VALUE of a swept key; others keep the value of the case");
+  command.json(options->json, "As JSON, in metres, with the curves against time");
+  command.action([options, &program] { return run(*options, program); });
 }
 
 }  // namespace dccast::client::commands

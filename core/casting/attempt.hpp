@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/thermal/heat_solver.hpp"
 
@@ -14,15 +12,18 @@ struct MergeOutcome {
   mechanics::MergeChecks mechanics;
 };
 
+/// The part of a step that did not converge.
+enum class Diverged { none, heat, mechanics };
+
 /// Outcome of one attempt at one step.
-struct Attempt {
-  bool converged = false;
-  std::string why;         ///< "heat" or "mechanics" if it did not converge, else empty
+struct [[nodiscard]] Attempt {
+  Diverged diverged = Diverged::none;
   double time_step = 0.0;  ///< [s]
   MergeOutcome merge;
   double superheat = 0.0;  ///< [J/m], [J/rad], [J] of the metal that entered
   thermal::HeatStepOutcome heat;
   mechanics::StepOutcome mechanics;
+  bool converged() const { return diverged == Diverged::none; }
 };
 
 }  // namespace dccast::casting

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/casting/case.hpp"
-#include "core/casting/run_failure.hpp"
+#include "core/case/case.hpp"
+#include "core/findings/run_failure.hpp"
 #include "core/restart/sections.hpp"
 #include "core/results/finding.hpp"
 #include "core/results/frame.hpp"
@@ -48,7 +48,7 @@ public:
   /// @return  why the state does not belong to this run: a section is missing, an array does not
   ///          fit the mesh, or a time lies outside the case; the run is then unchanged. Empty on
   ///          success.
-  virtual std::string restore(const restart::Sections& state) = 0;
+  [[nodiscard]] virtual std::string restore(const restart::Sections& state) = 0;
 };
 
 /// Creates the run of a case in the dimension of its section.

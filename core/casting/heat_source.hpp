@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "core/prescribed/temperature_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "core/casting/case.hpp"
-#include "core/casting/casting_schedule.hpp"
+#include "core/case/case.hpp"
+#include "core/case/casting_schedule.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/casting/temperature_figures.hpp"
 #include "core/fem/point_location.hpp"
 
 namespace dccast::casting {
@@ -55,34 +54,37 @@ void report_heat(const ReportSource<Dim>& source, results::StepReport& r) {
   r.stored_heat = balance.stored / (accepted.time_step * length);
   report_water(accepted.heat, r);
   r.block_temperature = source.block_temperature;
-  const std::vector<double>& temperature = source.state.heat.temperature;
-  const Case& c = source.casting_case;
-  r.sump_depth = sump_depth<Dim>(source.mesh, temperature, source.metal_level, c.alloy.coherency);
-  r.mould_exit_temperature =
-      side_temperature<Dim>(source.mesh, temperature, source.metal_level - c.cooling.water.from);
 }
 
-/// A monitor above the metal level is not in the metal yet: it has neither displacement nor
-/// temperature.
-template <int Dim>
-void report_monitors(const ReportSource<Dim>& source, results::StepReport& r) {
-  const RunState<Dim>& state = source.state;
-  for (const Monitor& monitor : source.casting_case.monitors) {
-    const auto place = fem::locate(source.mesh, point_of<Dim>(monitor));
-    std::vector<double> displacement(Dim, std::nan(""));
-    for (int d = 0; place && d < Dim; ++d)
-      displacement[std::size_t(d)] =
-          fem::interpolate<Dim>(source.mesh, *place, state.slab.displacement, Dim, d);
-    r.monitor_displacement.push_back(std::move(displacement));
-    r.monitor_temperature.push_back(
-        place ? fem::interpolate<Dim>(source.mesh, *place, state.heat.temperature) : std::nan(""));
-  }
+void report_figures(const StepFigures& figures, results::StepReport& r) {
+  r.sump_depth = figures.sump_depth;
+  r.mould_exit_temperature = figures.mould_exit_temperature;
+  r.shell_at_exit = figures.exit_shell.value;
+  r.bottom_shell = figures.bottom_shell.value;
+  r.mush_strain = figures.mush_strain.value;
 }
 
 }  // namespace
 
 template <int Dim>
-results::StepReport report_of(const ReportSource<Dim>& source, int failed_attempts) {
+MonitorReadings readings_of(const std::vector<Monitor>& monitors, const mesh::Mesh<Dim>& mesh,
+                            const RunState<Dim>& state) {
+  MonitorReadings readings;
+  for (const Monitor& monitor : monitors) {
+    const auto place = fem::locate(mesh, point_of<Dim>(monitor));
+    std::vector<double> displacement(Dim, std::nan(""));
+    for (int d = 0; place && d < Dim; ++d)
+      displacement[std::size_t(d)] =
+          fem::interpolate<Dim>(mesh, *place, state.slab.displacement, Dim, d);
+    readings.displacement.push_back(std::move(displacement));
+    readings.temperature.push_back(
+        place ? fem::interpolate<Dim>(mesh, *place, state.heat.temperature) : std::nan(""));
+  }
+  return readings;
+}
+
+template <int Dim>
+results::StepReport report_of(ReportSource<Dim> source, int failed_attempts) {
   const RunState<Dim>& state = source.state;
   results::StepReport r;
   r.step = state.step;
@@ -92,7 +94,9 @@ results::StepReport report_of(const ReportSource<Dim>& source, int failed_attemp
   report_effort(source.accepted, r);
   report_merging(source.accepted.merge, r);
   report_heat(source, r);
-  report_monitors(source, r);
+  report_figures(source.figures, r);
+  r.monitor_displacement = std::move(source.monitors.displacement);
+  r.monitor_temperature = std::move(source.monitors.temperature);
   r.nodes = source.mesh.nodes();
   r.elements = source.mesh.elements();
   r.solver_seconds = state.solver_seconds;
@@ -102,7 +106,11 @@ results::StepReport report_of(const ReportSource<Dim>& source, int failed_attemp
   return r;
 }
 
-template results::StepReport report_of(const ReportSource<2>&, int);
-template results::StepReport report_of(const ReportSource<3>&, int);
+template MonitorReadings readings_of(const std::vector<Monitor>&, const mesh::Mesh<2>&,
+                                     const RunState<2>&);
+template MonitorReadings readings_of(const std::vector<Monitor>&, const mesh::Mesh<3>&,
+                                     const RunState<3>&);
+template results::StepReport report_of(ReportSource<2>, int);
+template results::StepReport report_of(ReportSource<3>, int);
 
 }  // namespace dccast::casting

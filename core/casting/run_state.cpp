@@ -79,7 +79,7 @@ void for_slab_fields(Slab& slab, const Use& use) {
   use("slab/reaction_n_per_m", slab.reaction);
 }
 
-/// The same for a run, without validity, plausibility and failures.
+/// The same for a run, without findings and failures.
 template <class State, class Use>
 void for_fields(State& state, const Use& use) {
   use("step", state.step);
@@ -111,6 +111,7 @@ void write_failures(const RunFailures& failures, Sections& s) {
     s.set(prefix + "time_and_step_s", Sections::Reals{failure.time, failure.time_step});
     s.set(prefix + "place_m", failure.place);
     s.set(prefix + "residual_history", failure.residual_history);
+    s.set(prefix + "finding", failure.finding);
   }
 }
 
@@ -119,8 +120,13 @@ RunFailure read_failure(const Sections& s, const std::string& prefix) {
   const auto kind = failure_kind(s.text(prefix + "kind"));
   if (!kind) throw std::out_of_range("unknown kind of failure");
   const auto& times = s.reals(prefix + "time_and_step_s");
-  return {*kind,       s.text(prefix + "message"),  times.at(0),
-          times.at(1), s.reals(prefix + "place_m"), s.reals(prefix + "residual_history")};
+  return {*kind,
+          s.text(prefix + "message"),
+          times.at(0),
+          times.at(1),
+          s.reals(prefix + "place_m"),
+          s.reals(prefix + "residual_history"),
+          s.text(prefix + "finding")};
 }
 
 RunFailures read_failures(const Sections& s) {
@@ -137,8 +143,7 @@ template <int Dim>
 Sections to_sections(const RunState<Dim>& state) {
   Sections s;
   for_fields(state, FieldWriter{s});
-  write_validity(state.validity, s);
-  write_plausibility(state.plausibility, s);
+  write_findings(state.findings, s);
   write_failures(state.failures, s);
   return s;
 }
@@ -147,8 +152,7 @@ template <int Dim>
 RunState<Dim> state_of(const Sections& s) {
   RunState<Dim> state;
   for_fields(state, FieldReader{s});
-  state.validity = read_validity(s);
-  state.plausibility = read_plausibility(s);
+  state.findings = read_findings(s);
   state.failures = read_failures(s);
   return state;
 }

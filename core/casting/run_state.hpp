@@ -3,9 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/casting/plausibility/plausibility_state.hpp"
-#include "core/casting/run_failure.hpp"
-#include "core/casting/validity/validity_state.hpp"
+#include "core/findings/judge.hpp"
+#include "core/findings/run_failure.hpp"
 #include "core/mechanics/slab_state.hpp"
 #include "core/restart/sections.hpp"
 #include "core/thermal/heat_solver.hpp"
@@ -30,8 +29,7 @@ struct RunState {
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
-  ValidityState validity;
-  PlausibilityState plausibility;
+  FindingsState findings;
 };
 
 /// Converts a state to the sections of a checkpoint, and back. Whether the arrays fit the mesh is

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/base/errors.hpp"
 #include "core/casting/casting_run.hpp"
@@ -18,13 +17,6 @@
 namespace dccast::casting {
 
 namespace {
-
-// Bounds of the checks of a run. Energy: the heat step solves to 1e-11. Support: share of the
-// weight that the mechanical residual may leave unsupported. Contact: gaps relative to 1 mm, forces
-// to the weight.
-constexpr double energy_bound = 1e-8;
-constexpr double support_bound = 1e-2;
-constexpr double contact_bound = 1e-3;
 
 const char* checkpoint_name = "checkpoint.bin";
 const char* journal_name = "journal.bin";
@@ -48,26 +40,6 @@ results::RunHeader header_of(const Case& c) {
   return header;
 }
 
-/// The check that a step violates; empty if there is none.
-/// @param dimension  of the mesh: the forces of a section are per metre
-std::string failed_check(const results::StepReport& r, int dimension) {
-  char text[200] = "";
-  if (!(std::abs(r.energy_balance_error) <= energy_bound)) {
-    std::snprintf(text, sizeof text, "energy balance off by %.2e at t = %g s",
-                  r.energy_balance_error, r.time);
-  } else if (r.weight > 0.0 &&
-             !(std::abs(r.bottom_reaction - r.weight) <= support_bound * r.weight)) {
-    const char* unit = dimension == 2 ? "N/m" : "N";
-    std::snprintf(text, sizeof text,
-                  "bottom reaction %.6g %s against a weight of %.6g %s at t = %g s",
-                  r.bottom_reaction, unit, r.weight, unit, r.time);
-  } else if (!(r.complementarity_error <= contact_bound)) {
-    std::snprintf(text, sizeof text, "contact conditions violated by %.2e at t = %g s",
-                  r.complementarity_error, r.time);
-  }
-  return text;
-}
-
 RunFailure failure_of(const SolveFailed& error) {
   return {FailureKind::solve_failed, error.what(), error.time(),
           error.time_step(),         {},           error.residual_history()};
@@ -80,10 +52,6 @@ results::RunSummary summary_of(const CastingRun& run) {
   summary.validity_lost = run.validity_lost();
   summary.findings = run.findings();
   return summary;
-}
-
-RunFailure failure_of(const results::ValidityLoss& loss, double time_step) {
-  return {failure_kind(loss.kind).value(), loss.message, loss.time, time_step, loss.place, {}};
 }
 
 /// Decides when a checkpoint is due: by number of steps or by wall time.
@@ -110,7 +78,6 @@ public:
         observer_(observer),
         run_(make_run(c, threads)),
         clock_(c.checkpoint),
-        when_lost_(c.validity.when_lost),
         header_(header_of(c)),
         files_{directory.path / journal_name, directory.path / results_name} {}
 
@@ -144,7 +111,7 @@ private:
       writer_.emplace(results::ResultWriter::create(files_, header_));
     }
     store_frame();
-    tell_findings();
+    report_new_findings();
   }
 
   void store_frame() {
@@ -175,7 +142,7 @@ private:
     if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);
     observer_.on_resumed(stored.step, run_->time());
     if (run_->validity_lost()) observer_.on_validity_lost(*run_->validity_lost());
-    tell_findings();
+    report_new_findings();
     return "";
   }
 
@@ -198,11 +165,9 @@ private:
   /// Stores and reports a step. @return the outcome if the observer ends the run here
   std::optional<RunOutcome> after(const results::StepReport& report) {
     if (writer_) writer_->append(report);
-    if (std::string fault = failed_check(report, header_.dimension); !fault.empty())
-      run_->fail(
-          {FailureKind::check_failed, std::move(fault), report.time, report.time_step, {}, {}});
-    note_lost_validity(report);
-    tell_findings();
+    const auto& lost = run_->validity_lost();
+    if (lost && lost->time == report.time) observer_.on_validity_lost(*lost);
+    report_new_findings();
     if (run_->frame_is_due() || over()) store_frame();
     const Order order = observer_.on_step(report);
     if (order == Order::cancel) return cancelled();
@@ -213,18 +178,23 @@ private:
     return RunOutcome{RunEnd::stopped, {}};
   }
 
-  /// Reports the loss of validity in the step in which it occurs.
-  void note_lost_validity(const results::StepReport& report) {
-    const auto& lost = run_->validity_lost();
-    if (!lost || lost->time != report.time) return;
-    if (when_lost_ == WhenLost::stop) run_->fail(failure_of(*lost, report.time_step));
-    observer_.on_validity_lost(*lost);
+  /// Reports the findings that the observer has not received yet.
+  void report_new_findings() {
+    const std::vector<results::Finding>& found = run_->findings();
+    while (reported_.size() < found.size()) {
+      reported_.push_back(found[reported_.size()]);
+      observer_.on_finding(reported_.back());
+    }
   }
 
-  /// Reports the findings that the observer has not received yet.
-  void tell_findings() {
+  /// Reports again those whose worst exceedance has grown since.
+  void report_worst_exceedances() {
     const std::vector<results::Finding>& found = run_->findings();
-    while (findings_told_ < found.size()) observer_.on_finding(found[findings_told_++]);
+    for (std::size_t i = 0; i < reported_.size(); ++i) {
+      if (found[i] == reported_[i]) continue;
+      reported_[i] = found[i];
+      observer_.on_finding(found[i]);
+    }
   }
 
   /// Whether a failure of a step has ended the run early.
@@ -239,6 +209,7 @@ private:
 
   RunOutcome conclude() {
     const RunFailures& failures = run_->failures();
+    report_worst_exceedances();
     try {
       if (writer_) writer_->publish(summary_of(*run_));
     } catch (const std::system_error& error) {
@@ -275,11 +246,10 @@ private:
   StepObserver& observer_;
   std::unique_ptr<CastingRun> run_;
   CheckpointClock clock_;
-  WhenLost when_lost_;
   results::RunHeader header_;
   results::RunFiles files_;
   std::optional<results::ResultWriter> writer_;  ///< none where nothing is kept
-  std::size_t findings_told_ = 0;
+  std::vector<results::Finding> reported_;       ///< findings as the observer has them
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/casting/case.hpp"
-#include "core/casting/run_failure.hpp"
+#include "core/case/case.hpp"
 #include "core/casting/step_observer.hpp"
+#include "core/findings/run_failure.hpp"
 
 namespace dccast::casting {
 

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "core/casting/plausibility/plausibility.hpp"
 #include "core/casting/run_frame.hpp"
 #include "core/casting/run_report.hpp"
 #include "core/casting/state_fit.hpp"
-#include "core/casting/validity/motion.hpp"
 
 namespace dccast::casting {
 
@@ -78,7 +77,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
                                                                      : 1.0),
       has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
                    !c.cooling.bottom_block.profile_y.empty()),
-      validity_(c) {
+      meter_(case_) {
   mechanics_.set_mesh(mesh_.mesh());
   mechanics_.set_initial_gap(
       initial_gap(c.cooling.bottom_block, mesh_.mesh(), mechanics_.bottom_nodes()));
@@ -91,7 +90,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
   state_.slab = mechanics_.initial_state();
   state_.superheat = heat_.superheat(state_.heat);
   if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
-  state_.plausibility.raised = findings_of_case(c);
+  state_.findings.raised = findings_of_case(c);
 }
 
 /// Processor time of all threads of the run [s].
@@ -178,7 +177,7 @@ results::StepReport SlabRun<Dim>::advance() {
   for (int failed = 0;; ++failed) {
     const double dt = control_.choose(schedule_.step_at(state_.time));
     const Attempt tried = attempt(dt);
-    if (tried.converged) {
+    if (tried.converged()) {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
@@ -186,22 +185,25 @@ results::StepReport SlabRun<Dim>::advance() {
       state_.level_heat += tried.heat.balance.top;
       state_.solver_seconds += processor_seconds() - start;
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
-      return report(tried, failed);
+      MonitorReadings monitors = readings_of<Dim>(case_.monitors, mesh(), state_);
+      const StepFigures figures = measure(tried, monitors);
+      judge(figures);
+      return report(tried, failed, figures, std::move(monitors));
     }
     const bool smaller = control_.rejected(dt);
     const double limit = control_.limit();
     go_back_to(saved);
     control_.restore(limit);
     if (smaller) continue;
+    const bool heat = tried.diverged == Diverged::heat;
     char text[256];
     std::snprintf(
         text, sizeof text,
         "the %s step at t = %.6g s did not converge, and the time step cannot be cut below "
         "%.3g s (time.minimum_step)",
-        tried.why.c_str(), state_.time, case_.time.minimum_step);
-    const auto& history =
-        tried.why == "heat" ? tried.heat.residual_history : tried.mechanics.residual_history;
-    throw SolveFailed(text, state_.time, dt, history);
+        heat ? "heat" : "mechanical", state_.time, case_.time.minimum_step);
+    throw SolveFailed(text, state_.time, dt,
+                      heat ? tried.heat.residual_history : tried.mechanics.residual_history);
   }
 }
 
@@ -231,7 +233,6 @@ Attempt SlabRun<Dim>::attempt(double dt) {
     if (round > 0) state_.slab = again->slab;
     if (moves && !step_mechanics(tried)) return tried;
   }
-  tried.converged = true;
   return tried;
 }
 
@@ -270,7 +271,7 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.entry = entry;
   const Stopwatch watch(heat_seconds_);
   tried.heat = heat_.step(state_.heat, input);
-  if (!tried.heat.converged) tried.why = "heat";
+  if (!tried.heat.converged) tried.diverged = Diverged::heat;
   return tried.heat.converged;
 }
 
@@ -288,55 +289,52 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
   tried.mechanics.solves += before.solves;
   tried.mechanics.gradient_iterations += before.gradient_iterations;
   tried.mechanics.contact_changes += before.contact_changes;
-  if (!outcome.converged) tried.why = "mechanical";
+  if (!outcome.converged) tried.diverged = Diverged::mechanics;
   return outcome.converged;
 }
 
 template <int Dim>
-results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts) {
+StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
+  const StepView<Dim> view{.time = state_.time,
+                           .time_step = accepted.time_step,
+                           .cast_length = state_.cast_length,
+                           .metal_level = metal_level(),
+                           .last = finished(),
+                           .mesh = mesh(),
+                           .heat = accepted.heat,
+                           .temperature = state_.heat.temperature,
+                           .slab = state_.slab,
+                           .checks = mechanics_.checks(),
+                           .growing = mesh().elements() - growing_elements(),
+                           .face_length = face_length_,
+                           .monitor_displacement = monitors.displacement};
+  return meter_.measure(view, state_.findings.history);
+}
+
+template <int Dim>
+void SlabRun<Dim>::judge(const StepFigures& step) {
+  for (RunFailure& failure : casting::judge(case_, step, state_.findings)) fail(std::move(failure));
+}
+
+template <int Dim>
+results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts,
+                                         const StepFigures& step, MonitorReadings monitors) const {
   results::StepReport r = report_of<Dim>(
-      {case_, mesh(), state_, accepted, metal_level(), face_length_, schedule_,
-       block_temperature()},
+      {case_, mesh(), state_, accepted, step, face_length_, schedule_, block_temperature(),
+       std::move(monitors)},
       failed_attempts);
-  if (state_.slab.started) report_mechanics(r);
-  judge_plausibility(r);
-  return r;
-}
-
-template <int Dim>
-void SlabRun<Dim>::judge_plausibility(results::StepReport& r) {
-  std::vector<double> lift;
-  for (const auto& displacement : r.monitor_displacement) lift.push_back(displacement.back());
-  const StepView<Dim> view{r,           metal_level(),
-                           mesh(),      state_.heat.temperature,
-                           state_.slab, mesh().elements() - growing_elements(),
-                           lift,        state_.validity.lost};
-  judge(case_, view, r, state_.plausibility);
-}
-
-template <int Dim>
-void SlabRun<Dim>::report_mechanics(results::StepReport& r) {
+  if (!state_.slab.started) return r;
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;
   r.complementarity_error = checks.complementarity_error;
-  r.bottom_reaction = checks.bottom_reaction / face_length_;
-  r.weight = checks.weight / face_length_;
+  r.bottom_reaction = step.bottom_reaction;
+  r.weight = step.weight;
   (Dim == 2 ? r.contact_length : r.contact_area) = checks.contact_length;
   r.liquid_pressure_error = checks.liquid_pressure_error;
-  const SolidMotion motion =
-      validity_.judge({state_.time, mesh(), state_.slab, state_.heat.temperature,
-                       mesh().elements() - growing_elements(), liquid_pressure_error()},
-                      state_.validity);
-  r.maximum_rotation = motion.rotation;
-  r.bottom_slip = motion.slip;
-  r.beyond_validity = state_.validity.lost.has_value();
-}
-
-template <int Dim>
-Extreme SlabRun<Dim>::liquid_pressure_error() const {
-  const mechanics::SlabChecks& checks = mechanics_.checks();
-  if (checks.worst_liquid < 0) return {};
-  return {checks.liquid_pressure_error, centroid(mesh(), checks.worst_liquid)};
+  r.maximum_rotation = step.rotation.value;
+  r.bottom_slip = step.slip.value;
+  r.beyond_validity = state_.findings.lost.has_value();
+  return r;
 }
 
 /// Number of elements in the row that stretches with the metal level; zero if the level no longer

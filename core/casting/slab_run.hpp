@@ -6,15 +6,17 @@
 #include <vector>
 
 #include "core/base/team.hpp"
+#include "core/case/case.hpp"
+#include "core/case/casting_schedule.hpp"
 #include "core/casting/attempt.hpp"
-#include "core/casting/case.hpp"
 #include "core/casting/casting_run.hpp"
-#include "core/casting/casting_schedule.hpp"
 #include "core/casting/heat_source.hpp"
 #include "core/casting/run_mesh.hpp"
+#include "core/casting/run_report.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/casting/step_control.hpp"
-#include "core/casting/validity/validity.hpp"
+#include "core/findings/figures.hpp"
+#include "core/findings/judge.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
@@ -46,12 +48,10 @@ public:
   results::Frame take_frame() override;
   void fail(RunFailure failure) override { add_failure(state_.failures, std::move(failure)); }
   const RunFailures& failures() const override { return state_.failures; }
-  const std::optional<ValidityLoss>& validity_lost() const override { return state_.validity.lost; }
-  const std::vector<results::Finding>& findings() const override {
-    return state_.plausibility.raised;
-  }
+  const std::optional<ValidityLoss>& validity_lost() const override { return state_.findings.lost; }
+  const std::vector<results::Finding>& findings() const override { return state_.findings.raised; }
   restart::Sections state_sections() const override { return to_sections(state_); }
-  std::string restore(const restart::Sections& state) override;
+  [[nodiscard]] std::string restore(const restart::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
@@ -70,18 +70,19 @@ private:
   /// Grows the mesh to a metal level [m] with metal of a temperature [°C]. @return whether it grew
   bool grow(double level, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
-  bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
-  bool step_mechanics(Attempt& tried);
+  [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
+  [[nodiscard]] bool step_mechanics(Attempt& tried);
   double block_temperature() const;        ///< [°C]
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]
   double metal_level() const;              ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
-  results::StepReport report(const Attempt& accepted, int failed_attempts);
-  void report_mechanics(results::StepReport& report);
-  void judge_plausibility(results::StepReport& report);
-  Extreme liquid_pressure_error() const;
+  /// Figures of the accepted step. @param monitors  at its end
+  StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
+  void judge(const StepFigures& step);
+  results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
+                             MonitorReadings monitors) const;
   int growing_elements() const;
 
   Case case_;
@@ -95,7 +96,7 @@ private:
   /// quarter slab 1 (the totals) [1].
   double face_length_;
   bool has_profile_;  ///< the block is not flat
-  ValidityJudge<Dim> validity_;
+  StepMeter<Dim> meter_;
   RunState<Dim> state_;
   double heat_seconds_ = 0.0;  ///< [s] processor time of heat steps and growth
 };

@@ -3,7 +3,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/casting/slab_run.hpp"
-#include "core/casting/validity/motion.hpp"
+#include "core/findings/motion.hpp"
 
 namespace dccast::casting {
 
@@ -38,7 +38,7 @@ MergeOutcome SlabRun<Dim>::merge_rows() {
   }
   outcome.mechanics = mechanics_.follow_merging(state_.slab, std::move(projected), mesh_.mesh(),
                                                 state_.heat.temperature);
-  merge_turns<Dim>(merged, state_.validity.when_liquid);
+  merge_turns<Dim>(merged, state_.findings.history.when_liquid);
   state_.row_heights = mesh_.slab().row_heights();
   return outcome;
 }

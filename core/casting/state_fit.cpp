@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/casting/validity/motion.hpp"
+#include "core/findings/motion.hpp"
 
 namespace dccast::casting {
 
@@ -138,11 +138,15 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   const Shape shape = shape_of(state, run);
   fit_heat(state.heat, shape, reasons);
   fit_slab(state.slab, shape, reasons);
-  if (!state.validity.when_liquid.empty())  // before the mechanics begins nothing turns
-    reasons.require_reals(state.validity.when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
+  const std::vector<double>& when_liquid = state.findings.history.when_liquid;
+  if (!when_liquid.empty())  // before the mechanics begins nothing turns
+    reasons.require_reals(when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
                           "rotation when liquid");
-  for (const Finding& finding : state.plausibility.raised)
+  for (const Finding& finding : state.findings.raised) {
     if (!finding.place.empty()) reasons.require_reals(finding.place, Dim, "the place of a finding");
+    if (finding.worst && !finding.worst->place.empty())
+      reasons.require_reals(finding.worst->place, Dim, "the place of a finding");
+  }
   return reasons.first();
 }
 

@@ -30,8 +30,9 @@ public:
   /// The model is no longer valid: the next reported step and all later ones are marked. Called
   /// once, and again after a resumption. The step reports carry the mark too.
   virtual void on_validity_lost(const results::ValidityLoss&) {}
-  /// A finding about the casting. Each code comes once: findings of the case before the first step,
-  /// findings of a step before its report. All are repeated after a resumption.
+  /// A finding about the casting: findings of the case before the first step, findings of a step
+  /// before its report. One comes again at the end of the run if its worst exceedance has grown
+  /// since; all come again after a resumption. The last one of a code holds.
   virtual void on_finding(const results::Finding&) {}
   virtual void on_message(std::string_view text) = 0;
 };

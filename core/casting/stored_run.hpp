@@ -17,7 +17,7 @@ struct CheckpointOrigin {
 
 /// A checkpoint of this solver and this case, or the reason why there is none. Whether its state
 /// fits the run is checked by CastingRun::restore().
-struct StoredRun {
+struct [[nodiscard]] StoredRun {
   std::optional<restart::Sections> content;
   std::string reason;                ///< why there is no content; empty if there is
   bool other_version = false;        ///< the reason: another version of the solver wrote it

@@ -48,7 +48,7 @@ public:
 
   /// @param values  (entry of the pattern)
   /// @return false if the matrix is not positive definite; the factor is then unusable
-  bool factorize(std::span<const double> values);
+  [[nodiscard]] bool factorize(std::span<const double> values);
   /// Solves with the last factor. @param x  may be the same storage as `b`
   void solve(std::span<const double> b, std::span<double> x);
 
@@ -69,7 +69,7 @@ private:
   void take_matrix(std::span<const double> values, int from);
   bool streams() const;
   bool is_worth_sharing() const;
-  bool factorize_from(int row);
+  [[nodiscard]] bool factorize_from(int row);
   TileBand band();
 
   const TileKernels* kernels_;

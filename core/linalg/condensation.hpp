@@ -39,7 +39,7 @@ public:
   /// Changes the held unknowns to `held`.
   /// @return false if a new factorisation is needed: there are too many changes, which costs no
   ///         solve, or the matrix of the free unknowns is not positive definite
-  bool change(std::span<const char> held);
+  [[nodiscard]] bool change(std::span<const char> held);
 
   std::size_t changes() const { return changed_.size(); }
 
@@ -60,7 +60,7 @@ private:
   Changed condense(int unknown, bool released);
   /// Product of a changed unknown's column with a vector that is zero outside f.
   double along(const Changed& changed, std::span<const double> on_free) const;
-  bool factorize_small();
+  [[nodiscard]] bool factorize_small();
   void solve_small(std::vector<double>& z) const;
 
   std::size_t most_changes_;

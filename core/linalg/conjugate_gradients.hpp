@@ -9,7 +9,7 @@
 namespace dccast::linalg {
 
 /// How conjugate gradients ended.
-struct CgOutcome {
+struct [[nodiscard]] CgOutcome {
   enum class End {
     converged,
     too_many,    ///< not converged within the permitted iterations

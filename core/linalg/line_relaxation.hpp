@@ -25,7 +25,7 @@ public:
   /// @param block  (unknown of the row, unknown of the column)
   void add(const typename LineLayout<PerNode>::Place& at, const double* block);
   /// Factorises the lines. @return false if one is not positive definite
-  bool factorize();
+  [[nodiscard]] bool factorize();
 
   /// Forward sweep from x = 0; residual = b - A x.
   void forward(const std::vector<float>& b, std::vector<float>& x,
@@ -51,7 +51,7 @@ private:
     float below[square];
   };
 
-  bool factorize_line(int line);
+  [[nodiscard]] bool factorize_line(int line);
   void solve_line(int line, const float* b, float* x) const;
 
   const LineLayout<PerNode>* layout_ = nullptr;

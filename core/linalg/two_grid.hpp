@@ -31,7 +31,7 @@ public:
   ///                 by orders of magnitude
   /// @param held     (unknown) not zero where held; the coarse problem does not contain these
   /// @return false if the matrix is found not to be positive definite
-  bool factorize(const SparsityPattern& pattern, std::span<const double> values,
+  [[nodiscard]] bool factorize(const SparsityPattern& pattern, std::span<const double> values,
                  std::span<const char> held);
 
   /// z = M^-1 r. @param z  not the same storage as `r`
@@ -54,7 +54,7 @@ private:
                  std::span<const char> held);
   void add_coarse(const Place& at, const double* block);
   void add_to_coarse(const Place& at, double share, const double* block);
-  bool factorize_coarse();
+  [[nodiscard]] bool factorize_coarse();
   void restrict_residual();
   void interpolate_correction();
 

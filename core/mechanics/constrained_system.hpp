@@ -26,7 +26,7 @@ public:
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]; its effect
   ///                       on the free ones is kept for the next solve()
   /// @return false if the reduced matrix is not positive definite
-  bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
+  [[nodiscard]] bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
   /// Same stiffness, other held unknowns: refactorises only the last rows if the changed unknowns
   /// are eliminated last, else condenses the system onto them. @pre factorize() has succeeded and
@@ -34,30 +34,30 @@ public:
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   /// @return false if a new factorisation is needed: this one would not pay, or the matrix is not
   ///         positive definite
-  bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
+  [[nodiscard]] bool change(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
   /// Accepts a new stiffness in `work.stiffness`, with the factor of an older one as
   /// preconditioner.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   /// @return false in 2D, where this does not pay: a new factorisation is needed
-  bool renew(std::span<const char> fixed, std::span<const double> step_of_fixed);
+  [[nodiscard]] bool renew(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
   /// Solves K d = -residual on the free unknowns, with d = step_of_fixed on the held ones, and
   /// stores d in `work.direction`. Refactorises if conjugate gradients do not converge.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
   /// @param tolerance      [1] relative residual of conjugate gradients
   /// @return false if the matrix is not positive definite, or the two-grid solver did not converge
-  bool solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
+  [[nodiscard]] bool solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
              double tolerance = tight);
 
   /// Tolerance of a solution as accurate as a direct one [1].
   static constexpr double tight = 1e-12;
 
 private:
-  bool change_solid(std::span<const char> fixed);
-  bool solve_free(std::span<const char> fixed, double tolerance);         ///< [1] relative residual
-  bool solve_by_two_grid(std::span<const char> fixed, double tolerance);  ///< [1] relative residual
-  bool hold_and_factorize(std::span<const char> fixed);
+  [[nodiscard]] bool change_solid(std::span<const char> fixed);
+  [[nodiscard]] bool solve_free(std::span<const char> fixed, double tolerance);         ///< [1] relative residual
+  [[nodiscard]] bool solve_by_two_grid(std::span<const char> fixed, double tolerance);  ///< [1] relative residual
+  [[nodiscard]] bool hold_and_factorize(std::span<const char> fixed);
   bool changes_only_last_rows(std::span<const char> fixed) const;
   // `stiffness` [force/m], `step_of_fixed` [m].
   void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);

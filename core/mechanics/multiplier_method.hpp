@@ -202,7 +202,7 @@ protected:
 
   /// Assembles and factorises the matrix of the linear problem (57) with the present parameters.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
-  bool factorize(ConstrainedSystem& system, std::span<const char> fixed,
+  [[nodiscard]] bool factorize(ConstrainedSystem& system, std::span<const char> fixed,
                  std::span<const double> step_of_fixed) {
     evaluate(multiplier_law());
     equilibrium_.tangent(work_.stiffness);
@@ -211,7 +211,7 @@ protected:
 
   /// The same after a change of the contact set; the matrix does not change within a step.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
-  bool hold(ConstrainedSystem& system, std::span<const char> fixed,
+  [[nodiscard]] bool hold(ConstrainedSystem& system, std::span<const char> fixed,
             std::span<const double> step_of_fixed) {
     if (factorized_ && system.change(fixed, step_of_fixed)) return true;
     return factorize(system, fixed, step_of_fixed);

@@ -92,7 +92,7 @@ private:
     if (refactor_ && !this->hold(system_, constraints_.fixed(), step)) return false;
     refactor_ = false;
     this->evaluate(this->multiplier_law());
-    system_.solve(constraints_.fixed(), step);
+    if (!system_.solve(constraints_.fixed(), step)) return false;
     this->advance();
     this->evaluate(this->multiplier_law());
     return true;

@@ -75,8 +75,7 @@ private:
         outcome_.converged = true;
         return;
       }
-      const int most = iteration_limit(options_) + (descending_ ? further_iterations : 0);
-      if (outcome_.iterations >= most || !std::isfinite(relative)) return;
+      if (outcome_.iterations >= most_iterations() || !std::isfinite(relative)) return;
       ++outcome_.iterations;
       const bool moved = changes > 0 || lifting || blocked_;
       const bool found = keeps_factor() ? find_direction_by_gradients(relative, last, step_of_fixed)
@@ -146,6 +145,13 @@ private:
       one_by_one_ = one_by_one_ || pushed_back_;
     }
     return whole && most == 1.0;
+  }
+
+  /// A limit that the case sets holds; the default one leaves the descent, which changes one pair at
+  /// a time, as many iterations as it needs.
+  int most_iterations() const {
+    const bool further = descending_ && !options_.maximum_iterations;
+    return iteration_limit(options_) + (further ? further_iterations : 0);
   }
 
   double relative_residual() const { return constraints_.norm_of_free(work_.residual) / acting_; }

@@ -67,7 +67,7 @@ private:
     add_contact_forces();
     while (outcome.iterations < most) {
       ++outcome.iterations;
-      system_.solve(this->problem_.fixed, step_);
+      if (!system_.solve(this->problem_.fixed, step_)) return;
       this->advance();
       step_.assign(step_.size(), 0.0);
       this->settled_ = true;

@@ -20,7 +20,7 @@ struct ForceScales {
 };
 
 /// Outcome of one step. Non-convergence is a result that drives the step control, not an exception.
-struct StepOutcome {
+struct [[nodiscard]] StepOutcome {
   bool converged = false;
   int iterations = 0;
   int contact_changes = 0;

@@ -78,7 +78,7 @@ private:
   bool solve_displacement(bool refactor) {
     const auto step = constraints_.step_from(this->unknowns_.displacement);
     if (refactor && !this->hold(system_, constraints_.fixed(), step)) return false;
-    system_.solve(constraints_.fixed(), step);
+    if (!system_.solve(constraints_.fixed(), step)) return false;
     this->advance();
     return true;
   }

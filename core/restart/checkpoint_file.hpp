@@ -9,7 +9,7 @@
 namespace dccast::restart {
 
 /// Result of reading a checkpoint: the content, or the reason why there is none.
-struct CheckpointRead {
+struct [[nodiscard]] CheckpointRead {
   std::optional<Sections> content;
   /// "", "missing", "truncated", "checksum", "not a checkpoint", or the format it has
   std::string reason;

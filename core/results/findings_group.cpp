@@ -53,15 +53,49 @@ std::vector<std::string> column(const std::vector<Finding>& findings, TextOf&& t
   return values;
 }
 
-void write_places(File& file, const std::vector<Finding>& findings) {
-  std::vector<double> places(findings.size() * coordinates, absent);
-  for (std::size_t i = 0; i < findings.size(); ++i) {
-    const auto& place = findings[i].place;
-    std::copy_n(place.begin(), std::min(place.size(), coordinates),
-                places.begin() + static_cast<std::ptrdiff_t>(i * coordinates));
+/// Places of the undeformed slab as rows of three coordinates.
+void write_places(File& file, const char* dataset, const std::vector<std::vector<double>>& place,
+                  const char* meaning) {
+  std::vector<double> rows(place.size() * coordinates, absent);
+  for (std::size_t i = 0; i < place.size(); ++i)
+    std::copy_n(place[i].begin(), std::min(place[i].size(), coordinates),
+                rows.begin() + static_cast<std::ptrdiff_t>(i * coordinates));
+  file.write(dataset, {place.size(), coordinates}, rows.data(), "m", meaning);
+}
+
+std::vector<std::vector<double>> read_places(const File& file, const char* dataset,
+                                             std::size_t count) {
+  const auto rows = file.read_reals(dataset);
+  std::vector<std::vector<double>> place(count);
+  for (std::size_t i = 0; i < count * coordinates; ++i)
+    if (std::isfinite(rows.at(i))) place[i / coordinates].push_back(rows[i]);
+  return place;
+}
+
+void write_worst(File& file, const std::vector<Finding>& findings) {
+  std::vector<double> time, value;
+  std::vector<std::vector<double>> place;
+  for (const Finding& finding : findings) {
+    const Exceedance worst = finding.worst.value_or(Exceedance{absent, absent, {}});
+    time.push_back(worst.time);
+    value.push_back(worst.value);
+    place.push_back(worst.place);
   }
-  file.write("/findings/place_m", {findings.size(), coordinates}, places.data(), "m",
-             "in the undeformed slab, in 2D two coordinates; NaN if there is no place");
+  file.write("/findings/worst_time_s", {time.size()}, time.data(), "s",
+             "of the figure farthest beyond the limit; NaN if there is none");
+  file.write("/findings/worst_value", {value.size()}, value.data(), "1",
+             "in the unit of the finding");
+  write_places(file, "/findings/worst_place_m", place, "as place_m");
+}
+
+/// Files of programs that did not know it have none.
+void read_worst(const File& file, std::vector<Finding>& findings) {
+  if (!file.has("/findings/worst_value")) return;
+  const auto time = file.read_reals("/findings/worst_time_s");
+  const auto value = file.read_reals("/findings/worst_value");
+  const auto place = read_places(file, "/findings/worst_place_m", findings.size());
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    if (std::isfinite(value.at(i))) findings[i].worst = Exceedance{time.at(i), value[i], place[i]};
 }
 
 Severity severity_named(const File& file, const std::string& name) {
@@ -70,15 +104,6 @@ Severity severity_named(const File& file, const std::string& name) {
     throw storage::StorageError(EINVAL, file.path().string() + ":/findings/severity",
                                 "names " + name);
   return *found;
-}
-
-void read_places(const File& file, std::vector<Finding>& findings) {
-  const auto places = file.read_reals("/findings/place_m");
-  for (std::size_t i = 0; i < findings.size(); ++i)
-    for (std::size_t d = 0; d < coordinates; ++d) {
-      const double value = places.at(i * coordinates + d);
-      if (std::isfinite(value)) findings[i].place.push_back(value);
-    }
 }
 
 }  // namespace
@@ -98,7 +123,11 @@ void write_findings(File& file, const std::vector<Finding>& findings) {
     for (const Finding& f : findings) values.push_back((f.*field.member).value_or(absent));
     file.write(field.dataset, {values.size()}, values.data(), field.unit, field.meaning);
   }
-  write_places(file, findings);
+  std::vector<std::vector<double>> place;
+  for (const Finding& finding : findings) place.push_back(finding.place);
+  write_places(file, "/findings/place_m", place,
+               "in the undeformed slab, in 2D two coordinates; NaN if there is no place");
+  write_worst(file, findings);
 }
 
 std::vector<Finding> read_findings(const File& file) {
@@ -116,7 +145,9 @@ std::vector<Finding> read_findings(const File& file) {
     for (std::size_t i = 0; i < findings.size(); ++i)
       if (std::isfinite(values.at(i))) findings[i].*field.member = values[i];
   }
-  read_places(file, findings);
+  const auto place = read_places(file, "/findings/place_m", findings.size());
+  for (std::size_t i = 0; i < findings.size(); ++i) findings[i].place = place[i];
+  read_worst(file, findings);
   return findings;
 }
 

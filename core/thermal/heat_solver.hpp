@@ -28,7 +28,7 @@ struct HeatBalance {
   double error = 0.0;  ///< [1]
 };
 
-struct HeatStepOutcome {
+struct [[nodiscard]] HeatStepOutcome {
   bool converged = false;
   int iterations = 0;
   int factorizations = 0;
@@ -108,10 +108,10 @@ private:
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
   /// Slopes in the matrix: the true derivatives; c bounded from below; also D at its upper bound.
   enum class Slope { newton, newton_bounded, largest };
-  bool factorize(Slope kind, double time_step);  ///< time_step [s]
-  bool factorize_newton(double time_step);       ///< time_step [s]
-  bool factorize_matrix();
-  bool solve_by_two_grid();
+  [[nodiscard]] bool factorize(Slope kind, double time_step);  ///< time_step [s]
+  [[nodiscard]] bool factorize_newton(double time_step);       ///< time_step [s]
+  [[nodiscard]] bool factorize_matrix();
+  [[nodiscard]] bool solve_by_two_grid();
   bool newton_direction();
   double relative_residual(double time_step) const;                ///< [1]; time_step [s]
   bool line_search(const HeatStepInput& input, double reference);  ///< reference residual [1]

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "dccast/v1/case.pb.h"
 
 /// Parts of to_core(): SI units and degrees Celsius on both sides.

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "dccast/v1/case.pb.h"
 
 namespace dccast::translate {

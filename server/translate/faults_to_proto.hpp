@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/casting/case_check.hpp"
+#include "core/case/case_check.hpp"
 #include "dccast/v1/service.pb.h"
 
 namespace dccast::translate {

@@ -12,9 +12,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/casting/case_check.hpp"
-#include "core/casting/plausibility/plausibility.hpp"
+#include "core/case/case_check.hpp"
+#include "core/casting/forecast.hpp"
 #include "core/casting/solver_identity.hpp"
+#include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
 #include "dccast/v1/service.pb.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "core/casting/step_observer.hpp"
 #include "server/worker/run_link.hpp"
 

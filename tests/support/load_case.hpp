@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 
 namespace dccast::v1 {
 enum Quality : int;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 
 namespace dccast::regression {
 

@@ -2,7 +2,8 @@
 #include <set>
 #include <string>
 
-#include "core/casting/plausibility/plausibility.hpp"
+#include "core/casting/forecast.hpp"
+#include "core/findings/judge.hpp"
 #include "tests/regression/whole_run.hpp"
 #include "tests/support/load_case.hpp"
 

@@ -14,10 +14,11 @@
 #include <system_error>
 #include <thread>
 
-#include "core/casting/case_check.hpp"
-#include "core/casting/plausibility/plausibility.hpp"
+#include "core/case/case_check.hpp"
+#include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/solver_identity.hpp"
+#include "core/findings/judge.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {

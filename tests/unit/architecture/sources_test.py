@@ -18,7 +18,7 @@ PARTS_SEEN = {
 
 # A core room sees the rooms before it. Those named here see less.
 CORE_ROOMS = ["base", "storage", "mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics",
-              "restart", "hdf5", "prescribed", "results", "casting"]
+              "restart", "hdf5", "prescribed", "results", "case", "findings", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
 CORE_ROOMS_SEEN["restart"] = {"restart", "storage", "base"}
 CORE_ROOMS_SEEN["hdf5"] = {"hdf5", "storage", "base"}
@@ -26,7 +26,8 @@ CORE_ROOMS_SEEN["prescribed"] = {"prescribed", "hdf5", "storage", "base"}
 CORE_ROOMS_SEEN["results"] = {"results", "restart", "hdf5", "storage", "base"}
 for room in ("mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics"):  # no files
     CORE_ROOMS_SEEN[room] -= {"storage"}
-for room in ("contact", "mechanics"):  # thermal and mechanics meet only in casting
+CORE_ROOMS_SEEN["case"] -= {"restart", "hdf5", "results"}
+for room in ("contact", "mechanics"):  # thermal and mechanics meet only from case on
     CORE_ROOMS_SEEN[room] -= {"thermal"}
 
 # The daemon never runs a solver: of the server only these rooms see core, the others only what knows

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/casting/case_check.hpp"
+#include "core/case/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/thermal/casting_case.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/command_line.hpp"
+#include "client/cli/command_line.hpp"
 
 namespace dccast::client {
 

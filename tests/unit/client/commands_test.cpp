@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/message_json.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
+#include "json_reading.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/sha256.hpp"
 
@@ -40,8 +40,9 @@ struct Commands : testing::Test {
 
 TEST_F(Commands, EveryCommandHasAnExample) {
   for (const char* const name :
-       {"new", "validate", "query", "submit", "watch", "wait", "list", "show", "curl", "contraction", "compare",
-        "fetch", "report", "convergence", "cancel", "pause", "resume", "delete", "schema", "alloys", "info"}) {
+       {"new",    "validate", "query",       "submit",  "watch",  "wait",   "list",
+        "show",   "curl",     "contraction", "compare", "fetch",  "report", "convergence",
+        "cancel", "pause",    "resume",      "delete",  "schema", "alloys", "info"}) {
     const Result result = run({name, "--help"});
     EXPECT_EQ(result.code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example:\n  dccast " + std::string(name)));
@@ -89,14 +90,15 @@ TEST_F(Commands, AnInvalidCaseShowsTheFaultsOfBothSidesAtTheirPlaces) {
   EXPECT_EQ(result.code, 2);
   EXPECT_THAT(result.err, HasSubstr(file + ":2:1: section.half_width = 3: the unit is missing"));
   EXPECT_THAT(result.err, HasSubstr(file + ":8:1: monitor[0].x: outside the slab"));
-  EXPECT_EQ(Json::parse(run({"validate", "--json", file}).out)["faults"].size(), 2u);
+  EXPECT_EQ(ReadJson::parse(run({"validate", "--json", file}).out)["faults"].size(), 2u);
 }
 
 TEST_F(Commands, CurlComesAsTableCsvAndJson) {
   EXPECT_THAT(run({"curl", "job"}).out, HasSubstr("corner mm"));
   EXPECT_THAT(run({"curl", "--csv", "job"}).out,
               HasSubstr("time_s,cast_length_m,corner_curl_m,beyond_validity\n1,0.001,0.001,0\n"));
-  EXPECT_EQ(Json::parse(run({"curl", "--json", "job"}).out)["monitors"][0]["curl_m"].size(), 3u);
+  EXPECT_EQ(ReadJson::parse(run({"curl", "--json", "job"}).out)["monitors"][0]["curl_m"].size(),
+            3u);
   EXPECT_EQ(run({"curl", "--json", "--csv", "job"}).code, 2);
 }
 
@@ -159,8 +161,8 @@ TEST_F(Commands, ChangesGoWithTheCaseAndAreCheckedAsTheFileIs) {
 }
 
 TEST_F(Commands, TheBeginningOfAnIdIsEnoughWhereItIsTheOnlyOne) {
-  for (const char* const id : {"0f2b9a4e-0000-4000-8000-000000000000",
-                               "0f2b1111-0000-4000-8000-000000000000"})
+  for (const char* const id :
+       {"0f2b9a4e-0000-4000-8000-000000000000", "0f2b1111-0000-4000-8000-000000000000"})
     service.listed_jobs.emplace_back(service.job).set_id(id);
   service.job.set_id("0f2b9a4e-0000-4000-8000-000000000000");
   EXPECT_EQ(run({"show", "0f2b9"}).code, 0);
@@ -234,7 +236,7 @@ TEST_F(Commands, AReportWithoutAFrameIsStillAReport) {
 }
 
 TEST_F(Commands, TheSchemaListsEveryKey) {
-  const Json rows = Json::parse(run({"schema", "--json"}).out);
+  const ReadJson rows = ReadJson::parse(run({"schema", "--json"}).out);
   EXPECT_GT(rows.size(), 90u);
   const std::string speed = run({"schema", "casting_speed"}).out;
   EXPECT_THAT(speed, HasSubstr("0 to 0.1 m/s"));

@@ -1,11 +1,11 @@
-#include "client/connection.hpp"
+#include "client/session/connection.hpp"
 
 #include <cstdlib>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/submission.hpp"
+#include "client/session/jobs.hpp"
 #include "fake_service.hpp"
 
 namespace dccast::client {

@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/message_json.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
+#include "json_reading.hpp"
 #include "tests/unit/frames/cooled_slab.hpp"
 
 namespace dccast::client {
@@ -48,7 +48,7 @@ TEST_F(ContractionCommand, ShowsTheHeightsAskedForAgainstWhatIsWanted) {
 }
 
 TEST_F(ContractionCommand, JsonHasAllRowsAndNullWhereNothingIsKnown) {
-  const Json json = Json::parse(run({"--json"}).out);
+  const ReadJson json = ReadJson::parse(run({"--json"}).out);
   ASSERT_EQ(json["rows"].size(), height_m.size());
   EXPECT_EQ(json["rows"][0]["x_m"].size(), along_m.size());
   EXPECT_TRUE(json["rows"][3]["half_thickness_at_20_c_m"][0].is_null());

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/download.hpp"
+#include "client/session/download.hpp"
 #include "fake_service.hpp"
 #include "proto/values/sha256.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <grpcpp/server.h>
 
-#include "client/connection.hpp"
+#include "client/session/connection.hpp"
 #include "dccast/v1/service.grpc.pb.h"
 
 namespace dccast::client {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/case_faults.hpp"
+#include "client/session/case_faults.hpp"
 
 namespace dccast::client {
 namespace {

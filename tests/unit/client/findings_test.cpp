@@ -1,4 +1,4 @@
-#include "client/render/findings.hpp"
+#include "client/text/findings.hpp"
 
 #include <unistd.h>
 

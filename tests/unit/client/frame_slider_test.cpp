@@ -4,13 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/message_json.hpp"
-#include "client/render/base64.hpp"
-#include "client/render/frame_skin.hpp"
-#include "client/render/frame_slider.hpp"
-#include "client/render/report_page.hpp"
-#include "client/render/section_picture.hpp"
-#include "client/render/slab_picture.hpp"
+#include "client/html/base64.hpp"
+#include "client/html/frame_skin.hpp"
+#include "client/html/frame_slider.hpp"
+#include "client/html/report_page.hpp"
+#include "client/html/section_picture.hpp"
+#include "client/html/slab_picture.hpp"
+#include "json_reading.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -63,11 +63,11 @@ std::string slider_of(const FrameSeries& series) {
   return frame_slider(series, {}, {PictureView{}}, 1.0);
 }
 
-Json numbers_in(const std::string& html) {
+ReadJson numbers_in(const std::string& html) {
   std::smatch found;
   const bool there = std::regex_search(
       html, found, std::regex("<script type='application/json' class='frames'>([^<]*)</script>"));
-  return there ? Json::parse(found.str(1)) : Json();
+  return there ? ReadJson::parse(found.str(1)) : ReadJson();
 }
 
 /// The inverse of base64().
@@ -133,7 +133,7 @@ TEST(FrameSlider, HoldsTheFramesBeforeTheLastAndLoadsNothing) {
     EXPECT_THAT(html, HasSubstr("3 of 7 stored frames"));
     for (const char* const absent : {"http", "src=", "import", "fetch("})
       EXPECT_THAT(html, Not(HasSubstr(absent)));
-    const Json json = numbers_in(html);
+    const ReadJson json = numbers_in(html);
     ASSERT_EQ(json["frames"].size(), 2u);
     EXPECT_EQ(json["frames"][1]["when"], "10.0 s, cast length 10.0 mm");
     EXPECT_EQ(json["frames"][1]["nodes"], dimension == 2 ? 9 : 27);
@@ -141,14 +141,14 @@ TEST(FrameSlider, HoldsTheFramesBeforeTheLastAndLoadsNothing) {
 }
 
 TEST(FrameSlider, AMeshThatHasGrownSharesItsFaces) {
-  const Json section = numbers_in(slider_of(growing(2)));
+  const ReadJson section = numbers_in(slider_of(growing(2)));
   EXPECT_THAT(decoded(section["faces"]), SizeIs(4 * 8));
-  for (const Json& frame : section["frames"]) {
+  for (const ReadJson& frame : section["frames"]) {
     EXPECT_FALSE(frame["all"].get<bool>());
     EXPECT_EQ(frame["own"], "");
   }
   // The face on top lies inside later.
-  const Json cube = numbers_in(slider_of(growing(3)));
+  const ReadJson cube = numbers_in(slider_of(growing(3)));
   EXPECT_FALSE(cube["frames"][0]["all"].get<bool>());
   EXPECT_THAT(decoded(cube["frames"][0]["own"]), SizeIs(4 * 4));
 }
@@ -159,13 +159,13 @@ TEST(FrameSlider, AMeshOfItsOwnBringsItsFaces) {
   for (int e = 0; e < 2; ++e)
     for (int i = 0; i < 3; ++i)
       other.mutable_element_node()->SwapElements(4 * e + i, 4 * e + i + 1);
-  const Json json = numbers_in(slider_of(series));
+  const ReadJson json = numbers_in(slider_of(series));
   EXPECT_TRUE(json["frames"][0]["all"].get<bool>());
   EXPECT_THAT(decoded(json["frames"][0]["own"]), SizeIs(4 * 2));
 }
 
 TEST(FrameSlider, PlacesAndTemperaturesAreThoseOfTheFrame) {
-  const Json json = numbers_in(slider_of(growing(2)));
+  const ReadJson json = numbers_in(slider_of(growing(2)));
   const double low = json["place"][0], high = json["place"][1];
   const double cold = json["temperature"][0], hot = json["temperature"][1];
   const auto numbers = decoded(json["frames"][1]["moving"]);
@@ -196,7 +196,7 @@ TEST(FrameSlider, AFrameBeyondValiditySaysSo) {
   CurlHistory history;
   history.time_s = {0.0, 10.0, 30.0};
   history.beyond = {false, true, true};
-  const Json json = numbers_in(frame_slider(growing(2), history, {PictureView{}}, 1.0));
+  const ReadJson json = numbers_in(frame_slider(growing(2), history, {PictureView{}}, 1.0));
   EXPECT_FALSE(json["frames"][0]["beyond"].get<bool>());
   EXPECT_TRUE(json["frames"][1]["beyond"].get<bool>());
 }

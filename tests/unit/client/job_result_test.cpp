@@ -1,4 +1,4 @@
-#include "client/job_result.hpp"
+#include "client/session/jobs.hpp"
 
 #include <gtest/gtest.h>
 

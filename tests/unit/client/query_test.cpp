@@ -7,12 +7,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/comparison.hpp"
-#include "client/message_json.hpp"
-#include "client/render/braille.hpp"
-#include "client/render/comparison_text.hpp"
+#include "client/model/comparison.hpp"
+#include "client/text/braille.hpp"
+#include "client/text/comparison_text.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
+#include "json_reading.hpp"
 #include "proto/case_file/shipped.hpp"
 
 namespace dccast::client {
@@ -62,7 +62,7 @@ TEST_F(Query, FindingsComeFirst) {
 }
 
 TEST_F(Query, JsonHasTheHistory) {
-  const Json json = Json::parse(run({"query", "--json", file}).out);
+  const ReadJson json = ReadJson::parse(run({"query", "--json", file}).out);
   EXPECT_EQ(json["monitors"][0]["curl_m"].size(), 3u);
   EXPECT_TRUE(json["monitors"][0]["uncertainty_m"].is_null());
   EXPECT_EQ(json["state"], "SUCCEEDED");
@@ -102,7 +102,7 @@ TEST_F(Query, AComparisonNamesKeysAndDifferences) {
   text << std::ifstream(page).rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("<svg class='chart'"));
   EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 2) << "it would be overwritten";
-  const Json json = Json::parse(run({"compare", "--json", file, "job"}).out);
+  const ReadJson json = ReadJson::parse(run({"compare", "--json", file, "job"}).out);
   EXPECT_EQ(json["runs"].size(), 2u);
   EXPECT_EQ(json["differences"][0]["end_m"], 0.0);
 }

@@ -5,15 +5,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/render/braille.hpp"
-#include "client/render/isotherms.hpp"
-#include "client/render/progress.hpp"
-#include "client/render/report_page.hpp"
-#include "client/render/section_picture.hpp"
-#include "client/render/svg_chart.hpp"
-#include "client/render/terminal.hpp"
-#include "client/render/watch_output.hpp"
+#include "client/html/isotherms.hpp"
+#include "client/html/report_page.hpp"
+#include "client/html/section_picture.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/text/braille.hpp"
+#include "client/text/progress.hpp"
+#include "client/text/terminal.hpp"
+#include "client/text/watch_output.hpp"
 #include "fake_service.hpp"
+#include "json_reading.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -115,7 +116,7 @@ TEST(Progress, AStepReportedAgainWithoutAWordReplacesItself) {
 TEST(WatchOutput, EveryLineHasTheKeysThatScriptsRelyOn) {
   WatchOutput output;
   for (const v1::JobEvent& event : run_of(2)) {
-    const Json line = output.line(event);
+    const ReadJson line = ReadJson::parse(output.line(event).dump());
     for (const char* const key :
          {"sequence", "state", "step", "time_s", "cast_length_m", "iterations", "monitors"})
       EXPECT_TRUE(line.contains(key)) << key;

@@ -4,16 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/render/colour_bands.hpp"
-#include "client/render/frame_surface.hpp"
-#include "client/render/gap_map.hpp"
-#include "client/render/plant_units.hpp"
-#include "client/render/pull_in.hpp"
-#include "client/render/report_page.hpp"
-#include "client/render/section_picture.hpp"
-#include "client/render/slab_picture.hpp"
-#include "client/render/svg_chart.hpp"
-#include "client/render/table.hpp"
+#include "client/html/colour_bands.hpp"
+#include "client/html/frame_surface.hpp"
+#include "client/html/gap_map.hpp"
+#include "client/html/pull_in.hpp"
+#include "client/html/report_page.hpp"
+#include "client/html/section_picture.hpp"
+#include "client/html/slab_picture.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/text/plant_units.hpp"
+#include "client/text/table.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 

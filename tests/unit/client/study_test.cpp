@@ -1,13 +1,13 @@
-#include "client/study.hpp"
+#include "client/model/study.hpp"
 
 #include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/render/report_page.hpp"
-#include "client/render/study_part.hpp"
-#include "client/render/study_table.hpp"
+#include "client/html/report_page.hpp"
+#include "client/html/study_part.hpp"
+#include "client/text/study_text.hpp"
 
 namespace dccast::client {
 namespace {

@@ -1,18 +1,19 @@
-#include "client/render/validity.hpp"
+#include "client/text/findings.hpp"
 
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/message_json.hpp"
-#include "client/render/job_text.hpp"
-#include "client/render/progress.hpp"
-#include "client/render/report_page.hpp"
-#include "client/render/study_table.hpp"
-#include "client/render/watch_output.hpp"
+#include "client/html/report_page.hpp"
+#include "client/model/json.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/progress.hpp"
+#include "client/text/study_text.hpp"
+#include "client/text/watch_output.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
+#include "json_reading.hpp"
 
 namespace dccast::client {
 namespace {
@@ -83,7 +84,7 @@ TEST_F(Validity, ShowAndListSayIt) {
   EXPECT_THAT(shown.out, HasSubstr(std::string("validity      ") + sentence));
   EXPECT_THAT(shown.out, HasSubstr("t 5.00 s  beyond validity"));
   EXPECT_THAT(run({"list"}).out, HasSubstr("succeeded, beyond validity"));
-  EXPECT_EQ(Json::parse(run({"list", "--json"}).out)[0]["validity_loss"]["kind"],
+  EXPECT_EQ(ReadJson::parse(run({"list", "--json"}).out)[0]["validity_loss"]["kind"],
             "MOTION_TOO_LARGE");
 }
 
@@ -96,7 +97,7 @@ TEST_F(Validity, WatchMarksEveryLineAfterIt) {
   std::istringstream lines(run({"watch", "--json", "job"}).out);
   int marked = 0, losses = 0;
   for (std::string text; std::getline(lines, text);) {
-    const Json line = Json::parse(text);
+    const ReadJson line = ReadJson::parse(text);
     if (line["event"] == "step") marked += line["beyond_validity"] == true;
     if (line["event"] == "validity_lost") losses += line["validity_loss"]["limit"] == 0.02;
   }
@@ -113,8 +114,8 @@ TEST_F(Validity, CurlMarksItInTableCsvAndJson) {
   const std::string csv = run({"curl", "--csv", "job"}).out;
   EXPECT_THAT(csv, HasSubstr("corner_curl_m,beyond_validity\n"));
   EXPECT_THAT(csv, HasSubstr("\n2,0.002,0.002,0\n3,0.003,0.003,1\n"));
-  const Json json = Json::parse(run({"curl", "--json", "job"}).out);
-  EXPECT_EQ(json["beyond_validity"], (Json{false, false, true, true, true}));
+  const ReadJson json = ReadJson::parse(run({"curl", "--json", "job"}).out);
+  EXPECT_EQ(json["beyond_validity"], (ReadJson{false, false, true, true, true}));
   EXPECT_EQ(json["validity_loss"]["time_s"], 3.0);
 }
 
@@ -199,7 +200,8 @@ TEST(FailureText, HasKindPlaceAndFurtherCauses) {
             "shell melted through: no solid path from the symmetry plane to the side\n"
             "at 166.000 s with a step of 0.5 s, x 120.0 mm, y 0.0 mm\n"
             "then: the results could not be published");
-  EXPECT_EQ(to_json(failure)["further_causes"][0], "the results could not be published");
+  EXPECT_EQ(ReadJson::parse(to_json(failure).dump())["further_causes"][0],
+            "the results could not be published");
   for (int kind = v1::Failure::Kind_MIN; kind <= v1::Failure::Kind_MAX; ++kind)
     EXPECT_THAT(render::failure_kind_text(static_cast<v1::Failure::Kind>(kind)),
                 Not(HasSubstr("_")));

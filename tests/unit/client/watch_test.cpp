@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/job_watch.hpp"
+#include "client/session/job_watch.hpp"
 #include "fake_service.hpp"
 
 namespace dccast::client {

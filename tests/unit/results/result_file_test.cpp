@@ -55,7 +55,16 @@ TEST(ResultFile, ReturnsFindingsWithWhatIsAbsent) {
   summary.findings = {
       {"no_superheat", Severity::danger, "Cold.", {}, {}, -20.0, 5.0, "K", "a.key"},
       {"hot_tears", Severity::warning, "Tears.", 1.0 / 3.0, {0.1, 0.2}, {}, {}, "", ""},
-      {"in_3d", Severity::note, "Deep.", 2.0, {0.1, 0.2, 0.3}, 1.0, 2.0, "m", ""}};
+      {"in_3d",
+       Severity::note,
+       "Deep.",
+       2.0,
+       {0.1, 0.2, 0.3},
+       1.0,
+       2.0,
+       "m",
+       "",
+       Exceedance{3.0, 0.5, {0.1, 0.2, 0.4}}}};
   writer.publish(summary);
   EXPECT_EQ(ResultReader(folder / "r.h5").summary().findings, summary.findings);
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/casting/case.hpp"
+#include "core/case/case.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/step_observer.hpp"
 

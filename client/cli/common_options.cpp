@@ -1,0 +1,69 @@
+#include "client/cli/common_options.hpp"
+
+#include <fstream>
+#include <iostream>
+
+#include "client/session/failure.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::client {
+
+cli::Option add_set_option(const cli::Command& command, std::vector<std::string>& changes) {
+  return command
+      .option("--set", changes,
+              "Change one key of the case, e.g. --set mesh.rows=30, "
+              "--set schedule.hold=\"5 s\" or --set schedule.water_flow.scale=\"0.8 until 100 "
+              "mm\"; may be given several times")
+      .placeholder("KEY=VALUE")
+      .one_value_each()
+      .check([](const std::string& text) {
+        return case_file::parse_change(text) ? std::string()
+                                             : "'" + text + "' is not KEY=VALUE, e.g. mesh.rows=30";
+      });
+}
+
+void add_force_flag(const cli::Command& command, bool& force) {
+  command.flag("-f,--force", force, "Overwrite an existing file");
+}
+
+void add_study_options(const cli::Command& command, StudyOptions& options,
+                       const StudyOptionTexts& texts) {
+  add_set_option(command, options.base.set);
+  command.option("--label", options.base.labels, "Label of the study; repeatable");
+  command.option("--study", options.study, texts.study);
+  command.flag("--no-wait", options.no_wait, "Do not wait for the runs to end");
+  command.option("--plot", options.plot, texts.plot);
+  add_force_flag(command, options.force);
+  command.json(options.json, texts.json);
+}
+
+double metres_of(const std::string& text, const char* option) {
+  const case_file::Quantity quantity = case_file::parse_quantity(text, "m");
+  if (!quantity.value)
+    throw CommandFailed(ExitCode::invalid, std::string(option) + " \"" + text + "\": " +
+                                               quantity.message + ", for example \"285 mm\"");
+  return *quantity.value;
+}
+
+void require_free(const std::filesystem::path& file, bool force) {
+  std::error_code error;
+  // Devices and pipes may always be written to.
+  if (force || !std::filesystem::is_regular_file(file, error)) return;
+  throw CommandFailed(
+      ExitCode::invalid,
+      file.string() + " exists already; give another -o, or --force to overwrite it");
+}
+
+void write_output(const std::string& path, const std::string& content) {
+  if (path == "-") {
+    std::cout << content << std::flush;
+    return;
+  }
+  std::ofstream stream(path, std::ios::binary);
+  if (!(stream << content << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + path);
+  std::cerr << "wrote " << path << '\n';
+}
+
+}  // namespace dccast::client

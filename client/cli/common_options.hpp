@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "client/cli/options.hpp"
+#include "client/session/studies.hpp"
+
+/// Options that several commands have.
+namespace dccast::client {
+
+/// The option `--set KEY=VALUE`, which may be given several times.
+cli::Option add_set_option(const cli::Command& command, std::vector<std::string>& changes);
+
+/// The flag `--force`, without which no file is overwritten.
+void add_force_flag(const cli::Command& command, bool& force);
+
+/// Options of every command that creates or continues a study.
+struct StudyOptions {
+  StudyCase base;
+  std::string study;  ///< study to continue
+  std::string plot;   ///< path of an HTML page; "-" is standard output
+  bool no_wait = false;
+  bool force = false;
+  bool json = false;
+};
+
+/// Help texts that differ between commands.
+struct StudyOptionTexts {
+  const char* study;
+  const char* plot;
+  const char* json;
+};
+
+/// Adds --set, --label, --study, --no-wait, --plot, --force and --json.
+void add_study_options(const cli::Command& command, StudyOptions& options,
+                       const StudyOptionTexts& texts);
+
+/// The length in an option's value such as "285 mm" [m]. Throws CommandFailed, naming the option.
+double metres_of(const std::string& text, const char* option);
+
+/// Throws CommandFailed if the file exists and must not be overwritten.
+void require_free(const std::filesystem::path& file, bool force);
+
+/// Writes a file, "-" is standard output. Throws CommandFailed.
+void write_output(const std::string& path, const std::string& content);
+
+}  // namespace dccast::client

@@ -1,0 +1,158 @@
+#include "client/cli/completion.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+
+namespace dccast::client {
+namespace {
+
+using Commands = std::vector<cli::CommandSummary>;
+
+bool takes(const cli::CommandSummary& command, std::initializer_list<const char*> arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [&](const char* argument) {
+    return std::count(command.arguments.begin(), command.arguments.end(), argument) > 0;
+  });
+}
+
+bool takes_job(const cli::CommandSummary& command) {
+  return takes(command, {"JOB", "RUN"});
+}
+
+bool takes_file(const cli::CommandSummary& command) {
+  return takes(command, {"FILE", "CASE", "RUN"});
+}
+
+/// Of a help text, which may go on with a long list of choices.
+std::string first_sentence(const std::string& text) {
+  return text.substr(0, text.find_first_of(".;:"));
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+/// In single quotes of a shell.
+std::string single_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string option_names(const cli::CommandSummary& command) {
+  std::vector<std::string> names;
+  for (const cli::OptionSummary& option : command.options)
+    names.insert(names.end(), option.names.begin(), option.names.end());
+  return joined(names);
+}
+
+std::string command_names(const Commands& commands) {
+  std::vector<std::string> names;
+  for (const cli::CommandSummary& command : commands) names.push_back(command.name);
+  return joined(names);
+}
+
+// The command is the first word that is no option; `dccast list` is asked for the ids.
+std::string bash_script(const Commands& commands) {
+  std::string cases;
+  for (const cli::CommandSummary& command : commands)
+    cases += "    " + command.name + ") words=" + single_quoted(option_names(command)) +
+             "; jobs=" + (takes_job(command) ? "1" : "") +
+             "; files=" + (takes_file(command) ? "1" : "") + " ;;\n";
+  return "# bash completion of dccast\n"
+         "_dccast() {\n"
+         "  local current=${COMP_WORDS[COMP_CWORD]} command= word words= jobs= files=\n"
+         "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
+         "    [[ $word != -* ]] && { command=$word; break; }\n"
+         "  done\n"
+         "  COMPREPLY=()\n"
+         "  case $command in\n"
+         "    '') words=" +
+         single_quoted(command_names(commands) + " --server --version --help") + " ;;\n" + cases +
+         "  esac\n"
+         "  if [[ -n $jobs && $current != -* ]]; then\n"
+         "    words+=\" last $(dccast list --ids 2>/dev/null)\"\n"
+         "  fi\n"
+         "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "  if [[ ${COMP_WORDS[COMP_CWORD-1]} == -o || -n $files && $current != -* ]]; then\n"
+         "    COMPREPLY+=($(compgen -f -- \"$current\"))\n"
+         "  fi\n"
+         "}\n"
+         "complete -o filenames -F _dccast dccast\n";
+}
+
+std::string zsh_options(const cli::CommandSummary& command) {
+  std::string lines;
+  for (const cli::OptionSummary& option : command.options)
+    for (const std::string& name : option.names)
+      lines += " " + single_quoted(name + ":" + first_sentence(option.help));
+  return lines;
+}
+
+std::string zsh_script(const Commands& commands) {
+  std::string names, cases;
+  for (const cli::CommandSummary& command : commands) {
+    names += "    " + single_quoted(command.name + ":" + first_sentence(command.help)) + "\n";
+    cases += "    " + command.name + ") options=(" + zsh_options(command) + " )" +
+             (takes_job(command) ? "; jobs=1" : "") + (takes_file(command) ? "; files=1" : "") +
+             " ;;\n";
+  }
+  return "#compdef dccast\n"
+         "_dccast() {\n"
+         "  local -a commands options ids\n"
+         "  local command= word jobs= files=\n"
+         "  commands=(\n" +
+         names +
+         "  )\n"
+         "  for word in ${words[2,CURRENT-1]}; do\n"
+         "    [[ $word != -* ]] && { command=$word; break }\n"
+         "  done\n"
+         "  case $command in\n"
+         "    '') _describe command commands; return ;;\n" +
+         cases +
+         "  esac\n"
+         "  if [[ $PREFIX == -* ]]; then\n"
+         "    _describe option options\n"
+         "    return\n"
+         "  fi\n"
+         "  if [[ -n $jobs ]]; then\n"
+         "    ids=(last ${(f)\"$(dccast list --ids 2>/dev/null)\"})\n"
+         "    compadd -a ids\n"
+         "  fi\n"
+         "  [[ -n $files || $words[CURRENT-1] == -o ]] && _files\n"
+         "}\n"
+         "if [[ $funcstack[1] == _dccast ]]; then _dccast \"$@\"; else compdef _dccast dccast; "
+         "fi\n";
+}
+
+std::string fish_option(const cli::CommandSummary& command, const cli::OptionSummary& option) {
+  std::string line = "complete -c dccast -n '__fish_seen_subcommand_from " + command.name + "'";
+  for (const std::string& name : option.names)
+    line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+  return line + (option.takes_value ? " -r" : "") + " -d " +
+         single_quoted(first_sentence(option.help)) + "\n";
+}
+
+std::string fish_script(const Commands& commands) {
+  std::string script = "# fish completion of dccast\ncomplete -c dccast -f\n";
+  for (const cli::CommandSummary& command : commands) {
+    script += "complete -c dccast -n __fish_use_subcommand -a " + command.name + " -d " +
+              single_quoted(first_sentence(command.help)) + "\n";
+    const std::string here =
+        "complete -c dccast -n '__fish_seen_subcommand_from " + command.name + "'";
+    if (takes_job(command)) script += here + " -a '(dccast list --ids 2>/dev/null) last'\n";
+    if (takes_file(command)) script += here + " -F\n";
+    for (const cli::OptionSummary& option : command.options) script += fish_option(command, option);
+  }
+  return script;
+}
+
+}  // namespace
+
+std::string completion_script(const Commands& commands, const std::string& shell) {
+  if (shell == "bash") return bash_script(commands);
+  return shell == "zsh" ? zsh_script(commands) : fish_script(commands);
+}
+
+}  // namespace dccast::client

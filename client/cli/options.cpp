@@ -1,0 +1,192 @@
+#include "client/cli/options.hpp"
+
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "proto/case_file/text_checks.hpp"
+
+namespace dccast::client::cli {
+namespace {
+
+/// Suggestion for an unknown command, or for an unknown option of the given command.
+std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments,
+                         const std::vector<CommandSummary>& commands) {
+  const auto chosen = app.get_subcommands();
+  for (const std::string& argument : arguments) {
+    if (chosen.empty() && !argument.starts_with('-')) {
+      std::vector<std::string> names;
+      for (const CommandSummary& command : commands) names.push_back(command.name);
+      return case_file::nearest(argument, names);
+    }
+    const std::string option = argument.substr(0, argument.find('='));
+    if (chosen.empty() || !option.starts_with("--")) continue;
+    if (chosen.front()->get_option_no_throw(option) != nullptr) continue;
+    if (app.get_option_no_throw(option) != nullptr) continue;
+    std::vector<std::string> names;
+    for (const CLI::Option* const known : chosen.front()->get_options())
+      for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
+    return case_file::nearest(option, names);
+  }
+  return {};
+}
+
+CommandSummary summary_of(const CLI::App& command) {
+  CommandSummary summary{command.get_name(), command.get_description(), {}, {}};
+  for (const CLI::Option* const option : command.get_options()) {
+    if (!option->nonpositional()) {
+      summary.arguments.push_back(option->get_name(true));
+      continue;
+    }
+    OptionSummary& added = summary.options.emplace_back(
+        OptionSummary{{}, option->get_description(), option->get_items_expected_max() > 0});
+    for (const std::string& name : option->get_snames()) added.names.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) added.names.push_back("--" + name);
+  }
+  return summary;
+}
+
+}  // namespace
+
+Option Option::required() const {
+  return Option(*option_->required());
+}
+Option Option::show_default() const {
+  return Option(*option_->capture_default_str());
+}
+Option Option::comma_separated() const {
+  return Option(*option_->delimiter(','));
+}
+Option Option::one_value_each() const {
+  return Option(*option_->allow_extra_args(false));
+}
+Option Option::count(int fewest, int most) const {
+  return Option(*option_->expected(fewest, most));
+}
+Option Option::positive() const {
+  return Option(*option_->check(CLI::PositiveNumber));
+}
+Option Option::between(int lowest, int highest) const {
+  return Option(*option_->check(CLI::Range(lowest, highest)));
+}
+Option Option::one_of(const std::vector<std::string>& texts) const {
+  return Option(*option_->check(CLI::IsMember(texts)));
+}
+Option Option::check(const std::function<std::string(const std::string&)>& fault) const {
+  return Option(*option_->check(fault));
+}
+Option Option::placeholder(const std::string& name) const {
+  return Option(*option_->type_name(name));
+}
+Option Option::description(const std::string& text) const {
+  return Option(*option_->description(text));
+}
+Option Option::needs(const std::string& other) const {
+  return Option(*option_->needs(other));
+}
+Option Option::excludes(const std::string& other) const {
+  return Option(*option_->excludes(other));
+}
+
+Option Command::option(const std::string& names, std::string& value,
+                       const std::string& help) const {
+  return Option(*app_->add_option(names, value, help));
+}
+Option Command::option(const std::string& names, std::vector<std::string>& values,
+                       const std::string& help) const {
+  return Option(*app_->add_option(names, values, help));
+}
+Option Command::option(const std::string& names, int& value, const std::string& help) const {
+  return Option(*app_->add_option(names, value, help));
+}
+Option Command::option(const std::string& names, std::int64_t& value,
+                       const std::string& help) const {
+  return Option(*app_->add_option(names, value, help));
+}
+Option Command::option(const std::string& names, std::uint64_t& value,
+                       const std::string& help) const {
+  return Option(*app_->add_option(names, value, help));
+}
+Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
+  return Option(*app_->add_flag(names, value, help));
+}
+Option Command::choice(const std::string& names, int& value,
+                       const std::map<std::string, int>& values, const std::string& help) const {
+  return Option(
+      *app_->add_option(names, value, help)
+           ->transform(CLI::CheckedTransformer(values, CLI::ignore_case).description("")));
+}
+Option Command::json(bool& value, const std::string& help) const {
+  return flag("--json", value, help);
+}
+
+Command Command::command(const std::string& name, const std::string& description) const {
+  CLI::App* const added = app_->add_subcommand(name, description);
+  app_->require_subcommand(0, 1);
+  return Command(*added, *chosen_);
+}
+
+void Command::action(Action action) const {
+  app_->callback([app = app_, chosen = chosen_, action = std::move(action)] {
+    if (app->get_subcommands().empty()) *chosen = action;
+  });
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& description,
+                         const std::string& version, const std::string& footer)
+    : app_(std::make_unique<CLI::App>(description, name)) {
+  app_->set_version_flag("--version", name + " " + version);
+  app_->require_subcommand(1);
+  app_->fallthrough();
+  app_->footer(footer);
+}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::command(const std::string& name, const std::string& description,
+                             const std::string& example) {
+  CLI::App* const command = app_->add_subcommand(name, description);
+  command->footer("\nExample:\n  " + example);
+  return Command(*command, chosen_);
+}
+
+void CommandLine::global_option(const std::string& name, std::string& value,
+                                const std::string& help, const std::string& variable) {
+  app_->add_option(name, value, help)->envname(variable)->capture_default_str();
+}
+
+std::vector<CommandSummary> CommandLine::commands() const {
+  std::vector<CommandSummary> commands;
+  for (const CLI::App* const command : std::as_const(*app_).get_subcommands({}))
+    commands.push_back(summary_of(*command));
+  return commands;
+}
+
+std::string CommandLine::set_default(const std::string& command, const std::string& option,
+                                     const std::string& text) {
+  try {
+    app_->get_subcommand(command)
+        ->get_option("--" + option)
+        ->run_callback_for_default()
+        ->default_val(text);
+    return {};
+  } catch (const CLI::Error& error) {
+    return error.what();
+  }
+}
+
+ExitCode CommandLine::run(const std::vector<std::string>& arguments) {
+  try {
+    // CLI11 expects the arguments in reverse order.
+    app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ParseError& error) {
+    app_->exit(error, std::cout, std::cerr);
+    if (error.get_exit_code() == 0) return ExitCode::done;  // help or version
+    const std::string near = nearest_text(*app_, arguments, commands());
+    if (!near.empty()) std::cerr << "did you mean '" << near << "'?\n";
+    return ExitCode::invalid;
+  }
+  return chosen_();
+}
+
+}  // namespace dccast::client::cli

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/session/exit_code.hpp"
+
+/// The library for command lines, wrapped once: commands declare their options here, and only
+/// options.cpp includes its header.
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace dccast::client::cli {
+
+/// An option or a positional argument. Each call restricts what it takes, and returns the option.
+class Option {
+public:
+  explicit Option(CLI::Option& option) : option_(&option) {}
+
+  Option required() const;
+  Option show_default() const;     ///< in the help text
+  Option comma_separated() const;  ///< "a,b" are two values
+  Option one_value_each() const;   ///< for a list: what follows the value is no second value
+  Option count(int fewest, int most) const;  ///< number of values of a list
+  Option positive() const;
+  Option between(int lowest, int highest) const;
+  Option one_of(const std::vector<std::string>& texts) const;
+  /// @param fault  gives what is wrong with a text; empty: nothing
+  Option check(const std::function<std::string(const std::string&)>& fault) const;
+  Option placeholder(const std::string& name) const;  ///< of the value, in the help text
+  Option description(const std::string& text) const;
+  Option needs(const std::string& other) const;
+  Option excludes(const std::string& other) const;
+
+private:
+  CLI::Option* option_;
+};
+
+/// One command. Names are as in "-o,--output"; a name without a dash is a positional argument. The
+/// values must live until the action has run.
+class Command {
+public:
+  using Action = std::function<ExitCode()>;
+
+  /// @param chosen  is set to the action of the command that is given
+  Command(CLI::App& app, Action& chosen) : app_(&app), chosen_(&chosen) {}
+
+  Option option(const std::string& names, std::string& value, const std::string& help) const;
+  Option option(const std::string& names, std::vector<std::string>& values,
+                const std::string& help) const;
+  Option option(const std::string& names, int& value, const std::string& help) const;
+  Option option(const std::string& names, std::int64_t& value, const std::string& help) const;
+  Option option(const std::string& names, std::uint64_t& value, const std::string& help) const;
+  Option flag(const std::string& names, bool& value, const std::string& help) const;
+  /// An option that takes one of the given texts, in any case.
+  Option choice(const std::string& names, int& value, const std::map<std::string, int>& values,
+                const std::string& help) const;
+  Option json(bool& value, const std::string& help = "As JSON") const;  ///< the flag --json
+
+  /// Adds a command below this one, which then may be given or not.
+  Command command(const std::string& name, const std::string& description) const;
+  /// What the command does, unless one of the commands below it is given.
+  void action(Action action) const;
+
+private:
+  CLI::App* app_;
+  Action* chosen_;
+};
+
+/// What completion and configuration need to know of an option.
+struct OptionSummary {
+  std::vector<std::string> names;  ///< "-w", "--watch"
+  std::string help;
+  bool takes_value = false;
+};
+
+struct CommandSummary {
+  std::string name, help;
+  std::vector<OptionSummary> options;  ///< without the positional arguments
+  std::vector<std::string> arguments;  ///< positional: "JOB"
+};
+
+/// The whole command line: commands, and the action of the one that was chosen.
+class CommandLine {
+public:
+  CommandLine(const std::string& name, const std::string& description, const std::string& version,
+              const std::string& footer);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+
+  /// Adds a command with an example below its help text.
+  Command command(const std::string& name, const std::string& description,
+                  const std::string& example);
+  /// An option of the program that may stand before or after a command, and in the environment.
+  void global_option(const std::string& name, std::string& value, const std::string& help,
+                     const std::string& variable);
+
+  std::vector<CommandSummary> commands() const;
+  /// Sets the default of an option from a text as on the command line. @return what is wrong with
+  /// the text; empty: nothing
+  std::string set_default(const std::string& command, const std::string& option,
+                          const std::string& text);
+
+  /// Parses the arguments and runs the chosen action. Help goes to standard output; what is wrong
+  /// with the arguments goes to standard error, with a suggestion, and gives ExitCode::invalid.
+  ExitCode run(const std::vector<std::string>& arguments);
+
+private:
+  std::unique_ptr<CLI::App> app_;
+  Command::Action chosen_;
+};
+
+}  // namespace dccast::client::cli

@@ -1,0 +1,262 @@
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "client/commands/commands.hpp"
+#include "client/model/json.hpp"
+#include "client/session/job_watch.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/job_text.hpp"
+#include "proto/values/shortened.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct ListOptions {
+  std::vector<std::string> states;
+  std::vector<std::string> labels;
+  std::vector<std::string> columns;
+  std::string study;
+  std::string owner;
+  int limit = 50;
+  bool ids = false;
+  bool json = false;
+};
+
+const std::map<std::string, v1::JobState> state_names{
+    {"queued", v1::QUEUED},       {"running", v1::RUNNING}, {"paused", v1::PAUSED},
+    {"succeeded", v1::SUCCEEDED}, {"failed", v1::FAILED},   {"cancelled", v1::CANCELLED}};
+
+v1::ListJobsRequest request_of(const ListOptions& options) {
+  v1::ListJobsRequest request;
+  for (const std::string& state : options.states) request.add_states(state_names.at(state));
+  request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  request.set_study(options.study);
+  request.set_owner(options.owner);
+  return request;
+}
+
+/// Why jobs are held, each reason once.
+void print_holds(const std::vector<v1::Job>& jobs) {
+  std::set<std::string> reasons;
+  for (const v1::Job& job : jobs)
+    if (!job.held().empty()) reasons.insert(job.held());
+  for (const std::string& reason : reasons) std::cerr << "held: " << reason << '\n';
+}
+
+void print_json(const std::vector<v1::Job>& jobs) {
+  Json list = Json::array();
+  for (const v1::Job& job : jobs) list.push_back(to_json(job));
+  std::cout << list.dump() << '\n';
+}
+
+ExitCode run(const ListOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const JobListing listing = list_some_jobs(connection, request_of(options), options.limit);
+  if (options.json)
+    print_json(listing.jobs);
+  else if (options.ids)
+    for (const v1::Job& job : listing.jobs) std::cout << job.id() << '\n';
+  else if (!listing.jobs.empty())
+    std::cout << render::job_table(listing.jobs, options.columns) << std::flush;
+  if (listing.jobs.empty()) std::cerr << "no jobs\n";
+  if (listing.more)
+    std::cerr << "these are the newest " << listing.jobs.size() << "; there are more: --limit\n";
+  if (!options.json) print_holds(listing.jobs);
+  return ExitCode::done;
+}
+
+constexpr const char* list_examples =
+    "dccast list --state running,queued\n"
+    "  dccast list --label trial-7 --columns job,curl,changes\n"
+    "  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'\n"
+    "\n"
+    "JOB is the beginning of an id that no other job listed has; every command takes it.";
+
+struct WaitOptions {
+  std::vector<std::string> ids;
+  bool json = false;
+};
+
+/// Waits for one job. @return how it ended
+v1::Job ended_job(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  v1::Job job = connection.call(&Stub::GetJob, request);
+  if (job.has_end_time()) return job;
+  if (job.state() == v1::PAUSED)
+    std::cerr << "waiting for job " << id << ", which is paused: dccast resume " << id << '\n';
+  if (!job.held().empty()) std::cerr << "held: " << job.held() << '\n';
+  follow_job(
+      connection, id, 1, [](const v1::JobEvent&) {}, std::cerr);
+  return connection.call(&Stub::GetJob, request);
+}
+
+ExitCode run(const WaitOptions& options, Program& program) {
+  Connection connection = program.connect();
+  ExitCode code = ExitCode::done;
+  for (const std::string& id : resolve_jobs(connection, options.ids)) {
+    const v1::Job job = ended_job(connection, id);
+    std::cout << (options.json ? to_json(job).dump()
+                               : job.id() + " " + render::full_state_text(job))
+              << std::endl;
+    if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
+  }
+  return code;
+}
+
+struct DeleteOptions {
+  std::vector<std::string> ids;
+  bool cancel = false;
+  bool json = false;
+};
+
+/// A job that is being cancelled is deleted once its worker has ended.
+void delete_job(Connection& connection, const std::string& id) {
+  constexpr std::chrono::milliseconds pause{200};
+  constexpr std::chrono::seconds longest{120};  // a worker that does not end is killed before
+  const auto end = std::chrono::steady_clock::now() + longest;
+  v1::DeleteJobRequest request;
+  request.set_id(id);
+  for (;;) {
+    v1::DeleteJobResponse response;
+    const grpc::Status status = connection.try_once(&Stub::DeleteJob, request, response);
+    const bool again = status.error_code() == grpc::StatusCode::ABORTED;
+    if (!again || std::chrono::steady_clock::now() > end) return check(status, connection.server());
+    connection.interruption().sleep(pause);
+  }
+}
+
+void cancel_job(Connection& connection, const std::string& id) {
+  v1::CancelJobRequest request;
+  request.set_id(id);
+  connection.call(&Stub::CancelJob, request);
+}
+
+ExitCode run(const DeleteOptions& options, Program& program) {
+  Connection connection = program.connect();
+  for (const std::string& id : resolve_jobs(connection, options.ids)) {
+    if (options.cancel) cancel_job(connection, id);
+    delete_job(connection, id);
+    if (options.json)
+      std::cout << Json{{"id", id}, {"deleted", true}}.dump() << std::endl;
+    else
+      std::cerr << "deleted " << id << '\n';
+  }
+  return ExitCode::done;
+}
+
+/// Help texts of a command about one job.
+struct JobCommand {
+  const char* name;
+  const char* description;
+  const char* example;
+  bool repeatable = true;  ///< a repeated call has the same result
+};
+
+/// "0f2b9a4e-... paused", one line: the output of commands that change a job.
+std::string new_state(const v1::Job& job) {
+  return job.id() + " " + render::state_text(job.state()) + "\n";
+}
+
+/// Adds a command that makes one call about one job and prints the job. The request holds the
+/// options: JOB, and those that the caller adds to the returned command.
+/// @param text  formats the job as text; --json prints all of it
+template <typename Request>
+cli::Command add_job_command(cli::CommandLine& line, Program& program, const JobCommand& about,
+                             grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                          v1::Job*),
+                             std::shared_ptr<Request> request,
+                             std::string (*text)(const v1::Job&) = new_state) {
+  const cli::Command command = line.command(about.name, about.description, about.example);
+  const auto json = std::make_shared<bool>(false);
+  command.option("JOB", *request->mutable_id(), job_help).required();
+  command.json(*json);
+  command.action([=, &program] {
+    Connection connection = program.connect();
+    request->set_id(resolve_job(connection, request->id()));
+    const v1::Job job = about.repeatable ? connection.call(method, *request)
+                                         : connection.call_once(method, *request);
+    std::cout << (*json ? to_json(job).dump() + "\n" : text(job));
+    return ExitCode::done;
+  });
+  return command;
+}
+
+}  // namespace
+
+void add_list(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<ListOptions>();
+  const cli::Command command = line.command("list", "List jobs, newest first", list_examples);
+  std::vector<std::string> names;
+  for (const auto& [name, state] : state_names) names.push_back(name);
+  command.option("-s,--state", options->states, "Only jobs in these states")
+      .comma_separated()
+      .one_of(names);
+  command.option("--label", options->labels, "Only jobs with this label; repeatable")
+      .comma_separated()
+      .one_value_each();
+  command.option("--owner", options->owner, "Only the jobs of this user");
+  command.option("--study", options->study, "Only the jobs of this study");
+  command.option("-c,--columns", options->columns, "Columns to show")
+      .comma_separated()
+      .one_of(render::job_columns());
+  command.option("-n,--limit", options->limit, "At most this many")
+      .between(1, 1000000)
+      .show_default();
+  command.flag("--ids", options->ids, "Print only complete ids, one per line");
+  command.json(options->json);
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_wait(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<WaitOptions>();
+  const cli::Command command = line.command(
+      "wait", "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
+      "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait");
+  command.option("JOB", options->ids, job_help).required();
+  command.json(options->json, "Each job as JSON on a line");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_delete(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<DeleteOptions>();
+  const cli::Command command = line.command(
+      "delete", "Remove ended jobs and their files; waits for one that is being cancelled",
+      "dccast delete JOB\n  dccast delete --cancel JOB JOB");
+  command.option("JOB", options->ids, job_help).required();
+  command.flag("--cancel", options->cancel, "Cancel jobs that have not ended first");
+  command.json(options->json, "As JSON, one a line");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_show(cli::CommandLine& line, Program& program) {
+  add_job_command(line, program, {"show", "Everything about one job", "dccast show JOB"},
+                  &Stub::GetJob, std::make_shared<v1::GetJobRequest>(), render::job_sheet);
+}
+
+void add_cancel(cli::CommandLine& line, Program& program) {
+  const auto request = std::make_shared<v1::CancelJobRequest>();
+  const cli::Command command =
+      add_job_command(line, program,
+                      {"cancel", "Stop a job permanently; a job that has ended is not changed",
+                       "dccast cancel JOB --reason \"wrong alloy\""},
+                      &Stub::CancelJob, request);
+  command.option("--reason", *request->mutable_reason(), "Kept with the job")
+      .check([](const std::string& text) { return values::too_long("the reason", text); });
+}
+
+void add_pause(cli::CommandLine& line, Program& program) {
+  add_job_command(
+      line, program,
+      {"pause", "Stop a job at a checkpoint and keep it out of the queue", "dccast pause JOB"},
+      &Stub::PauseJob, std::make_shared<v1::PauseJobRequest>());
+}
+
+void add_resume(cli::CommandLine& line, Program& program) {
+  add_job_command(line, program,
+                  {"resume", "Put a paused job back into the queue", "dccast resume JOB", false},
+                  &Stub::ResumeJob, std::make_shared<v1::ResumeJobRequest>());
+}
+
+}  // namespace dccast::client::commands

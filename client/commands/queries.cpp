@@ -1,0 +1,209 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "client/cli/common_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/model/comparison.hpp"
+#include "client/session/job_watch.hpp"
+#include "client/session/jobs.hpp"
+#include "client/session/queries.hpp"
+#include "client/text/answer_text.hpp"
+#include "client/text/comparison_text.hpp"
+#include "client/text/progress.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct QueryOptions {
+  std::string file;
+  std::vector<std::string> set;
+  bool keep = false;
+  bool json = false;
+};
+
+ExitCode refuse(const CaseUnderCheck& checked, bool json) {
+  if (json) std::cout << faults_json(checked).dump() << '\n';
+  print_faults(checked, std::cerr);
+  return ExitCode::invalid;
+}
+
+/// The curve as it is computed, on a terminal; the answer as a whole is printed at its end.
+std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
+                          const QueryOptions& options) {
+  const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
+  if (options.json || !terminal.interactive) return ask_query(connection, checked, options.keep);
+  render::Progress progress(std::cout, terminal);
+  auto answer = ask_query(connection, checked, options.keep, [&](const auto& response) {
+    if (!response.has_step()) return;
+    v1::JobEvent event;
+    *event.mutable_step() = response.step();
+    progress.show(event);
+  });
+  progress.finish();
+  return answer;
+}
+
+ExitCode run(const QueryOptions& options, Program& program) {
+  CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
+  if (!checked.faults.empty()) return refuse(checked, options.json);
+  Connection connection = program.connect();
+  auto answer = ask(connection, checked, options);
+  if (!answer) return refuse(checked, options.json);
+  answer->name = checked.read.source.file();
+  std::cout << (options.json ? render::answer_json(*answer).dump() + "\n"
+                             : render::answer_text(*answer))
+            << std::flush;
+  std::cerr << render::origin_text(*answer) << '\n';
+  return exit_code_of(answer->state);
+}
+
+constexpr const char* query_examples =
+    "dccast query my.toml\n"
+    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\" "
+    "--set schedule.water_flow.scale=\"0.8 until 100 mm\"\n"
+    "  dccast query --json my.toml | jq '.monitors[] | {name, end_curl_m}'\n"
+    "\n"
+    "Runs at once, beside the queue. Ctrl-C ends the run. A case that was computed before, by a "
+    "job\n"
+    "or a query, is answered from the store.";
+
+struct CompareOptions {
+  std::vector<std::string> runs;
+  std::vector<std::string> set;
+  std::string output;
+  bool force = false;
+  bool json = false;
+};
+
+bool is_case_file(const std::string& text) {
+  std::error_code error;
+  return text == "-" || std::filesystem::exists(text, error);
+}
+
+/// A run as given on the command line: a job, or a case file with changes.
+struct NamedRun {
+  std::string text;
+  std::vector<v1::CaseChange> changes;
+};
+
+[[noreturn]] void refuse(const CaseUnderCheck& checked, const std::string& file) {
+  print_faults(checked, std::cerr);
+  throw CommandFailed(ExitCode::invalid, file + " has faults");
+}
+
+/// Computes the cases concurrently, except those that were computed before.
+std::vector<Answer> answers_of_files(Connection& connection, const std::vector<NamedRun>& files) {
+  std::vector<CaseUnderCheck> cases;
+  for (const NamedRun& file : files) {
+    cases.push_back(read_case(file.text, file.changes));
+    if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
+  }
+  std::vector<Answer> answers;
+  for (auto& answer : ask_queries(connection, cases)) {
+    const NamedRun& file = files[answers.size()];
+    if (!answer) refuse(cases[answers.size()], file.text);
+    answer->name = file.text + (file.changes.empty() ? "" : ", changed");
+    answers.push_back(std::move(*answer));
+  }
+  return answers;
+}
+
+Answer answer_of_named_job(Connection& connection, const std::string& text) {
+  const std::string id = resolve_job(connection, text);
+  Answer answer = answer_of_job(connection, id);
+  answer.name = text == "last" ? id.substr(0, 8) : text;
+  return answer;
+}
+
+/// A name that is not a file is taken as a job.
+std::vector<Answer> answers_to(Connection& connection, const CompareOptions& options) {
+  std::vector<NamedRun> runs;
+  for (const std::string& text : options.runs) runs.push_back({text, {}});
+  if (!options.set.empty()) runs.push_back({options.runs.front(), changes_of(options.set)});
+  std::vector<NamedRun> files;
+  for (const NamedRun& run : runs)
+    if (is_case_file(run.text)) files.push_back(run);
+  std::vector<Answer> computed = answers_of_files(connection, files);
+  auto next = computed.begin();
+  std::vector<Answer> answers;
+  for (const NamedRun& run : runs)
+    answers.push_back(is_case_file(run.text) ? std::move(*next++)
+                                             : answer_of_named_job(connection, run.text));
+  return answers;
+}
+
+void require_runs(const CompareOptions& options) {
+  if (options.set.empty() && options.runs.size() < 2)
+    throw CommandFailed(ExitCode::invalid,
+                        "give two runs, or a case file and what to change in it with --set");
+  if (!options.set.empty() && (!is_case_file(options.runs.front()) || options.runs.front() == "-"))
+    throw CommandFailed(ExitCode::invalid,
+                        "--set changes the first RUN, which must be a case file; " +
+                            options.runs.front() + " is none");
+}
+
+void write_file(const std::vector<Answer>& answers, const std::string& file) {
+  const auto monitors = render::monitors_of(answers);
+  const bool svg = file.ends_with(".svg");
+  if (svg && monitors.size() != 1)
+    throw CommandFailed(ExitCode::invalid, "an SVG holds one monitor and these runs have " +
+                                               std::to_string(monitors.size()) +
+                                               "; give an HTML file: -o comparison.html");
+  std::ofstream stream(file, std::ios::binary);
+  const std::string text = svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
+                               : render::comparison_page(answers);
+  if (!(stream << text << std::flush))
+    throw CommandFailed(ExitCode::not_found, "cannot write " + file);
+  std::cerr << "written: " << file << '\n';
+}
+
+ExitCode run(const CompareOptions& options, Program& program) {
+  require_runs(options);
+  if (!options.output.empty()) require_free(options.output, options.force);
+  Connection connection = program.connect();
+  const std::vector<Answer> answers = answers_to(connection, options);
+  if (!options.output.empty()) write_file(answers, options.output);
+  if (options.json)
+    std::cout << render::comparison_json(answers).dump() << '\n';
+  else
+    std::cout << render::comparison_text(answers, render::terminal_of(1));
+  std::cout << std::flush;
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_query(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<QueryOptions>();
+  const cli::Command command =
+      line.command("query", "Compute the curl of a case at once, without a job", query_examples);
+  command.option("FILE", options->file, "Case file; - for standard input").required();
+  add_set_option(command, options->set);
+  command.flag("--keep", options->keep, "Keep the run as a job, with its results");
+  command.json(options->json, "As JSON, in metres and seconds, with the history");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_compare(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<CompareOptions>();
+  const cli::Command command =
+      line.command("compare",
+                   "Compare runs with the first one: what differs in their cases, their curls, and "
+                   "whether the difference is more than discretisation error. Case files are "
+                   "computed, as by query",
+                   "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
+                   "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
+  command.option("RUN", options->runs, "Jobs or case files").required().count(1, 100);
+  add_set_option(command, options->set)
+      .description("Also compare with the first RUN, a case file, with this change");
+  command.option("-o,--output", options->output, "Also write this HTML or SVG file");
+  add_force_flag(command, options->force);
+  command.json(options->json, "As JSON, in metres and seconds");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "client/html/isotherms.hpp"
+
+namespace dccast::client::render {
+
+/// Colour map from cold blue over violet to hot yellow, with uniform steps of lightness, readable
+/// on white and on black.
+/// @param part  0 to 1 [1], limited to this range
+std::string band_colour(double part);
+
+/// A range of values divided into bands of one colour each. Units: values in any unit.
+struct ColourBands {
+  double low = 0.0;
+  double high = 1.0;  ///< above low
+  int count = 28;
+
+  double level(int band) const { return low + band * (high - low) / count; }
+  int band_of(double value) const;  ///< 0 to count - 1, also for a value outside
+  std::string colour(int band) const { return band_colour((band + 0.5) / count); }
+};
+
+struct BandPiece {
+  int band;
+  std::vector<Point> outline;  ///< a convex polygon
+};
+
+/// Cuts a triangle along the levels of the bands with a linear field, so that no edges of the mesh
+/// show in the colours. The pieces cover the triangle without overlap.
+std::vector<BandPiece> band_pieces(const std::array<Point, 3>& corner,
+                                   const std::array<double, 3>& value, const ColourBands& bands);
+
+/// The bands as a vertical bar with round numbers beside it and `unit` above. Position and height
+/// in units of the view box.
+std::string colour_bar(const ColourBands& bands, const std::string& unit, double x, double top,
+                       double height);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <cmath>
+
+#include "client/html/report_style.hpp"
+#include "client/model/discretisation_error.hpp"
+#include "client/text/answer_text.hpp"
+#include "client/text/comparison_text.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+std::string cell(const std::string& text, const char* element = "td") {
+  return std::string("<") + element + ">" + html_escaped(text) + "</" + element + ">";
+}
+
+std::string card(const std::string& heading, const std::string& content) {
+  return "<section class='card'><h2>" + html_escaped(heading) + "</h2>" + content + "</section>";
+}
+
+std::string run_name(const std::vector<Answer>& answers, std::size_t i) {
+  return std::to_string(i + 1) + " " + answers[i].name;
+}
+
+std::string keys_table(const std::vector<Answer>& answers) {
+  const auto keys = differing_keys(answers);
+  if (keys.empty()) return "<p>The cases do not differ.</p>";
+  std::string html = "<div class='scroll'><table><tr>" + cell("key", "th");
+  for (std::size_t i = 0; i < answers.size(); ++i) html += cell(run_name(answers, i), "th");
+  for (const KeyDifference& row : keys) {
+    html += "</tr><tr>" + cell(row.key);
+    for (const std::string& value : row.values) html += cell(shown_value(value));
+  }
+  return html + "</tr></table></div>";
+}
+
+std::string differences_table(const std::vector<Answer>& answers) {
+  std::string html = "<div class='scroll'><table><tr>" + cell("monitor", "th") + cell("run", "th") +
+                     cell("less run 1, at the end", "th") + cell("largest", "th") +
+                     cell("what it weighs", "th");
+  for (const CurlDifference& row : curl_differences(answers))
+    html += "</tr><tr>" + cell(row.monitor) + cell(run_name(answers, row.answer)) +
+            cell(fixed(1e3 * row.end_m, 3) + " mm") +
+            cell(fixed(1e3 * row.largest_m, 3) + " mm at " + fixed(row.largest_time_s, 1) + " s") +
+            cell(in_words(weight_of(row)));
+  return html + "</tr></table></div>";
+}
+
+std::string findings_list(const std::vector<Answer>& answers) {
+  std::string html;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    for (const v1::Finding& finding : answers[i].findings)
+      html += "<li>" + html_escaped(run_name(answers, i) + ": " + finding_line(finding)) + "</li>";
+    if (answers[i].validity_loss)
+      html += "<li>" +
+              html_escaped(run_name(answers, i) + ": " + validity_text(*answers[i].validity_loss)) +
+              "</li>";
+  }
+  return html.empty() ? "" : card("Findings", "<ul>" + html + "</ul>");
+}
+
+/// The band around a curl, where its error at the end is known: it grows with the curl.
+ChartBand band_of(const Answer& answer, const ChartLine& line) {
+  const auto error_m = line.y.empty()
+                           ? std::nullopt
+                           : discretisation_error(answer.description, 1e-3 * line.y.back());
+  if (!error_m || line.y.back() == 0.0) return {};
+  const double share = 1e3 * *error_m / std::abs(line.y.back());
+  ChartBand band{line.x, line.y, line.y, line.y};
+  for (std::size_t i = 0; i < line.y.size(); ++i) {
+    band.low[i] -= share * std::abs(line.y[i]);
+    band.high[i] += share * std::abs(line.y[i]);
+  }
+  return band;
+}
+
+}  // namespace
+
+Chart comparison_chart(const std::vector<Answer>& answers, const std::string& monitor) {
+  Chart chart{"Butt curl of " + monitor, "time, s", "curl, mm", {}};
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    for (const auto& series : answers[i].history.monitors) {
+      if (series.name != monitor) continue;
+      ChartLine line{run_name(answers, i), answers[i].history.time_s, series.curl_m};
+      for (double& value : line.y) value *= 1e3;
+      line.band = band_of(answers[i], line);
+      chart.lines.push_back(std::move(line));
+    }
+  return chart;
+}
+
+std::string svg_file(const Chart& chart) {
+  std::string svg = svg_chart(chart);
+  const std::string begin = "<svg ";
+  return "<?xml version='1.0' encoding='UTF-8'?>\n<svg xmlns='http://www.w3.org/2000/svg' " +
+         svg.substr(begin.size(), svg.find('>') + 1 - begin.size()) + "<style>" + report_style +
+         "</style>" + svg.substr(svg.find('>') + 1) + "\n";
+}
+
+std::string comparison_page(const std::vector<Answer>& answers) {
+  std::string charts;
+  for (const std::string& monitor : monitors_of(answers))
+    charts += card("Curl of " + monitor, svg_chart(comparison_chart(answers, monitor)));
+  return std::string(
+             "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' ") +
+         "content='width=device-width,initial-scale=1'><title>dccast comparison</title><style>" +
+         report_style + "</style></head><body><main><header><p class='kicker'>dccast " +
+         "comparison</p><h1>" + std::to_string(answers.size()) + " runs</h1></header>" +
+         findings_list(answers) + card("What differs in the cases", keys_table(answers)) + charts +
+         card("Differences of the curl", differences_table(answers)) + "</main></body></html>\n";
+}
+
+}  // namespace dccast::client::render

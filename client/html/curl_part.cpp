@@ -1,0 +1,153 @@
+#include "client/html/curl_part.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "client/html/html_parts.hpp"
+#include "client/html/study_part.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/model/discretisation_error.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/plant_units.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+std::vector<double> millimetres(std::vector<double> metres) {
+  for (double& value : metres) value *= 1e3;
+  return metres;
+}
+
+/// Half the band around the curl of this run at the end: of its study, else that of its quality
+/// [m].
+std::optional<double> uncertainty(const v1::QueryResultResponse& result, const Study& study,
+                                  const CurlHistory& history, const CurlHistory::Series& series) {
+  const double curl = series.curl_m.back();
+  if (const auto error = curl_error(study, series.name, history.time_s.back(), curl))
+    return error->this_run_m;
+  return discretisation_error(result.case_(), curl);
+}
+
+/// The plant's band [mm]; an edge that is not given is infinite.
+std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
+  const v1::Plausibility& limits = input.plausibility();
+  if (!limits.has_least_curl_m() && !limits.has_greatest_curl_m()) return std::nullopt;
+  const double low = limits.has_least_curl_m() ? 1e3 * limits.least_curl_m() : -unbounded,
+               high = limits.has_greatest_curl_m() ? 1e3 * limits.greatest_curl_m() : unbounded;
+  std::string name = "the plant's band, ";
+  if (std::isfinite(low)) name += plant_number(low) + (std::isfinite(high) ? " to " : " or more");
+  if (std::isfinite(high)) name += (std::isfinite(low) ? "" : "up to ") + plant_number(high);
+  return Chart::Wanted{low, high, name + " mm"};
+}
+
+/// "inside the plant's band, 35 to 45 mm", and whether the error permits this conclusion.
+std::string against_band(const Chart::Wanted& band, double curl_mm, double error_mm) {
+  const auto where = [&](double value) {
+    return value < band.low ? "below " : value > band.high ? "above " : "inside ";
+  };
+  std::string text = std::string("It is ") + where(curl_mm) + html_escaped(band.name);
+  if (std::string(where(curl_mm - error_mm)) != where(curl_mm + error_mm))
+    text += ", but its limit is within the error: this run cannot decide";
+  return text + ".";
+}
+
+std::string curl_chart(const CurlHistory& history, const v1::QueryResultResponse& result,
+                       const Study& study, bool against_length) {
+  Chart chart;
+  chart.title = against_length ? "Butt curl against cast length" : "Butt curl against time";
+  chart.x_label = against_length ? "cast length, mm" : "time, s";
+  chart.y_label = "curl, mm";
+  const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
+  for (const auto& series : history.monitors)
+    chart.lines.push_back({series.name, x, millimetres(series.curl_m),
+                           curl_band(study, series.name, against_length)});
+  if (const auto first = history.first_beyond()) {
+    chart.beyond_from = x[*first];
+    chart.beyond_name = beyond_validity;
+  }
+  chart.wanted = plant_band(result.case_());
+  return svg_chart(chart);
+}
+
+std::string tile(const std::string& name, const std::string& value, const std::string& unit,
+                 const std::string& note = {}) {
+  return "<div class='tile'><span>" + html_escaped(name) + "</span><strong>" + value +
+         "</strong> " + unit + (note.empty() ? "" : "<small>" + note + "</small>") + "</div>";
+}
+
+/// The curl at the end, with its error where a study or the quality tells it.
+std::string curl_tile(const CurlHistory& history, const v1::QueryResultResponse& result,
+                      const CurlHistory::Series& series, const Study& study) {
+  const double curl = series.curl_m.back();
+  const std::string mark = last_step_mark(history);
+  const auto half_band = uncertainty(result, study, history, series);
+  if (!half_band) return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm", mark);
+  std::string note = "<em>± " + fixed(1e3 * *half_band, 2) + " mm</em>";
+  if (const auto error = curl_error(study, series.name, history.time_s.back(), curl))
+    note += std::string(error->extrapolated ? "limit " : "finest ") +
+            fixed(1e3 * error->limit_m, 2) + " ± " + fixed(1e3 * error->uncertainty_m, 2);
+  return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm",
+              note + (mark.empty() ? "" : "<br>" + mark));
+}
+
+}  // namespace
+
+std::string last_step_mark(const CurlHistory& history) {
+  return !history.beyond.empty() && history.beyond.back() ? beyond_validity : "";
+}
+
+std::string curl_sentence(const CurlHistory& history, const v1::QueryResultResponse& result,
+                          const Study& study) {
+  const CurlHistory::Series* const largest = history.largest();
+  if (largest == nullptr || !last_step_mark(history).empty()) return {};
+  const double curl = 1e3 * largest->curl_m.back();
+  const auto half_band = uncertainty(result, study, history, *largest);
+  std::string text = "At " + fixed(history.time_s.back(), 0) + " s, after " +
+                     fixed(1e3 * history.cast_length_m.back(), 0) + " mm of casting, " +
+                     html_escaped(largest->name) + " has " + (curl < 0.0 ? "sunk " : "risen ") +
+                     "<strong>" + fixed(std::abs(curl), 1) + " mm</strong>" +
+                     " since the block started. ";
+  text += half_band ? "Mesh and time steps leave ± " + fixed(1e3 * *half_band, 1) +
+                          " mm of it uncertain; thermal data and alloy come on top. "
+                    : "What mesh and time steps leave uncertain of it is not known. ";
+  if (const auto band = plant_band(result.case_()))
+    text += against_band(*band, curl, half_band ? 1e3 * *half_band : 0.0);
+  return "<p class='answer'>" + text + "</p>";
+}
+
+std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
+                     const Study& study) {
+  if (history.time_s.empty()) return "<p>The job has no step yet.</p>";
+  std::string tiles;
+  for (const auto& series : history.monitors) tiles += curl_tile(history, result, series, study);
+  const std::string mark = last_step_mark(history);
+  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+  tiles += tile("cast length", fixed(1e3 * last.cast_length_m(), 1), "mm") +
+           tile("time", fixed(last.time_s(), 1), "s");
+  if (result.case_().section().kind() == v1::Section::QUARTER_SLAB)
+    tiles += tile("stands on the block", fixed(1e4 * last.contact_area_m2(), 0), "cm²", mark);
+  else
+    tiles += tile("stands on the block", fixed(1e3 * last.contact_length_m(), 0), "mm", mark);
+  tiles += tile("sump depth", fixed(1e3 * last.sump_depth_m(), 0), "mm", mark);
+  return "<div class='tiles'>" + tiles + "</div>";
+}
+
+std::string curl_figures(const CurlHistory& history, const v1::QueryResultResponse& result,
+                         const Study& study) {
+  if (history.monitors.empty()) return {};
+  const std::string of_the_band =
+      study.monitors.empty() ? "" : " Dashed: the limit of finer meshes; shaded: its uncertainty.";
+  const std::string of_the_plant = plant_band(result.case_()) ? " Green: the plant's band." : "";
+  const std::string of_the_region = history.first_beyond() ? " Shaded red: beyond validity." : "";
+  return figure("Curl against time", curl_chart(history, result, study, false),
+                "Upward displacement of each monitor; time zero is when the bottom block starts." +
+                    of_the_band + of_the_plant + of_the_region) +
+         figure("Curl against cast length", curl_chart(history, result, study, true),
+                "The same against the travel of the bottom block." + of_the_plant + of_the_region);
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "client/model/curl_history.hpp"
+#include "client/model/study.hpp"
+
+namespace dccast::client::render {
+
+/// One sentence about the largest curl at the end: place, value, uncertainty, and whether it is
+/// within the plant's range. Empty before the first step.
+std::string curl_sentence(const CurlHistory& history, const v1::QueryResultResponse& result,
+                          const Study& study);
+
+/// The figures of the last step in boxes, curls with their error if known.
+std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
+                     const Study& study);
+
+/// The charts of the curl against time and cast length, with the plant's range.
+std::string curl_figures(const CurlHistory& history, const v1::QueryResultResponse& result,
+                         const Study& study);
+
+/// The remark beside a figure of the last step; empty while the model is valid.
+std::string last_step_mark(const CurlHistory& history);
+
+}  // namespace dccast::client::render

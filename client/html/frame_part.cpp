@@ -1,0 +1,141 @@
+#include "client/html/frame_part.hpp"
+
+#include "client/html/frame_slider.hpp"
+#include "client/html/gap_map.hpp"
+#include "client/html/html_parts.hpp"
+#include "client/html/pull_in.hpp"
+#include "client/html/section_picture.hpp"
+#include "client/html/slab_picture.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+/// "Beyond validity. " before the caption of a frame stored after the model stopped being valid.
+std::string frame_mark(const v1::Frame& frame, const CurlHistory& history) {
+  const auto first = history.first_beyond();
+  const bool valid = !first || frame.time_s() < history.time_s[*first];
+  return valid ? "" : "<strong>Beyond validity, not an answer.</strong> ";
+}
+
+/// The same where the slider may show another frame.
+std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
+  return "<span class='beyond-now'>" + frame_mark(frame, history) + "</span>";
+}
+
+/// "at 250.0 s, cast length 206.7 mm. Displacements are drawn 2 times as large; dashed:
+/// undeformed."
+std::string when_and_scale(const v1::Frame& frame, double scale) {
+  return " at <span class='when'>" + when_text(frame) +
+         "</span>. Displacements are drawn <strong>" +
+         (scale == 1.0 ? "true to scale" : fixed(scale, 0) + " times as large") +
+         "</strong>; dashed: undeformed.";
+}
+
+std::string absent(const std::string& heading, const std::string& why) {
+  return card(heading, "<p>" + why + "</p>");
+}
+
+std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
+                           const FrameSeries& series) {
+  const SectionPicture picture = draw_section(frame, colour_range(series));
+  if (picture.svg.empty())
+    return absent("Section", "The stored frame cannot be drawn: its arrays are inconsistent.");
+  const std::string slider =
+      frame_slider(series, history, {picture.view}, picture.displacement_scale);
+  return figure("Deformed section and isotherms", picture.svg + slider,
+                moving_mark(frame, history) + "Half section" +
+                    when_and_scale(frame, picture.displacement_scale) +
+                    " Isotherms every 100 °C; heavy: solidus " + fixed(frame.solidus_c(), 0) +
+                    " °C, heavy dashed: liquidus " + fixed(frame.liquidus_c(), 0) +
+                    " °C. The left edge is the symmetry plane.");
+}
+
+/// Position, gap and pressure of the bottom nodes that fit each other.
+std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) {
+  ChartLine gap{"gap", {}, {}}, pressure{"pressure", {}, {}};
+  for (int i = 0; i < frame.bottom_node_size(); ++i) {
+    const int node = frame.bottom_node(i);
+    if (node < 0 || 2 * node + 1 >= frame.node_m_size()) continue;
+    const double x = 1e3 * frame.node_m(2 * node);
+    if (i < frame.bottom_gap_m_size()) {
+      gap.x.push_back(x);
+      gap.y.push_back(1e3 * frame.bottom_gap_m(i));
+    }
+    if (i < frame.bottom_pressure_pa_size()) {
+      pressure.x.push_back(x);
+      pressure.y.push_back(1e-3 * frame.bottom_pressure_pa(i));
+    }
+  }
+  if (gap.x.empty() && pressure.x.empty()) return {};
+  const std::string mark = frame_mark(frame, history);
+  const std::string place = "distance from the symmetry plane, mm";
+  return figure("Gap along the bottom",
+                svg_chart({"Gap along the bottom", place, "gap, mm", {gap}}),
+                mark + "Distance between slab and bottom block at the last frame.") +
+         figure(
+             "Contact pressure",
+             svg_chart({"Contact pressure along the bottom", place, "pressure, kPa", {pressure}}),
+             mark + "Zero where the slab has lifted off the block.");
+}
+
+std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
+                        const FrameSeries& series) {
+  const SlabPicture picture = draw_slab(frame, colour_range(series));
+  if (picture.views.empty())
+    return absent("Quarter slab", "The stored frame cannot be drawn: its arrays are inconsistent.");
+  std::string views;
+  std::vector<PictureView> placed;
+  for (const SlabPicture::View& view : picture.views) {
+    views += "<div><h3>" + view.name + "</h3>" + view.svg + "</div>";
+    placed.push_back(view.view);
+  }
+  return "<section class='card wide'><h2>Deformed quarter slab</h2><figure><div class='views'>" +
+         views + "</div>" + frame_slider(series, history, placed, picture.displacement_scale) +
+         "<figcaption>" + moving_mark(frame, history) + "Surface temperature" +
+         when_and_scale(frame, picture.displacement_scale) +
+         " x runs along the wide face, y across the thickness, z up.</figcaption></figure>"
+         "</section>";
+}
+
+std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
+  const GapMap map = draw_gap_map(frame);
+  if (map.svg.empty()) return {};
+  return figure("Gap under the butt", map.svg,
+                frame_mark(frame, history) +
+                    "Bottom of the quarter in plan, the middle of the slab "
+                    "at the lower left. Largest gap <strong>" +
+                    fixed(1e3 * map.largest_gap_m, 1) + " mm</strong> at x " +
+                    fixed(1e3 * map.largest_x_m, 0) + " mm, y " + fixed(1e3 * map.largest_y_m, 0) +
+                    " mm. White dots: in contact, " + std::to_string(map.contacts) + " of " +
+                    std::to_string(frame.bottom_node_size()) +
+                    " nodes; larger dots mean higher pressure.");
+}
+
+std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
+  const auto profiles = pull_in_profiles(frame);
+  if (profiles.empty()) return {};
+  return figure(
+      "Pull-in of the wide face", pull_in_chart(profiles) + pull_in_table(profiles),
+      frame_mark(frame, history) +
+          "Half the opening of the mould minus half the thickness of the slab, in % of the former; "
+          "negative values are a bulge. Butt: the lowest row; head: the greatest height "
+          "at which the whole face is solid; middle: half way. Heights in the undeformed "
+          "slab.");
+}
+
+}  // namespace
+
+std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
+                       const FrameSeries& series) {
+  if (!result.has_frame())
+    return absent("Last frame", "No stored frame: the run has not ended with a result.");
+  const v1::Frame& frame = result.frame();
+  if (frame.dimension() == 3)
+    return slab_figure(frame, history, series) + gap_figure(frame, history) +
+           pull_in_figure(frame, history);
+  return section_figure(frame, history, series) + contact_figures(frame, history);
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,222 @@
+#include "client/html/frame_slider.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+
+#include "client/html/base64.hpp"
+#include "client/html/colour_bands.hpp"
+#include "client/html/frame_skin.hpp"
+#include "client/html/frame_slider_script.hpp"
+#include "client/model/json.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+using Numbers = std::vector<std::uint16_t>;
+constexpr int most_numbers = 65535;
+
+/// A range of values as 16-bit numbers.
+struct Steps {
+  double low, high;
+  std::uint16_t operator()(double value) const {
+    const double part = std::clamp((value - low) / (high - low), 0.0, 1.0);
+    return static_cast<std::uint16_t>(std::lround(part * most_numbers));
+  }
+};
+
+/// A frame with what of it is seen.
+struct SeenFrame {
+  const v1::Frame* frame;
+  FrameSkin skin;
+  std::vector<double> place;  ///< (node, coordinate) as drawn [m]
+};
+
+std::vector<double> places_as_drawn(const v1::Frame& frame, double scale) {
+  std::vector<double> place(frame.node_m().begin(), frame.node_m().end());
+  if (frame.displacement_m_size() == frame.node_m_size())
+    for (int i = 0; i < frame.displacement_m_size(); ++i)
+      place[static_cast<std::size_t>(i)] += scale * frame.displacement_m(i);
+  return place;
+}
+
+/// @return none where one cannot be drawn, or not together with the others
+std::vector<SeenFrame> seen_frames(const FrameSeries& series, double scale) {
+  std::vector<SeenFrame> seen;
+  for (const v1::Frame& frame : series.frames) {
+    auto skin = skin_of(frame);
+    const bool fits = skin && frame.dimension() == series.frames.back().dimension() &&
+                      frame.nodes_per_element() == series.frames.back().nodes_per_element() &&
+                      frame.temperature_c_size() <= most_numbers;
+    if (!fits) return {};
+    seen.push_back({&frame, std::move(*skin), places_as_drawn(frame, scale)});
+  }
+  return seen;
+}
+
+/// Of all coordinates of all frames, deformed or not: one step for all keeps angles.
+Steps steps_of_places(const std::vector<SeenFrame>& seen) {
+  Steps steps{0.0, 1e-9};
+  const auto take = [&steps](const auto& values) {
+    for (const double value : values) {
+      steps.low = std::min(steps.low, value);
+      steps.high = std::max(steps.high, value);
+    }
+  };
+  for (const SeenFrame& frame : seen) {
+    take(frame.place);
+    take(frame.frame->node_m());
+  }
+  return steps;
+}
+
+using Faces = std::vector<std::vector<int>>;
+
+Numbers flat(const Faces& faces) {
+  Numbers numbers;
+  for (const auto& face : faces) numbers.insert(numbers.end(), face.begin(), face.end());
+  return numbers;
+}
+
+/// Faces of the last frame that a frame with fewer nodes may have too.
+std::set<std::vector<int>> inherited(const Faces& last, int nodes) {
+  std::set<std::vector<int>> faces;
+  for (const auto& face : last)
+    if (*std::ranges::max_element(face) < nodes) faces.insert(face);
+  return faces;
+}
+
+/// Says which faces a frame has: those of the last frame that fit into it and some more, where the
+/// mesh has only grown since; else all of its own.
+void add_faces(const SeenFrame& seen, const Faces& last, Json& json) {
+  const auto common = inherited(last, seen.frame->temperature_c_size());
+  Faces own;
+  std::size_t found = 0;
+  for (const auto& face : seen.skin.faces)
+    if (common.contains(face))
+      ++found;
+    else
+      own.push_back(face);
+  const bool has_all = found == common.size();
+  json["own"] = base64(flat(has_all ? own : seen.skin.faces));
+  json["all"] = !has_all;
+}
+
+template <class Groups>
+std::set<int> nodes_of(const Groups& groups) {
+  std::set<int> nodes;
+  for (const auto& group : groups) nodes.insert(group.begin(), group.end());
+  return nodes;
+}
+
+/// Place and temperature of every node that is seen, by its number.
+Numbers moving_numbers(const SeenFrame& seen, const Steps& place, const Steps& temperature) {
+  Numbers numbers;
+  const int dimension = seen.frame->dimension();
+  for (const int node : nodes_of(seen.skin.faces)) {
+    for (int c = 0; c < dimension; ++c)
+      numbers.push_back(place(seen.place[static_cast<std::size_t>(dimension * node + c)]));
+    numbers.push_back(temperature(seen.frame->temperature_c(node)));
+  }
+  return numbers;
+}
+
+/// Where the nodes of the outline were at first.
+Numbers still_numbers(const SeenFrame& seen, const Steps& place) {
+  Numbers numbers;
+  const int dimension = seen.frame->dimension();
+  for (const int node : nodes_of(seen.skin.edges))
+    for (int c = 0; c < dimension; ++c)
+      numbers.push_back(place(seen.frame->node_m(dimension * node + c)));
+  return numbers;
+}
+
+Json frame_json(const SeenFrame& seen, const Faces& last, const Steps& place,
+                const Steps& temperature, const CurlHistory& history) {
+  const v1::Frame& frame = *seen.frame;
+  const auto first = history.first_beyond();
+  Numbers edges;
+  for (const auto& edge : seen.skin.edges) edges.insert(edges.end(), edge.begin(), edge.end());
+  Json json{{"when", when_text(frame)},
+            {"beyond", first && frame.time_s() >= history.time_s[*first]},
+            {"nodes", frame.temperature_c_size()},
+            {"moving", base64(moving_numbers(seen, place, temperature))},
+            {"edges", base64(edges)},
+            {"still", base64(still_numbers(seen, place))}};
+  add_faces(seen, last, json);
+  return json;
+}
+
+Json views_json(const std::vector<PictureView>& views) {
+  Json json = Json::array();
+  for (const PictureView& view : views)
+    json.push_back({{"across", view.across}, {"down", view.down}, {"to", view.to_viewer}});
+  return json;
+}
+
+/// The frames but the last, whose picture is on the page.
+Json series_json(const std::vector<SeenFrame>& seen, const CurlHistory& history,
+                 const std::vector<PictureView>& views, const ColourRange& range) {
+  const Steps place = steps_of_places(seen), temperature{range.low, range.high};
+  const v1::Frame& last = *seen.back().frame;
+  const Faces& faces = seen.back().skin.faces;
+  const ColourBands bands{range.low, range.high};
+  Json json{{"dimension", last.dimension()},
+            {"corners", faces.front().size()},
+            {"place", {place.low, place.high}},
+            {"temperature", {range.low, range.high}},
+            {"fronts", {last.solidus_c(), last.liquidus_c()}},
+            {"colours", Json::array()},
+            {"views", views_json(views)},
+            {"faces", base64(flat(faces))},
+            {"frames", Json::array()}};
+  for (int band = 0; band < bands.count; ++band) json["colours"].push_back(bands.colour(band));
+  for (std::size_t i = 0; i + 1 < seen.size(); ++i)
+    json["frames"].push_back(frame_json(seen[i], faces, place, temperature, history));
+  return json;
+}
+
+std::string which_frames(const FrameSeries& series) {
+  const auto shown = std::to_string(series.frames.size()), stored = std::to_string(series.stored);
+  return shown == stored ? "all " + stored + " stored frames"
+                         : shown + " of " + stored + " stored frames";
+}
+
+}  // namespace
+
+std::string when_text(const v1::Frame& frame) {
+  return fixed(frame.time_s(), 1) + " s, cast length " + fixed(1e3 * frame.cast_length_m(), 1) +
+         " mm";
+}
+
+std::optional<ColourRange> colour_range(const FrameSeries& series) {
+  if (series.frames.size() < 2) return std::nullopt;
+  ColourRange range{1e300, -1e300};
+  for (const v1::Frame& frame : series.frames)
+    for (const double value : frame.temperature_c()) {
+      range.low = std::min(range.low, value);
+      range.high = std::max(range.high, value);
+    }
+  if (range.low > range.high) return std::nullopt;
+  range.high = std::max(range.high, range.low + 1.0);
+  return range;
+}
+
+std::string frame_slider(const FrameSeries& series, const CurlHistory& history,
+                         const std::vector<PictureView>& views, double scale) {
+  const auto range = colour_range(series);
+  if (!range) return {};
+  const auto seen = seen_frames(series, scale);
+  if (seen.empty() || seen.back().skin.faces.empty()) return {};
+  const std::string last = std::to_string(seen.size() - 1);
+  return "<div class='slider' hidden><input type='range' min='0' max='" + last + "' value='" +
+         last + "' step='1' aria-label='Stored frame'><p><output></output> <small>" +
+         which_frames(series) +
+         "</small></p></div><script type='application/json' class='frames'>" +
+         series_json(seen, history, views, *range).dump() + "</script><script>" + slider_script +
+         "</script>";
+}
+
+}  // namespace dccast::client::render

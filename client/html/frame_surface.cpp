@@ -1,0 +1,150 @@
+#include "client/html/frame_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace dccast::client::render {
+namespace {
+
+using Local = std::vector<std::vector<int>>;
+
+/// Corners of the faces of an element, in order around each.
+const Local& faces_of(int nodes_per_element) {
+  static const Local tetrahedron{{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 2, 3}};
+  static const Local hexahedron{{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  return nodes_per_element == 4 ? tetrahedron : hexahedron;
+}
+
+Vector3 minus(const Vector3& a, const Vector3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+Vector3 middle(const std::vector<int>& nodes, const std::vector<Vector3>& place) {
+  Vector3 sum{0.0, 0.0, 0.0};
+  for (const int node : nodes)
+    for (std::size_t c = 0; c < 3; ++c)
+      sum[c] += place[node][c] / static_cast<double>(nodes.size());
+  return sum;
+}
+
+/// Away from the middle of the element, however its nodes are numbered.
+Vector3 outward_normal(const std::vector<int>& face, const std::vector<int>& element,
+                       const std::vector<Vector3>& place) {
+  const Vector3 one = minus(place[face[2]], place[face[0]]),
+                two = minus(place[face.back()], place[face[1]]);
+  Vector3 normal = unit(cross(one, two));
+  if (dot(normal, minus(middle(face, place), middle(element, place))) < 0.0)
+    for (double& component : normal) component = -component;
+  return normal;
+}
+
+double length_at(const google::protobuf::RepeatedField<double>& values, int node, int dimension) {
+  double squares = 0.0;
+  for (int c = 0; c < dimension; ++c) {
+    const double value = values.Get(dimension * node + c);
+    squares += value * value;
+  }
+  return std::sqrt(squares);
+}
+
+/// Largest displacement of the bottom, or of all nodes where no bottom is named.
+double displacement_to_show(const v1::Frame& frame, double largest) {
+  const int dimension = frame.dimension();
+  double shown = 0.0;
+  for (const int node : frame.bottom_node())
+    if (node >= 0 && dimension * (node + 1) <= frame.displacement_m_size())
+      shown = std::max(shown, length_at(frame.displacement_m(), node, dimension));
+  return shown > 0.0 ? shown : largest;
+}
+
+}  // namespace
+
+double dot(const Vector3& a, const Vector3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector3 cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Vector3 unit(const Vector3& a) {
+  const double length = std::max(std::sqrt(dot(a, a)), 1e-300);
+  return {a[0] / length, a[1] / length, a[2] / length};
+}
+
+bool consistent_3d(const v1::Frame& frame) {
+  const int nodes = frame.temperature_c_size(), corners = frame.nodes_per_element();
+  if (frame.dimension() != 3 || nodes == 0 || frame.node_m_size() != 3 * nodes) return false;
+  if (frame.displacement_m_size() != 0 && frame.displacement_m_size() != 3 * nodes) return false;
+  if ((corners != 4 && corners != 8) || frame.element_node_size() == 0 ||
+      frame.element_node_size() % corners != 0)
+    return false;
+  return std::ranges::all_of(frame.element_node(),
+                             [&](int node) { return node >= 0 && node < nodes; });
+}
+
+std::vector<Vector3> places_of(const v1::Frame& frame, double scale) {
+  std::vector<Vector3> place(static_cast<std::size_t>(frame.node_m_size() / 3));
+  const bool moved = frame.displacement_m_size() == frame.node_m_size();
+  for (std::size_t i = 0; i < place.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int at = static_cast<int>(3 * i + c);
+      place[i][c] = frame.node_m(at) + (moved ? scale * frame.displacement_m(at) : 0.0);
+    }
+  return place;
+}
+
+std::vector<SurfaceFace> surface_of(const v1::Frame& frame) {
+  const int corners = frame.nodes_per_element();
+  const std::vector<Vector3> place = places_of(frame, 0.0);
+  struct Found {
+    int uses = 0, element = 0;
+    std::vector<int> face;
+  };
+  std::map<std::vector<int>, Found> faces;
+  for (int e = 0; e < frame.element_node_size() / corners; ++e)
+    for (const std::vector<int>& local : faces_of(corners)) {
+      std::vector<int> face;
+      for (const int i : local) face.push_back(frame.element_node(corners * e + i));
+      std::vector<int> key = face;
+      std::ranges::sort(key);
+      Found& found = faces[key];
+      if (found.uses++ == 0) found = {1, e, face};
+    }
+  std::vector<SurfaceFace> surface;
+  for (const auto& [key, found] : faces) {
+    if (found.uses != 1) continue;
+    const auto first = frame.element_node().begin() + corners * found.element;
+    const std::vector<int> element(first, first + corners);
+    surface.push_back({found.face, outward_normal(found.face, element, place)});
+  }
+  return surface;
+}
+
+std::vector<SurfaceFace> facing(const std::vector<SurfaceFace>& surface, const Vector3& direction,
+                                double least) {
+  std::vector<SurfaceFace> found;
+  for (const SurfaceFace& face : surface)
+    if (dot(face.normal, direction) >= least) found.push_back(face);
+  return found;
+}
+
+double displacement_scale(const v1::Frame& frame) {
+  const int dimension = std::max(frame.dimension(), 1);
+  double largest = 0.0, extent = 0.0;
+  for (int i = 0; dimension * (i + 1) <= std::min(frame.displacement_m_size(), frame.node_m_size());
+       ++i) {
+    extent = std::max(extent, frame.node_m(dimension * i));
+    largest = std::max(largest, length_at(frame.displacement_m(), i, dimension));
+  }
+  if (!(largest > 0.0)) return 1.0;
+  const double wanted =
+      std::min(extent / (15.0 * displacement_to_show(frame, largest)), 0.25 * extent / largest);
+  if (wanted < 2.0) return 1.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  return decade * (wanted / decade >= 5.0 ? 5.0 : wanted / decade >= 2.0 ? 2.0 : 1.0);
+}
+
+}  // namespace dccast::client::render

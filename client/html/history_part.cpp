@@ -1,0 +1,121 @@
+#include "client/html/history_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "client/html/html_parts.hpp"
+#include "client/html/svg_chart.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+using FigureOf = double (v1::StepReport::*)() const;
+
+bool is_quarter(const v1::QueryResultResponse& result) {
+  return result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+}
+
+ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name, FigureOf figure,
+                  double factor) {
+  ChartLine line{name, {}, {}};
+  for (const v1::StepReport& step : result.steps()) {
+    line.x.push_back(step.time_s());
+    line.y.push_back(factor * (step.*figure)());
+  }
+  return line;
+}
+
+/// Axis range of a chart without zero: only the range of the data.
+bool drawable(const ChartLine& line) {
+  return std::ranges::any_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
+}
+
+std::string chart_of(const std::string& title, const std::string& unit,
+                     std::vector<ChartLine> lines) {
+  std::erase_if(lines, [](const ChartLine& line) { return !drawable(line); });
+  if (lines.empty()) return {};
+  return svg_chart({title + " against time", "time, s", unit, std::move(lines)});
+}
+
+std::string figure_if_any(const std::string& heading, const std::string& picture,
+                          const std::string& caption) {
+  return picture.empty() ? "" : figure(heading, picture, caption);
+}
+
+std::string shell_figure(const v1::QueryResultResponse& result) {
+  return figure_if_any(
+      "Shell",
+      chart_of(
+          "Shell thickness", "thickness, mm",
+          {line_of(result, "of the side at the mould exit", &v1::StepReport::shell_at_exit_m, 1e3),
+           line_of(result, "over the bottom, thinnest", &v1::StepReport::bottom_shell_m, 1e3)}),
+      "Smallest shell thickness. Until the side leaves the mould: at the butt.");
+}
+
+std::string sump_figure(const v1::QueryResultResponse& result) {
+  return figure_if_any(
+      "Sump",
+      chart_of("Sump depth", "depth, mm",
+               {line_of(result, "sump", &v1::StepReport::sump_depth_m, 1e3)}),
+      "Of the coherency isotherm in the middle of the slab, below the metal level.");
+}
+
+/// The monitors' temperatures; a step that does not report one breaks its line.
+std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
+  std::vector<ChartLine> lines;
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  for (const v1::StepReport& step : result.steps())
+    for (const v1::MonitorValue& monitor : step.monitors()) {
+      auto line = std::ranges::find(lines, monitor.name(), &ChartLine::name);
+      if (line == lines.end()) line = lines.insert(lines.end(), {monitor.name(), {}, {}});
+      line->x.push_back(step.time_s());
+      line->y.push_back(monitor.has_temperature_c() ? monitor.temperature_c() : unknown);
+    }
+  return lines;
+}
+
+std::string temperature_figure(const v1::QueryResultResponse& result) {
+  std::vector<ChartLine> lines = monitor_lines(result);
+  lines.push_back(line_of(result, "surface at mould exit, hottest",
+                          &v1::StepReport::maximum_surface_temperature_at_mould_exit_c, 1.0));
+  return figure_if_any("Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
+                       "At the monitors, and the hottest surface where it leaves the mould.");
+}
+
+std::string heat_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  std::vector<ChartLine> lines{
+      line_of(result, quarter ? "wide face" : "side", &v1::StepReport::side_heat_w_per_m, 1e-3),
+      line_of(result, "bottom block", &v1::StepReport::bottom_heat_w_per_m, 1e-3)};
+  if (quarter)
+    lines.insert(lines.begin() + 1,
+                 line_of(result, "narrow face", &v1::StepReport::narrow_heat_w_per_m, 1e-3));
+  return figure_if_any(
+      "Heat through each face",
+      chart_of("Heat through each face", quarter ? "kW" : "kW per metre", std::move(lines)),
+      quarter ? "Out of the quarter that is computed; four times as much leaves the slab."
+              : "Per metre of face, out of the half that is computed.");
+}
+
+std::string contact_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  const ChartLine line = quarter
+                             ? line_of(result, "area", &v1::StepReport::contact_area_m2, 1e4)
+                             : line_of(result, "length", &v1::StepReport::contact_length_m, 1e3);
+  return figure_if_any(
+      "Contact with the block",
+      chart_of("Contact with the block", quarter ? "area, cm²" : "length, mm", {line}),
+      quarter ? "Part of the quarter's bottom in contact with the block."
+              : "Part of the bottom in contact with the block.");
+}
+
+}  // namespace
+
+std::string history_part(const v1::QueryResultResponse& result) {
+  if (result.steps_size() < 2) return {};
+  return shell_figure(result) + sump_figure(result) + temperature_figure(result) +
+         heat_figure(result) + contact_figure(result);
+}
+
+}  // namespace dccast::client::render

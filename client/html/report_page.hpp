@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "client/model/study.hpp"
+#include "client/session/frames.hpp"
+#include "dccast/v1/service.pb.h"
+
+namespace dccast::client::render {
+
+/// A self-contained HTML page about a job, see docs/report.md. The first sheet is for the plant:
+/// findings, the curl and its meaning, recipe, charts against time, the last frame. The second
+/// documents the basis of the figures. Nothing is loaded from elsewhere. The page states which
+/// parts are missing in the result, such as frames. With a study of at least two successful runs,
+/// curls have their error, and charts show the limit with its interval; otherwise the page names
+/// the command that computes them.
+/// @param series  frames for the slider; the last one is that of the result
+std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
+                        const Study& study = {}, const FrameSeries& series = {});
+
+}  // namespace dccast::client::render

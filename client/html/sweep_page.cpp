@@ -1,0 +1,292 @@
+#include "client/html/sweep_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "client/html/report_style.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/text/study_text.hpp"
+#include "client/text/sweep_table.hpp"
+#include "client/text/table.hpp"
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+constexpr std::size_t most_lines = 6;  // that the style has colours for
+
+/// A value of a key as it is drawn.
+struct Scale {
+  std::string key;
+  std::string unit;     ///< as the runs have it; empty where they differ
+  double factor = 1.0;  ///< from SI
+  double offset = 0.0;
+};
+
+/// The unit in "40 mm/min"; empty when there is none.
+std::string unit_in(const std::string& value) {
+  const auto end = value.find_first_not_of("+-.0123456789eE");
+  if (end == std::string::npos) return {};
+  const auto begin = value.find_first_not_of(' ', end);
+  return begin == std::string::npos ? std::string() : value.substr(begin);
+}
+
+double number_in(const std::string& value) {
+  try {
+    return std::stod(value);
+  } catch (const std::exception&) {
+    return std::nan("");
+  }
+}
+
+/// A key whose values are all numbers in one unit, or in SI.
+Scale scale_of(const v1::StudyResult& result, int axis) {
+  Scale scale{result.study().sweep().axes(axis).key(), {}, 1.0, 0.0};
+  std::vector<std::pair<double, double>> seen;  // SI, as written
+  for (const v1::StudyRun& run : result.runs()) {
+    if (seen.empty()) scale.unit = unit_in(run.values(axis));
+    if (unit_in(run.values(axis)) != scale.unit) return {scale.key, "SI", 1.0, 0.0};
+    const std::pair pair(run.numbers(axis), number_in(run.values(axis)));
+    if (seen.size() < 2 && (seen.empty() || seen[0].first != pair.first)) seen.push_back(pair);
+  }
+  if (seen.size() < 2) return scale;
+  scale.factor = (seen[1].second - seen[0].second) / (seen[1].first - seen[0].first);
+  scale.offset = seen[0].second - scale.factor * seen[0].first;
+  return scale;
+}
+
+bool is_numeric(const v1::StudyResult& result, int axis) {
+  return std::all_of(result.runs().begin(), result.runs().end(), [axis](const v1::StudyRun& run) {
+    return axis < run.numbers_size() && std::isfinite(run.numbers(axis));
+  });
+}
+
+std::string label_of(const Scale& scale) {
+  return scale.unit.empty() ? scale.key : scale.key + ", " + scale.unit;
+}
+
+double drawn(const Scale& scale, double number) {
+  return scale.factor * number + scale.offset;
+}
+
+/// The values of all keys but one, which part the runs into lines.
+std::string others_of(const v1::StudyRun& run, int axis) {
+  std::string text;
+  for (int i = 0; i < run.values_size(); ++i)
+    if (i != axis) text += (text.empty() ? "" : ", ") + run.values(i);
+  return text;
+}
+
+bool has_curl(const v1::StudyRun& run, int monitor) {
+  return monitor < run.end_curl_m_size() && std::isfinite(run.end_curl_m(monitor));
+}
+
+/// A line for each combination of the other keys, of one monitor.
+std::vector<ChartLine> lines_of(const v1::StudyResult& result, int axis, int monitor,
+                                const Scale& scale) {
+  std::map<std::string, std::vector<std::pair<double, double>>> points;
+  for (const v1::StudyRun& run : result.runs())
+    if (has_curl(run, monitor))
+      points[others_of(run, axis)].emplace_back(drawn(scale, run.numbers(axis)),
+                                                1e3 * run.end_curl_m(monitor));
+  std::vector<ChartLine> lines;
+  for (auto& [name, line_points] : points) {
+    std::sort(line_points.begin(), line_points.end());
+    ChartLine& line = lines.emplace_back();
+    line.name = name.empty() ? result.monitors(monitor) : name;
+    for (const auto& [x, y] : line_points) {
+      line.x.push_back(x);
+      line.y.push_back(y);
+    }
+  }
+  return lines;
+}
+
+std::string figure(const std::string& svg, const std::string& caption) {
+  return "<section class='card'><figure>" + svg + "<figcaption><strong>" + html_escaped(caption) +
+         "</strong></figcaption></figure></section>";
+}
+
+/// Colour of a share 0 to 1: from blue over white to red.
+std::string colour(double share) {
+  const double away = 2.0 * share - 1.0;
+  const int faint = static_cast<int>(235.0 * (1.0 - std::abs(away)));
+  return away < 0.0 ? "rgb(" + std::to_string(faint) + "," + std::to_string(faint) + ",200)"
+                    : "rgb(200," + std::to_string(faint) + "," + std::to_string(faint) + ")";
+}
+
+/// Dots on two axes, coloured by the curl of a monitor.
+class Scatter {
+public:
+  struct Dot {
+    double x, y, curl_mm;
+    bool beyond;
+  };
+
+  Scatter(std::string x_label, std::string y_label, std::vector<Dot> dots)
+      : x_label_(std::move(x_label)),
+        y_label_(std::move(y_label)),
+        dots_(std::move(dots)),
+        x_(range(&Dot::x)),
+        y_(range(&Dot::y)),
+        curl_(range(&Dot::curl_mm)) {}
+
+  bool empty() const { return dots_.size() < 2; }
+
+  std::string svg() const {
+    std::string text = "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>";
+    text += ticks() + circles();
+    text += label(300, 352, "middle", x_label_) + label(6, 14, "start", y_label_);
+    return text + "</svg>";
+  }
+
+  std::string range_text() const {
+    return "blue " + fixed(curl_.first, 2) + " mm, red " + fixed(curl_.second, 2) + " mm";
+  }
+
+private:
+  using Range = std::pair<double, double>;
+
+  Range range(double Dot::*part) const {
+    if (dots_.empty()) return {0.0, 0.0};
+    const auto [low, high] = std::ranges::minmax(dots_, {}, part);
+    return {low.*part, high.*part};
+  }
+
+  static double share(double value, const Range& range) {
+    return range.second > range.first ? (value - range.first) / (range.second - range.first) : 0.5;
+  }
+
+  double left(double x) const { return 70.0 + 460.0 * share(x, x_); }
+  double top(double y) const { return 310.0 - 270.0 * share(y, y_); }
+  /// A thousand dots are to be told apart too.
+  double radius() const { return std::clamp(50.0 / std::sqrt(double(dots_.size())), 2.0, 7.0); }
+
+  static std::string label(double x, double y, const std::string& anchor, const std::string& text) {
+    return "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "' text-anchor='" +
+           anchor + "'>" + html_escaped(text) + "</text>";
+  }
+
+  std::string ticks() const {
+    std::string text;
+    for (const double x : {x_.first, x_.second})
+      text += label(left(x), 334, "middle", case_file::number_text(rounded(x)));
+    for (const double y : {y_.first, y_.second})
+      text += label(58, top(y) + 4, "end", case_file::number_text(rounded(y)));
+    return text + "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
+  }
+
+  static double rounded(double value) { return std::stod(fixed(value, 4)); }
+
+  std::string circles() const {
+    std::string text;
+    const std::string size = fixed(radius(), 1);
+    for (const Dot& dot : dots_)
+      text += "<circle cx='" + fixed(left(dot.x), 1) + "' cy='" + fixed(top(dot.y), 1) + "' r='" +
+              size + "' stroke='" + (dot.beyond ? "var(--bad)" : "var(--soft)") +
+              "' stroke-width='.7' fill='" + colour(share(dot.curl_mm, curl_)) + "'><title>" +
+              fixed(dot.curl_mm, 3) + " mm</title></circle>";
+    return text;
+  }
+
+  std::string x_label_, y_label_;
+  std::vector<Dot> dots_;
+  Range x_, y_, curl_;
+};
+
+/// Places of the runs on two keys.
+Scatter over_keys(const v1::StudyResult& result, int first, int second, int monitor) {
+  const Scale x = scale_of(result, first), y = scale_of(result, second);
+  std::vector<Scatter::Dot> dots;
+  for (const v1::StudyRun& run : result.runs())
+    if (has_curl(run, monitor))
+      dots.push_back({drawn(x, run.numbers(first)), drawn(y, run.numbers(second)),
+                      1e3 * run.end_curl_m(monitor), run.beyond_validity()});
+  return {label_of(x), label_of(y), std::move(dots)};
+}
+
+/// The curl of the runs against one key, whatever the others are.
+Scatter curl_over_key(const v1::StudyResult& result, int axis, int monitor) {
+  const Scale x = scale_of(result, axis);
+  std::vector<Scatter::Dot> dots;
+  for (const v1::StudyRun& run : result.runs())
+    if (has_curl(run, monitor)) {
+      const double curl_mm = 1e3 * run.end_curl_m(monitor);
+      dots.push_back({drawn(x, run.numbers(axis)), curl_mm, curl_mm, run.beyond_validity()});
+    }
+  return {label_of(x), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
+}
+
+/// The monitor that curls most.
+int largest_monitor(const v1::StudyResult& result) {
+  int best = 0;
+  double most = -1.0;
+  for (const v1::StudyRun& run : result.runs())
+    for (int m = 0; m < run.end_curl_m_size(); ++m)
+      if (std::abs(run.end_curl_m(m)) > most) {
+        most = std::abs(run.end_curl_m(m));
+        best = m;
+      }
+  return best;
+}
+
+std::string chart_against(const v1::StudyResult& result, int axis, int monitor) {
+  const Scale scale = scale_of(result, axis);
+  Chart chart{"Curl at the end against " + scale.key, label_of(scale), "curl, mm", {}};
+  chart.lines = lines_of(result, axis, monitor, scale);
+  const bool one_key = result.study().sweep().axes_size() == 1;
+  if (one_key) {
+    chart.lines.clear();
+    for (int m = 0; m < result.monitors_size(); ++m)
+      for (ChartLine& line : lines_of(result, axis, m, scale))
+        chart.lines.push_back(std::move(line));
+  }
+  const bool has_points = std::any_of(chart.lines.begin(), chart.lines.end(),
+                                      [](const ChartLine& line) { return line.x.size() > 1; });
+  if (!has_points || chart.lines.size() > most_lines) {
+    const Scatter scatter = curl_over_key(result, axis, monitor);
+    if (scatter.empty()) return {};
+    return figure(scatter.svg(), "Curl of " + result.monitors(monitor) + " at the end against " +
+                                     scale.key + ", a dot for each run");
+  }
+  return figure(
+      svg_chart(chart),
+      (one_key ? "Curl at the end" : "Curl of " + result.monitors(monitor) + " at the end") +
+          " against " + scale.key);
+}
+
+std::string charts(const v1::StudyResult& result) {
+  std::vector<int> numeric;
+  for (int axis = 0; axis < result.study().sweep().axes_size(); ++axis)
+    if (is_numeric(result, axis)) numeric.push_back(axis);
+  const int monitor = largest_monitor(result);
+  if (result.monitors().empty()) return {};
+  std::string html;
+  for (const int axis : numeric) html += chart_against(result, axis, monitor);
+  for (std::size_t i = 0; i < numeric.size(); ++i)
+    for (std::size_t k = i + 1; k < numeric.size(); ++k) {
+      const Scatter scatter = over_keys(result, numeric[i], numeric[k], monitor);
+      if (scatter.empty()) continue;
+      html += figure(scatter.svg(), "Curl of " + result.monitors(monitor) +
+                                        " at the end: " + scatter.range_text());
+    }
+  return "<div class='pair'>" + html + "</div>";
+}
+
+}  // namespace
+
+std::string sweep_page(const v1::StudyResult& result) {
+  const v1::Study& study = result.study();
+  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width,initial-scale=1'><title>" +
+         html_escaped(study.title()) + "</title><style>" + report_style +
+         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
+         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" +
+         html_escaped(plan_text(study) + "; " + progress_text(study)) + "</p></header>" +
+         charts(result) + "<section class='card'><h2>Runs</h2><pre>" +
+         html_escaped(sweep_table(result)) + "</pre></section></main></body></html>\n";
+}
+
+}  // namespace dccast::client::render

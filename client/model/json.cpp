@@ -1,0 +1,140 @@
+#include "client/model/json.hpp"
+
+#include <algorithm>
+
+#include <google/protobuf/message.h>
+#include <google/protobuf/timestamp.pb.h>
+#include <google/protobuf/util/time_util.h>
+#include <nlohmann/json.hpp>
+
+namespace dccast::client {
+
+/// Converts to the tree of the library that knows how to write texts and numbers.
+struct JsonWriter {
+  using Tree = nlohmann::ordered_json;
+
+  Tree operator()(std::monostate) const { return nullptr; }
+  Tree operator()(const Json::Array& elements) const {
+    Tree tree = Tree::array();
+    for (const Json& element : elements) tree.push_back(tree_of(element));
+    return tree;
+  }
+  Tree operator()(const Json::Object& members) const {
+    Tree tree = Tree::object();
+    for (const auto& [key, value] : members) tree[key] = tree_of(value);
+    return tree;
+  }
+  Tree operator()(const auto& value) const { return value; }
+
+  static Tree tree_of(const Json& json) { return std::visit(JsonWriter(), json.value_); }
+  /// Whether this is {"key", value}.
+  static bool is_member(const Json& json) {
+    const auto* const pair = std::get_if<Json::Array>(&json.value_);
+    return pair && pair->size() == 2 && std::holds_alternative<std::string>(pair->front().value_);
+  }
+};
+
+Json::Json(std::initializer_list<Json> elements) {
+  if (!std::all_of(elements.begin(), elements.end(), JsonWriter::is_member)) {
+    value_ = Array(elements);
+    return;
+  }
+  Object& members = value_.emplace<Object>();
+  for (const Json& element : elements) {
+    const Array& pair = std::get<Array>(element.value_);
+    members.emplace_back(std::get<std::string>(pair.front().value_), pair.back());
+  }
+}
+
+Json Json::object() {
+  Json json;
+  json.value_ = Object();
+  return json;
+}
+
+Json& Json::push_back(Json element) {
+  if (value_.index() == 0) value_ = Array();
+  return std::get<Array>(value_).emplace_back(std::move(element));
+}
+
+Json& Json::operator[](const std::string& key) {
+  if (value_.index() == 0) value_ = Object();
+  Object& members = std::get<Object>(value_);
+  for (auto& [name, value] : members)
+    if (name == key) return value;
+  return members.emplace_back(key, Json()).second;
+}
+
+std::string Json::dump() const {
+  return JsonWriter::tree_of(*this).dump(-1, ' ', false,
+                                         JsonWriter::Tree::error_handler_t::replace);
+}
+
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+Json single(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return to_json(reflection.GetMessage(message, &field));
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return reflection.GetEnum(message, &field)->name();
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return reflection.GetBool(message, &field);
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return reflection.GetDouble(message, &field);
+    case FieldDescriptor::CPPTYPE_INT32:
+      return reflection.GetInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_INT64:
+      return reflection.GetInt64(message, &field);
+    case FieldDescriptor::CPPTYPE_STRING:
+      return reflection.GetString(message, &field);
+    default:
+      return nullptr;
+  }
+}
+
+Json repeated(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  Json list = Json::array();
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) switch (field.cpp_type()) {
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        list.push_back(to_json(reflection.GetRepeatedMessage(message, &field, i)));
+        break;
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        list.push_back(reflection.GetRepeatedDouble(message, &field, i));
+        break;
+      case FieldDescriptor::CPPTYPE_INT32:
+        list.push_back(reflection.GetRepeatedInt32(message, &field, i));
+        break;
+      case FieldDescriptor::CPPTYPE_STRING:
+        list.push_back(reflection.GetRepeatedString(message, &field, i));
+        break;
+      default:
+        break;
+    }
+  return list;
+}
+
+}  // namespace
+
+Json to_json(const Message& message) {
+  if (const auto* time = dynamic_cast<const google::protobuf::Timestamp*>(&message))
+    return google::protobuf::util::TimeUtil::ToString(*time);
+  Json object = Json::object();
+  const auto& descriptor = *message.GetDescriptor();
+  for (int i = 0; i < descriptor.field_count(); ++i) {
+    const FieldDescriptor& field = *descriptor.field(i);
+    if (field.is_repeated())
+      object[field.name()] = repeated(message, field);
+    else if (!field.has_presence() || message.GetReflection()->HasField(message, &field))
+      object[field.name()] = single(message, field);
+  }
+  return object;
+}
+
+}  // namespace dccast::client

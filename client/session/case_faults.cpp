@@ -1,0 +1,130 @@
+#include "client/session/case_faults.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+
+#include "proto/case_file/override.hpp"
+
+namespace dccast::client {
+namespace {
+
+/// A local fault in a point or a part of a key means that the key as a whole did not reach the
+/// server.
+bool known_locally(const std::vector<v1::Fault>& local, const v1::Fault& remote) {
+  return std::any_of(local.begin(), local.end(), [&](const v1::Fault& fault) {
+    return case_file::covers(fault.field(), remote.field()) ||
+           case_file::covers(remote.field(), fault.field());
+  });
+}
+
+void sort_by_place(CaseUnderCheck& checked) {
+  const auto place = [&](const v1::Fault& fault) {
+    const case_file::Position at = checked.read.source.find(fault.field());
+    return std::pair(at.line, at.column);
+  };
+  std::stable_sort(checked.faults.begin(), checked.faults.end(),
+                   [&](const v1::Fault& a, const v1::Fault& b) { return place(a) < place(b); });
+}
+
+Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
+  Json json = to_json(fault);
+  const case_file::Position at = source.find(fault.field());
+  json["file"] = source.origin_of(fault.field());
+  json["line"] = at.line;
+  json["column"] = at.column;
+  return json;
+}
+
+/// @return  empty if the server cannot be reached and only local faults can be reported
+std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
+                                            const v1::ValidateCaseRequest& request,
+                                            bool has_local_faults) {
+  v1::ValidateCaseResponse response;
+  const grpc::Status status = connection.try_call(&Stub::ValidateCase, request, response);
+  if (status.ok()) return response;
+  const CommandFailed failure = failure_of(status, connection.server());
+  if (!has_local_faults) throw failure;
+  std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
+  return std::nullopt;
+}
+
+/// A file that could not be parsed leaves nothing to be checked.
+bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
+  return faults.size() == 1 && faults.front().field().empty();
+}
+
+case_file::ReadOutcome read_standard_input(v1::Case& description) {
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  return case_file::read_text(text, "standard input", description);
+}
+
+}  // namespace
+
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked;
+  checked.read = file == "-" ? read_standard_input(checked.description)
+                             : case_file::read_file(file, checked.description);
+  checked.changes = changes;
+  // Changes cannot be applied to a file that could not be parsed.
+  if (!cannot_be_judged(checked.read.faults))
+    case_file::apply_changes(checked.description, changes, checked.read);
+  checked.faults = checked.read.faults;
+  return checked;
+}
+
+std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
+                                    const std::vector<v1::Fault>& remote) {
+  std::vector<v1::Fault> merged = local;
+  for (const v1::Fault& fault : remote)
+    if (!known_locally(local, fault)) merged.push_back(fault);
+  return merged;
+}
+
+void check_with_server(CaseUnderCheck& checked, Connection& connection) {
+  if (cannot_be_judged(checked.faults)) return;
+  v1::ValidateCaseRequest request;
+  *request.mutable_case_() = checked.description;
+  for (const v1::Attachment& attachment : checked.read.attachments)
+    *request.add_attachments() = attachment;
+  for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
+  const auto response = ask(connection, request, !checked.faults.empty());
+  if (!response) return;
+  checked.faults =
+      merge_faults(checked.faults, {response->faults().begin(), response->faults().end()});
+  checked.warnings.assign(response->warnings().begin(), response->warnings().end());
+  if (response->has_estimate() && checked.faults.empty()) checked.estimate = response->estimate();
+  if (checked.faults.empty()) checked.findings = response->findings();
+  sort_by_place(checked);
+}
+
+std::vector<v1::Fault> faults_of(const grpc::Status& status) {
+  v1::ValidateCaseResponse response;
+  if (status.error_details().empty() || !response.ParseFromString(status.error_details()))
+    return {};
+  return {response.faults().begin(), response.faults().end()};
+}
+
+void print_faults(const CaseUnderCheck& checked, std::ostream& stream) {
+  for (const v1::Fault& fault : checked.faults)
+    stream << describe(fault, checked.read.source) << '\n';
+  for (const v1::Fault& warning : checked.warnings)
+    stream << "warning: " << describe(warning, checked.read.source) << '\n';
+}
+
+Json faults_json(const CaseUnderCheck& checked) {
+  Json json;
+  json["valid"] = checked.faults.empty();
+  json["faults"] = Json::array();
+  json["warnings"] = Json::array();
+  for (const v1::Fault& fault : checked.faults)
+    json["faults"].push_back(fault_json(fault, checked.read.source));
+  for (const v1::Fault& fault : checked.warnings)
+    json["warnings"].push_back(fault_json(fault, checked.read.source));
+  json["findings"] = Json::array();
+  for (const v1::Finding& finding : checked.findings) json["findings"].push_back(to_json(finding));
+  if (checked.estimate) json["estimate"] = to_json(*checked.estimate);
+  return json;
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <grpcpp/support/status.h>
+
+#include "client/model/json.hpp"
+#include "client/session/connection.hpp"
+#include "proto/case_file/case_file.hpp"
+
+namespace dccast::client {
+
+/// A case file as read, with all known faults.
+struct CaseUnderCheck {
+  v1::Case description;
+  case_file::ReadOutcome read;
+  /// Local faults and those of the server, in the order of the file
+  std::vector<v1::Fault> faults;
+  std::vector<v1::Fault> warnings;
+  std::optional<v1::ValidateCaseResponse::Estimate> estimate;
+  google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
+  std::vector<v1::CaseChange> changes;                       ///< changes applied to `description`
+};
+
+/// Reads a case file ("-" is standard input) and applies the changes; reports local faults only.
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes = {});
+
+/// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
+/// server cannot be reached, local faults are reported alone, with a message on standard error;
+/// without local faults CommandFailed is thrown. Throws Interrupted.
+void check_with_server(CaseUnderCheck& checked, Connection& connection);
+
+/// Merges local faults and those of the server. Server faults of a key, or part of a key, that
+/// already has a local fault are left out: the key did not reach the server.
+std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
+                                    const std::vector<v1::Fault>& remote);
+
+/// The faults in the INVALID_ARGUMENT status of SubmitJob; may be empty.
+std::vector<v1::Fault> faults_of(const grpc::Status& status);
+
+/// Prints each fault and warning as `file:line:column: key = value: ...`.
+void print_faults(const CaseUnderCheck& checked, std::ostream& stream);
+
+/// {valid, faults [{field, value, message, permitted, remedy, file, line, column}], warnings,
+/// findings, estimate}
+Json faults_json(const CaseUnderCheck& checked);
+
+}  // namespace dccast::client

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <grpcpp/client_context.h>
+
+#include "client/session/failure.hpp"
+#include "client/session/interruption.hpp"
+#include "dccast/v1/service.grpc.pb.h"
+
+namespace dccast::client {
+
+using Stub = v1::SimulationService::StubInterface;
+
+/// Number of attempts of a repeatable call, and the pauses between them.
+struct CallPolicy {
+  int attempts = 4;
+  std::chrono::milliseconds first_pause{200};  ///< doubled after every attempt
+};
+
+/// Connection to a daemon. It is established by the first call, and never through a proxy:
+/// http_proxy and similar variables are ignored.
+class Connection {
+public:
+  explicit Connection(const std::string& server, std::shared_ptr<Interruption> interruption =
+                                                     std::make_shared<Interruption>());
+
+  Stub& stub() { return *stub_; }
+  const std::string& server() const { return server_; }
+  /// Must be observed by any code that waits for this server, during or between calls.
+  Interruption& interruption() { return *interruption_; }
+
+  /// Makes a repeatable unary call (see try_call). Throws CommandFailed for any status but OK.
+  template <typename Request, typename Response>
+  Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                const Request& request) {
+    Response response;
+    check(try_call(method, request, response), server_);
+    return response;
+  }
+
+  /// The same for a call that must not be repeated, because a second one would have a different
+  /// result, such as resuming or deleting a job.
+  template <typename Request, typename Response>
+  Response call_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                     const Request& request) {
+    Response response;
+    check(attempt(method, request, response), server_);
+    return response;
+  }
+
+  /// One attempt at a call. @return its status. Throws Interrupted.
+  template <typename Request, typename Response>
+  grpc::Status try_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                     Response*),
+                        const Request& request, Response& response) {
+    return attempt(method, request, response);
+  }
+
+  /// A unary call with a deadline, repeated with increasing pauses while the server is UNAVAILABLE,
+  /// with a message on standard error. For repeatable calls: all that only read, SubmitJob with its
+  /// request id, CancelJob. @return the status of the last attempt. Throws Interrupted.
+  template <typename Request, typename Response>
+  grpc::Status try_call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                     Response*),
+                        const Request& request, Response& response) {
+    auto pause = policy_.first_pause;
+    for (int made = 1;; ++made, pause *= 2) {
+      const grpc::Status status = attempt(method, request, response);
+      if (status.error_code() != grpc::StatusCode::UNAVAILABLE || made >= policy_.attempts)
+        return status;
+      announce_retry(status, made);
+      interruption_->sleep(pause);
+    }
+  }
+
+  void set_policy(const CallPolicy& policy) { policy_ = policy; }
+
+private:
+  template <typename Request, typename Response>
+  grpc::Status attempt(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                    Response*),
+                       const Request& request, Response& response) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + deadline);
+    const Interruption::Call call(*interruption_, context);
+    const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
+    if (!status.ok() && interruption_->came()) throw Interrupted("");
+    return status;
+  }
+  void announce_retry(const grpc::Status& status, int attempts_made) const;
+
+  static constexpr std::chrono::seconds deadline{60};  // enough for a case with large attachments
+  std::string server_;
+  std::unique_ptr<Stub> stub_;
+  std::shared_ptr<Interruption> interruption_;
+  CallPolicy policy_;
+};
+
+}  // namespace dccast::client

@@ -1,0 +1,147 @@
+#include "client/session/download.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <ostream>
+
+#include "proto/values/sha256.hpp"
+
+namespace dccast::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::int64_t size_of(const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  return error ? 0 : static_cast<std::int64_t>(size);
+}
+
+/// A stream of chunks and its name for messages.
+struct Source {
+  using Reader = std::unique_ptr<grpc::ClientReaderInterface<v1::FetchResultResponse>>;
+  std::string name;
+  /// @param sha256  of the chunks had so far; empty where there are none
+  std::function<Reader(grpc::ClientContext&, std::int64_t offset, const std::string& sha256)> open;
+};
+
+struct Attempt {
+  grpc::Status status;
+  std::int64_t total = -1;
+  std::string sha256;
+};
+
+/// Appends to the part file the data that are missing in it.
+Attempt append_rest(Connection& connection, const Source& source, const std::string& sha256,
+                    const fs::path& part) {
+  std::ofstream stream(part, std::ios::binary | std::ios::app);
+  if (!stream) throw CommandFailed(ExitCode::not_found, "cannot write " + part.string());
+  grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
+  const auto reader = source.open(context, size_of(part), sha256);
+  Attempt attempt;
+  v1::FetchResultResponse chunk;
+  while (reader->Read(&chunk)) {
+    stream.write(chunk.data().data(), static_cast<std::streamsize>(chunk.data().size()));
+    if (!stream) {
+      context.TryCancel();
+      throw CommandFailed(ExitCode::not_found,
+                          "cannot write " + part.string() + "; is the disk full?");
+    }
+    attempt.total = chunk.total_size_bytes();
+    attempt.sha256 = chunk.sha256();
+  }
+  attempt.status = reader->Finish();
+  return attempt;
+}
+
+bool cut(const Attempt& attempt, const fs::path& part) {
+  const auto code = attempt.status.error_code();
+  if (code == grpc::StatusCode::UNAVAILABLE || code == grpc::StatusCode::DEADLINE_EXCEEDED)
+    return true;
+  return attempt.status.ok() && attempt.total >= 0 && size_of(part) < attempt.total;
+}
+
+Interrupted interrupted_at(const fs::path& part) {
+  const std::int64_t bytes = size_of(part);
+  if (bytes == 0) fs::remove(part);
+  return Interrupted(bytes == 0 ? "nothing was fetched yet"
+                                : part.string() + " keeps " + std::to_string(bytes) +
+                                      " bytes; the same command goes on behind them");
+}
+
+/// Whether the data received so far belong to another file than the present one.
+bool of_another(const Attempt& attempt) {
+  const auto code = attempt.status.error_code();
+  return code == grpc::StatusCode::OUT_OF_RANGE || code == grpc::StatusCode::ABORTED;
+}
+
+Download download(Connection& connection, const Source& source, const fs::path& file,
+                  std::ostream& talk) {
+  const fs::path part = file.string() + ".part";
+  constexpr int attempts = 6;
+  Download result;
+  std::string sha256;
+  result.resumed_at = size_of(part);
+  if (result.resumed_at > 0)
+    talk << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
+         << std::endl;
+  for (int count = 1; count <= attempts; ++count) {
+    const Attempt attempt = append_rest(connection, source, sha256, part);
+    if (attempt.total >= 0) sha256 = attempt.sha256;
+    if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
+    if (cut(attempt, part) && count < attempts) {
+      talk << "fetch: the stream was cut at byte " << size_of(part) << ", going on" << std::endl;
+      connection.interruption().sleep(std::chrono::milliseconds(200 * count));
+      continue;
+    }
+    if (!of_another(attempt)) {
+      if (!attempt.status.ok() && size_of(part) == 0) fs::remove(part);
+      check(attempt.status, connection.server());
+      if (attempt.total == size_of(part) && values::sha256_of_file(part) == attempt.sha256) {
+        fs::rename(part, file);
+        result.bytes = attempt.total;
+        result.sha256 = attempt.sha256;
+        return result;
+      }
+    }
+    talk << "fetch: " << part.string() << " is not the beginning of this file; beginning again"
+         << std::endl;
+    fs::remove(part);
+    sha256.clear();
+    result.resumed_at = 0;
+  }
+  throw CommandFailed(
+      ExitCode::unreachable,
+      "could not fetch " + source.name + " with the right checksum from " + connection.server());
+}
+
+}  // namespace
+
+Download download(Connection& connection, const std::string& id, const std::string& artifact,
+                  const fs::path& file, std::ostream& talk) {
+  v1::FetchResultRequest request;
+  request.set_id(id);
+  request.set_artifact(artifact);
+  const auto open = [&](grpc::ClientContext& context, std::int64_t offset, const std::string&) {
+    request.set_offset(offset);
+    return connection.stub().FetchResult(&context, request);
+  };
+  return download(connection, {artifact, open}, file, talk);
+}
+
+Download download_study(Connection& connection, const std::string& id, const fs::path& file,
+                        std::ostream& talk) {
+  v1::FetchStudyRequest request;
+  request.set_id(id);
+  const auto open = [&](grpc::ClientContext& context, std::int64_t offset,
+                        const std::string& sha256) {
+    request.set_offset(offset);
+    request.set_sha256(sha256);
+    return connection.stub().FetchStudy(&context, request);
+  };
+  return download(connection, {"study " + id, open}, file, talk);
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,149 @@
+#include "client/session/jobs.hpp"
+
+#include <pwd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <set>
+
+namespace dccast::client {
+namespace {
+
+constexpr std::size_t id_length = 36;
+constexpr std::size_t shortest = 8;
+constexpr int most_candidates = 5;  // that are listed
+
+bool can_begin_an_id(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789abcdef-") == std::string::npos;
+}
+
+std::string user_name() {
+  const passwd* const user = ::getpwuid(::getuid());
+  return user == nullptr ? "" : user->pw_name;
+}
+
+/// The server calls the owner by the name of the local user; over a tunnel that may be another one.
+std::string last_job(Connection& connection) {
+  v1::ListJobsRequest request;
+  request.set_page_size(1);
+  request.set_owner(user_name());
+  const auto found = connection.call(&Stub::ListJobs, request);
+  if (found.jobs().empty())
+    throw CommandFailed(ExitCode::not_found, "'last': no job on " + connection.server() +
+                                                 " belongs to " + user_name() +
+                                                 "; name one by its id (dccast list)");
+  return found.jobs(0).id();
+}
+
+std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& found) {
+  std::string text = "'" + prefix + "' is the beginning of more than one job:";
+  for (int i = 0; i < std::min(most_candidates, found.jobs_size()); ++i)
+    text += "\n  " + found.jobs(i).id() + "  " + found.jobs(i).title();
+  if (found.jobs_size() > most_candidates) text += "\n  and more";
+  return text;
+}
+
+std::string job_that_begins(Connection& connection, const std::string& prefix) {
+  v1::ListJobsRequest request;
+  request.set_page_size(most_candidates + 1);
+  request.set_id_prefix(prefix);
+  const auto found = connection.call(&Stub::ListJobs, request);
+  if (found.jobs().empty())
+    throw CommandFailed(ExitCode::not_found, "no job on " + connection.server() + " begins with '" +
+                                                 prefix + "' (dccast list)");
+  if (found.jobs_size() > 1) throw CommandFailed(ExitCode::invalid, ambiguous(prefix, found));
+  return found.jobs(0).id();
+}
+
+/// All pages from the first on. A page adds steps; the case and the frame come with the first.
+grpc::Status read_pages(Connection& connection, v1::QueryResultRequest request,
+                        v1::QueryResultResponse& result) {
+  result.Clear();
+  while (true) {
+    v1::QueryResultResponse page;
+    const grpc::Status status = connection.try_call(&Stub::QueryResult, request, page);
+    if (!status.ok()) return status;
+    result.MergeFrom(page);
+    if (page.next_page_token().empty()) return status;
+    if (page.next_page_token() == request.page_token())
+      return {grpc::StatusCode::INTERNAL, "the server repeats a page of the history"};
+    request.set_page_token(page.next_page_token());
+  }
+}
+
+}  // namespace
+
+std::string resolve_job(Connection& connection, const std::string& text) {
+  if (text == "last") return last_job(connection);
+  if (text.size() < id_length && can_begin_an_id(text)) return job_that_begins(connection, text);
+  return text;
+}
+
+std::vector<std::string> resolve_jobs(Connection& connection,
+                                      const std::vector<std::string>& texts) {
+  std::vector<std::string> ids;
+  for (const std::string& text : texts) ids.push_back(resolve_job(connection, text));
+  return ids;
+}
+
+std::size_t short_id_length(const std::vector<std::string>& ids) {
+  for (std::size_t length = shortest; length < id_length; ++length) {
+    std::set<std::string> beginnings;
+    for (const std::string& id : ids) beginnings.insert(id.substr(0, length));
+    if (beginnings.size() == ids.size()) return length;
+  }
+  return id_length;
+}
+
+std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
+  return list_some_jobs(connection, std::move(request), limit).jobs;
+}
+
+JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
+  constexpr int largest_page = 1000;  // service.proto
+  JobListing listing;
+  std::vector<v1::Job>& jobs = listing.jobs;
+  do {
+    request.set_page_size(std::min(largest_page, limit - static_cast<int>(jobs.size())));
+    const auto page = connection.call(&Stub::ListJobs, request);
+    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < limit);
+  listing.more = !request.page_token().empty();
+  return listing;
+}
+
+grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
+                              v1::QueryResultResponse& result) {
+  constexpr int readings = 5;  // a worker is restarted less often than that in one reading
+  v1::QueryResultRequest request;
+  request.set_id(id);
+  request.set_frame(frame);
+  grpc::Status status;
+  for (int reading = 0; reading < readings; ++reading) {
+    status = read_pages(connection, request, result);
+    if (status.error_code() != grpc::StatusCode::ABORTED) break;
+  }
+  result.clear_next_page_token();
+  return status;
+}
+
+v1::QueryResultResponse query_result(Connection& connection, const std::string& id) {
+  v1::QueryResultResponse result;
+  check(try_query_result(connection, id, false, result), connection.server());
+  return result;
+}
+
+grpc::Status submit_patiently(Connection& connection, const v1::SubmitJobRequest& request,
+                              v1::Job& job) {
+  try {
+    return connection.try_call(&Stub::SubmitJob, request, job);
+  } catch (const Interrupted&) {
+    throw Interrupted(
+        "the job may be in the queue already (dccast list). Submitting the case with "
+        "--request-id " +
+        request.request_id() + " gives one job in any case");
+  }
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/session/connection.hpp"
+
+namespace dccast::client {
+
+/// The id of the job that a user means: a complete id, a unique beginning of one, or `last` for the
+/// newest job of this user. Any other text is passed on for the server to reject. Throws
+/// CommandFailed: no such job (not_found), or several (invalid), which the message lists.
+std::string resolve_job(Connection& connection, const std::string& text);
+std::vector<std::string> resolve_jobs(Connection& connection,
+                                      const std::vector<std::string>& texts);
+
+/// Length of the shortest prefix, at least 8 characters, that distinguishes these ids.
+std::size_t short_id_length(const std::vector<std::string>& ids);
+
+/// Help text of a JOB argument.
+inline constexpr const char* job_help = "Job id, the beginning of one, or last";
+
+/// Lists the jobs of a request, newest first, at most `limit`; reads all pages that are needed.
+/// Throws CommandFailed, Interrupted.
+/// @param request  its page size and token are set here
+std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
+
+/// A list of jobs, and whether the server has more.
+struct JobListing {
+  std::vector<v1::Job> jobs;
+  bool more = false;
+};
+JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
+
+/// Reads the whole history of a job, page by page, with the case and, on request, the last stored
+/// frame. If the job is resumed from an earlier step meanwhile, the history is read again.
+/// @return the status of the last call; `result` is complete if it is OK
+grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
+                              v1::QueryResultResponse& result);
+
+/// The same without a frame. Throws CommandFailed for any status but OK.
+v1::QueryResultResponse query_result(Connection& connection, const std::string& id);
+
+/// Submits a job and repeats the call if the server is temporarily unavailable; the request id,
+/// which must be set, makes this safe. Throws Interrupted. @return the status of the last attempt;
+/// sets the job if it is OK
+grpc::Status submit_patiently(Connection& connection, const v1::SubmitJobRequest& request,
+                              v1::Job& job);
+
+}  // namespace dccast::client

@@ -1,0 +1,143 @@
+#include "client/session/queries.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <memory>
+
+#include "client/session/jobs.hpp"
+
+namespace dccast::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+v1::QueryButtCurlRequest request_of(const CaseUnderCheck& checked, bool keep) {
+  v1::QueryButtCurlRequest request;
+  *request.mutable_case_() = checked.description;
+  request.set_keep(keep);
+  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
+  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
+                                        checked.read.attachments.end());
+  return request;
+}
+
+void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, Answer& answer) {
+  if (response.has_accepted()) {
+    answer.from_store = response.accepted().from_store();
+    answer.job = response.accepted().job();
+    answer.description = response.accepted().case_();
+  } else if (response.has_step()) {
+    if (answer.history.time_s.empty()) answer.first_point_s = seconds_since(begin);
+    answer.history.add(response.step());
+  } else if (response.has_finding()) {
+    answer.findings.push_back(response.finding());
+  } else if (response.has_validity_lost()) {
+    answer.validity_loss = response.validity_lost();
+    answer.history.mark_beyond(response.validity_lost().time_s());
+  } else if (response.has_ended()) {
+    answer.state = response.ended().state();
+    answer.solver_s = response.ended().solver_s();
+    if (response.ended().has_failure()) answer.failure = response.ended().failure();
+  }
+}
+
+void require_end(const Answer& answer, const Connection& connection) {
+  if (answer.state == v1::JOB_STATE_UNSPECIFIED)
+    throw CommandFailed(ExitCode::unreachable,
+                        connection.server() + " ended the answer before its end; ask again");
+}
+
+constexpr std::size_t at_once = 8;
+constexpr std::chrono::milliseconds look{20};  // interval between checks for an interruption
+
+/// One query in a thread, with an interruption of its own.
+class Question {
+public:
+  Question(const std::string& server, CaseUnderCheck& checked)
+      : answer_(std::async(std::launch::async, [server, own = own_, &checked] {
+          Connection connection(server, own);
+          return ask_query(connection, checked, false);
+        })) {}
+  Question(Question&&) = default;
+  ~Question() {
+    if (answer_.valid()) own_->come();  // another query has failed: this answer is no longer needed
+  }
+
+  /// Rethrows the exception of the query.
+  std::optional<Answer> answer(const Interruption& command) {
+    while (answer_.wait_for(look) != std::future_status::ready)
+      if (command.came()) own_->come();
+    return answer_.get();
+  }
+
+private:
+  std::shared_ptr<Interruption> own_ = std::make_shared<Interruption>();
+  std::future<std::optional<Answer>> answer_;
+};
+
+}  // namespace
+
+std::optional<Answer> ask_query(
+    Connection& connection, CaseUnderCheck& checked, bool keep,
+    const std::function<void(const v1::QueryButtCurlResponse&)>& on_response) {
+  const v1::QueryButtCurlRequest request = request_of(checked, keep);
+  Answer answer;
+  answer.changes = checked.changes;
+  grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
+  const auto begin = Clock::now();
+  const auto reader = connection.stub().QueryButtCurl(&context, request);
+  v1::QueryButtCurlResponse response;
+  while (reader->Read(&response)) {
+    take(response, begin, answer);
+    if (on_response) on_response(response);
+  }
+  const grpc::Status status = reader->Finish();
+  answer.elapsed_s = seconds_since(begin);
+  if (connection.interruption().came()) throw Interrupted("the run has ended with it");
+  checked.faults = faults_of(status);
+  if (!checked.faults.empty()) return std::nullopt;
+  check(status, connection.server());
+  require_end(answer, connection);
+  return answer;
+}
+
+Answer answer_of_job(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::QueryResultResponse result = query_result(connection, id);
+  Answer answer;
+  answer.job = job.id();
+  answer.from_store = true;
+  answer.description = result.case_();
+  answer.changes.assign(job.changes().begin(), job.changes().end());
+  answer.history = render::curl_history(job, result);
+  answer.findings.assign(job.findings().begin(), job.findings().end());
+  if (job.has_validity_loss()) answer.validity_loss = job.validity_loss();
+  answer.state = job.state();
+  if (job.has_failure()) answer.failure = job.failure();
+  answer.solver_s = job.last_step().solver_s();
+  return answer;
+}
+
+std::vector<std::optional<Answer>> ask_queries(Connection& connection,
+                                               std::vector<CaseUnderCheck>& cases) {
+  std::vector<std::optional<Answer>> answers;
+  while (answers.size() < cases.size()) {
+    std::vector<Question> questions;
+    const std::size_t end = std::min(cases.size(), answers.size() + at_once);
+    for (std::size_t i = answers.size(); i < end; ++i)
+      questions.emplace_back(connection.server(), cases[i]);
+    for (Question& question : questions)
+      answers.push_back(question.answer(connection.interruption()));
+  }
+  return answers;
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,163 @@
+#include "client/session/studies.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <utility>
+
+#include "client/model/case_changes.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/study_text.hpp"
+#include "proto/values/uuid.hpp"
+
+namespace dccast::client {
+namespace {
+
+v1::CreateStudyRequest request_of(const StudyCase& base, const CaseUnderCheck& checked) {
+  v1::CreateStudyRequest request;
+  request.set_request_id(values::random_uuid());
+  *request.mutable_case_() = checked.description;
+  *request.mutable_attachments() = {checked.read.attachments.begin(),
+                                    checked.read.attachments.end()};
+  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
+  *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
+  return request;
+}
+
+/// What is wrong with a plan or one of its cases, a line each.
+void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
+  const std::string& message = status.error_message();
+  const std::string run =
+      message.starts_with("run ") ? message.substr(0, message.find(": the case has")) + ": " : "";
+  for (const v1::Fault& fault : faults_of(status))
+    std::cerr << run << describe(fault, checked.read.source) << '\n';
+}
+
+/// One stream: reads until it ends.
+struct Stream {
+  std::optional<v1::Study> last;
+  grpc::Status status;
+};
+
+Stream read_stream(Connection& connection, const std::string& id,
+                   const std::function<void(const v1::Study&)>& on_study) {
+  v1::WatchStudyRequest request;
+  request.set_id(id);
+  grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
+  const auto reader = connection.stub().WatchStudy(&context, request);
+  Stream stream;
+  v1::Study study;
+  while (reader->Read(&study)) {
+    on_study(study);
+    stream.last = study;
+  }
+  stream.status = reader->Finish();
+  return stream;
+}
+
+bool ended(const Stream& stream) {
+  return stream.status.ok() && stream.last && stream.last->state() != v1::STUDY_RUNNING;
+}
+
+v1::EvaluateStudyRequest question(const std::string& id, bool curves) {
+  v1::EvaluateStudyRequest request;
+  request.set_id(id);
+  request.set_curves(curves);
+  return request;
+}
+
+}  // namespace
+
+std::optional<v1::Study> create_study(
+    Connection& connection, const StudyCase& base,
+    const std::function<void(v1::CreateStudyRequest&)>& add_plan) {
+  const CaseUnderCheck checked = read_case(base.file, changes_of(base.set));
+  if (!checked.faults.empty()) {
+    print_faults(checked, std::cerr);
+    return std::nullopt;
+  }
+  v1::CreateStudyRequest request = request_of(base, checked);
+  add_plan(request);
+  v1::Study study;
+  const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
+  if (!faults_of(status).empty()) {
+    print_refusal(status, checked);
+    return std::nullopt;
+  }
+  check(status, connection.server());
+  return study;
+}
+
+void follow_with_progress(Connection& connection, const std::string& id,
+                          const std::string& come_back) {
+  try {
+    render::StudyProgress progress(std::cerr, render::terminal_of(2));
+    follow_study(
+        connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
+  } catch (const Interrupted&) {
+    throw Interrupted("the study goes on. Come back: " + come_back);
+  }
+}
+
+v1::Study follow_study(Connection& connection, const std::string& id,
+                       const std::function<void(const v1::Study&)>& on_study, std::ostream& talk,
+                       const RetryPolicy& policy) {
+  auto pause = policy.first_pause;
+  for (int attempt = 1; attempt < policy.attempts; ++attempt) {
+    const Stream stream = read_stream(connection, id, on_study);
+    if (ended(stream)) return *stream.last;
+    if (connection.interruption().came()) throw Interrupted("");
+    if (!is_passing(stream.status.error_code()))
+      throw failure_of(stream.status, connection.server());
+    if (stream.last) attempt = 1, pause = policy.first_pause;
+    talk << "watch: the stream from " << connection.server()
+         << " ended but the study has not; taking it up again (attempt " << attempt << " of "
+         << policy.attempts - 1 << ")" << std::endl;
+    connection.interruption().sleep(pause);
+    pause = std::min(2 * pause, policy.longest_pause);
+  }
+  throw CommandFailed(ExitCode::unreachable, "lost the stream of study " + id + " from " +
+                                                 connection.server() +
+                                                 "; the study itself goes on");
+}
+
+ExitCode exit_code_of(v1::StudyState state) {
+  return state == v1::STUDY_SUCCEEDED ? ExitCode::done : ExitCode::solve_failed;
+}
+
+std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id) {
+  v1::ListJobsRequest request;
+  request.set_study(id);
+  std::vector<v1::Job> jobs =
+      list_jobs(connection, std::move(request), std::numeric_limits<int>::max());
+  std::reverse(jobs.begin(), jobs.end());
+  return jobs;
+}
+
+v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves) {
+  return connection.call(&Stub::EvaluateStudy, question(id, curves));
+}
+
+Study read_study(Connection& connection, const std::string& id) {
+  const v1::StudyResult result = evaluate_study(connection, id);
+  if (!result.study().has_refinement())
+    throw CommandFailed(ExitCode::invalid, "study " + id + " compares no meshes; dccast studies " +
+                                               id + " shows what it is");
+  return study_of(result, jobs_of_study(connection, id));
+}
+
+Study study_around(Connection& connection, const v1::Job& job) {
+  if (job.study().empty()) return {};
+  v1::StudyResult result;
+  const grpc::Status status =
+      connection.try_call(&Stub::EvaluateStudy, question(job.study(), false), result);
+  // Jobs may have a study id in common that no study of the server has.
+  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
+  check(status, connection.server());
+  if (!result.study().has_refinement()) return {};
+  return study_of(result, jobs_of_study(connection, job.study()));
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/model/study.hpp"
+#include "client/session/connection.hpp"
+#include "client/session/job_watch.hpp"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::client {
+
+/// The case of a study as given on the command line.
+struct StudyCase {
+  std::string file;
+  std::vector<std::string> set;  ///< KEY=VALUE
+  std::vector<std::string> labels;
+};
+
+/// Reads the case and creates a study with the plan that `add_plan` adds to the request. Throws
+/// CommandFailed, Interrupted.
+/// @return empty if case or plan are rejected; the faults have then been printed
+std::optional<v1::Study> create_study(Connection& connection, const StudyCase& base,
+                                      const std::function<void(v1::CreateStudyRequest&)>& add_plan);
+
+/// Follows a study to its end and shows its progress on stderr.
+/// @param come_back  command that continues to follow it, for the message of Interrupted
+void follow_with_progress(Connection& connection, const std::string& id,
+                          const std::string& come_back);
+
+/// Passes a study to `on_study` whenever it has changed, until it has ended; returns it. A stream
+/// that ends before is reconnected as in follow_job. Throws CommandFailed, Interrupted.
+v1::Study follow_study(Connection& connection, const std::string& id,
+                       const std::function<void(const v1::Study&)>& on_study, std::ostream& talk,
+                       const RetryPolicy& policy = {});
+
+/// Exit code for the final state of a study.
+ExitCode exit_code_of(v1::StudyState state);
+
+/// The jobs of a study, oldest first; empty for an unknown study.
+std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id);
+
+/// Results of a study so far. Throws CommandFailed.
+v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves = false);
+
+/// A refinement study with its jobs. Throws CommandFailed, also for a study of another kind.
+Study read_study(Connection& connection, const std::string& id);
+
+/// The refinement study to which a job belongs; an empty one if it belongs to none.
+Study study_around(Connection& connection, const v1::Job& job);
+
+}  // namespace dccast::client

@@ -1,0 +1,132 @@
+#include "client/text/findings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <vector>
+
+#include "client/html/svg_chart.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+
+std::string severity_text(v1::Finding::Severity severity) {
+  switch (severity) {
+    case v1::Finding::DANGER:
+      return "danger";
+    case v1::Finding::WARNING:
+      return "warning";
+    default:
+      return "note";
+  }
+}
+
+namespace {
+
+/// "1 danger", "2 dangers".
+std::string count_text(const Findings& findings, v1::Finding::Severity severity) {
+  const auto count = std::ranges::count(findings, severity, &v1::Finding::severity);
+  if (count == 0) return {};
+  return std::to_string(count) + " " + severity_text(severity) + (count == 1 ? "" : "s");
+}
+
+void append(std::string& list, const std::string& text, const char* separator) {
+  if (!text.empty()) list += (list.empty() ? "" : separator) + text;
+}
+
+std::string value_and_limit(const v1::Finding& finding) {
+  std::string text;
+  if (finding.has_value()) text = figure_text(finding.value(), finding.unit());
+  if (finding.has_limit())
+    append(text, "limit " + figure_text(finding.limit(), finding.unit()), ", ");
+  return text;
+}
+
+/// Value, limit, place and key, as far as they are known.
+std::string particulars(const v1::Finding& finding) {
+  std::string text = value_and_limit(finding);
+  append(text, place_text(finding.place_m()), "; ");
+  append(text, finding.key(), "; ");
+  return text;
+}
+
+std::string when(const v1::Finding& finding) {
+  return finding.has_time_s() ? fixed(finding.time_s(), 2) + " s" : "";
+}
+
+std::string cell(const std::string& text) {
+  return "<td>" + html_escaped(text) + "</td>";
+}
+
+std::string html_row(const v1::Finding& finding) {
+  const std::string severity = severity_text(finding.severity());
+  return "<tr class='" + severity + "'><th scope='row'>" + severity + "</th><td>" +
+         html_escaped(finding.message()) + "<small>" + html_escaped(finding.code()) + "; " +
+         html_escaped(particulars(finding)) + "</small></td>" + cell(when(finding)) + "</tr>";
+}
+
+}  // namespace
+
+std::string finding_line(const v1::Finding& finding) {
+  const std::string time = when(finding), more = particulars(finding);
+  return severity_text(finding.severity()) + ": " + finding.code() +
+         (time.empty() ? "" : " at " + time) + ": " + finding.message() +
+         (more.empty() ? "" : " [" + more + "]");
+}
+
+std::string findings_count(const Findings& findings) {
+  std::string text;
+  for (const auto severity : {v1::Finding::DANGER, v1::Finding::WARNING, v1::Finding::NOTE})
+    append(text, count_text(findings, severity), ", ");
+  return text;
+}
+
+bool more_than_notes(const Findings& findings) {
+  return std::ranges::any_of(
+      findings, [](const v1::Finding& finding) { return finding.severity() > v1::Finding::NOTE; });
+}
+
+std::string findings_part(const Findings& findings) {
+  if (findings.empty()) return {};
+  std::vector<const v1::Finding*> ordered;
+  for (const v1::Finding& finding : findings) ordered.push_back(&finding);
+  std::ranges::stable_sort(ordered, std::ranges::greater{}, &v1::Finding::severity);
+  std::string rows;
+  for (const v1::Finding* finding : ordered) rows += html_row(*finding);
+  return "<section class='card findings'><h2>Findings: " + findings_count(findings) +
+         "</h2><table>" + rows +
+         "</table><p>What each means, its limit and where that comes from: docs/findings.md.</p>"
+         "</section>";
+}
+
+std::string figure_text(double value, const std::string& unit) {
+  const bool length = unit == "m";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", length ? 1e3 * value : value);
+  if (unit.empty() || unit == "1") return text;
+  return std::string(text) + " " + (length ? "mm" : unit);
+}
+
+std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {
+  constexpr std::array axes{"x ", "y ", "z "};
+  std::string text;
+  for (int i = 0; i < std::min(place_m.size(), static_cast<int>(axes.size())); ++i)
+    text += (i == 0 ? "" : ", ") + std::string(axes[static_cast<std::size_t>(i)]) +
+            fixed(1e3 * place_m[i], 1) + " mm";
+  return text;
+}
+
+std::string validity_text(const v1::ValidityLoss& loss) {
+  const std::string begin =
+      std::string(beyond_validity) + " from " + fixed(loss.time_s(), 2) + " s on: ";
+  if (!loss.message().empty()) return begin + loss.message();  // says where and by how much
+  std::string text = begin + failure_kind_text(loss.kind());
+  if (loss.limit() != 0.0 || loss.value() != 0.0)
+    text += " (" + figure_text(loss.value(), loss.unit()) + ", limit " +
+            figure_text(loss.limit(), loss.unit()) + ")";
+  const std::string place = place_text(loss.place_m());
+  return place.empty() ? text : text + " at " + place;
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::client::render {
+
+/// "running", "succeeded", ...
+std::string state_text(v1::JobState state);
+
+/// Local time of a time stamp, "2024-05-01 13:45:10"; "-" for none.
+std::string time_text(const google::protobuf::Timestamp& time);
+
+/// One line about an event that is not a step.
+std::string event_line(const v1::JobEvent& event);
+
+/// "solve failed", "motion too large", "worker hung", ...
+std::string failure_kind_text(v1::Failure::Kind kind);
+
+/// State with important details: "queued #3, held", "succeeded, beyond validity".
+std::string full_state_text(const v1::Job& job);
+
+/// Why a job failed, in a few lines: kind, message, time, step and place, the last residuals, and
+/// subsequent failures.
+std::string failure_text(const v1::Failure& failure);
+
+/// All details of one job, one per line.
+std::string job_sheet(const v1::Job& job);
+
+/// Names of the available columns of a list of jobs.
+std::vector<std::string> job_columns();
+
+/// A table of jobs; no text is truncated.
+/// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
+///                 of the jobs has them
+std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string> columns);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,129 @@
+#include "client/text/progress.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+#include "client/text/braille.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+constexpr int curve_columns = 12;               // of the renewed line
+constexpr std::chrono::milliseconds pause{50};  // 20 updates per second are enough
+
+std::string signed_mm(double metres) {
+  return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 2) + " mm"
+                               : "- mm";
+}
+
+/// ", beyond validity from 166 s on"; nothing for a run that is valid.
+std::string beyond_note(const CurlHistory& history) {
+  const auto first = history.first_beyond();
+  if (!first) return {};
+  return std::string(", ") + beyond_validity + " from " + fixed(history.time_s[*first], 0) +
+         " s on";
+}
+
+std::string eta_text(const v1::StepReport& step) {
+  const double rest = remaining_s(step);
+  return rest >= 0.0 && step.progress() < 1.0 ? "eta " + duration_text(rest) : "";
+}
+
+std::string step_facts(const v1::StepReport& step) {
+  std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
+                     " s  " + (step.beyond_validity() ? std::string(beyond_validity) + "  " : "") +
+                     "cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
+  for (const v1::MonitorValue& monitor : step.monitors())
+    text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
+  return text + "  " + std::to_string(step.iterations()) + " it";
+}
+
+}  // namespace
+
+double remaining_s(const v1::StepReport& step) {
+  if (!(step.progress() > 0.0)) return -1.0;
+  return step.solver_s() * (1.0 - step.progress()) / step.progress();
+}
+
+std::string duration_text(double seconds) {
+  char text[48];
+  const long whole = std::lround(std::max(0.0, seconds));
+  if (whole >= 3600)
+    std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
+  else if (whole >= 60)
+    std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
+  else if (seconds < 10.0)
+    std::snprintf(text, sizeof text, "%.1f s", std::max(0.0, seconds));
+  else
+    std::snprintf(text, sizeof text, "%ld s", whole);
+  return text;
+}
+
+std::string step_line(const v1::StepReport& step) {
+  const std::string eta = eta_text(step);
+  return step_facts(step) + (eta.empty() ? "" : "  " + eta);
+}
+
+void Progress::line(const std::string& text) {
+  if (line_open_) stream_ << "\r\033[K";
+  line_open_ = false;
+  stream_ << text << std::endl;
+}
+
+void Progress::renew(const std::string& text, bool force) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!force && now - renewed_ < pause) return;
+  renewed_ = now;
+  stream_ << "\r\033[K" << cut_to(text, columns_now(terminal_) - 1) << std::flush;
+  line_open_ = true;
+}
+
+void Progress::show(const v1::JobEvent& event) {
+  if (event.has_resumed()) history_.rewind(event.resumed().step());
+  if (event.has_validity_lost()) history_.mark_beyond(event.validity_lost().time_s());
+  if (!event.has_step()) return line(event_line(event));
+  history_.add(event.step());
+  if (!terminal_.interactive) return line(step_line(event.step()));
+  std::string curve;
+  if (const auto* series = history_.largest())
+    curve = braille_curve(series->curl_m, curve_columns, 1).front();
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
+  //     // The most important data come first: the end of the line is cut off in a narrow window.
+  const std::string eta = eta_text(event.step());
+  renew(percent + eta + (eta.empty() ? "" : " ") + curve + " " + step_facts(event.step()),
+        event.step().progress() >= 1.0);
+}
+
+void Progress::end_line() {
+  if (line_open_) stream_ << std::endl;
+  line_open_ = false;
+}
+
+void Progress::finish() {
+  end_line();
+  const auto* const series = history_.largest();
+  if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
+  const int columns = std::min(60, columns_now(terminal_) - 12);
+  stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
+          << fixed(history_.time_s.back(), 0) << " s" << beyond_note(history_) << '\n';
+  double low = 0.0, high = 0.0;
+  for (const double curl : series->curl_m) {
+    low = std::min(low, curl);
+    high = std::max(high, curl);
+  }
+  const auto lines = braille_curve(series->curl_m, columns, 5);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    stream_ << lines[i]
+            << (i == 0                  ? " " + signed_mm(high)
+                : i + 1 == lines.size() ? " " + signed_mm(low)
+                                        : "")
+            << '\n';
+  stream_ << std::flush;
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <iosfwd>
+#include <string>
+
+#include "client/model/curl_history.hpp"
+#include "client/text/terminal.hpp"
+#include "dccast/v1/job.pb.h"
+
+namespace dccast::client::render {
+
+/// Shows the events of a job: on a terminal in one line that is updated, otherwise one line per
+/// event.
+class Progress {
+public:
+  Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
+  Progress(const Progress&) = delete;
+  /// Ends the updated line, so that the next message starts on a new one.
+  ~Progress() { end_line(); }
+
+  void show(const v1::JobEvent& event);
+  /// Ends the updated line and draws the curl of the run, if there is one.
+  void finish();
+
+  const CurlHistory& history() const { return history_; }
+
+private:
+  void line(const std::string& text);
+  void end_line();
+  void renew(const std::string& text, bool force);
+
+  std::ostream& stream_;
+  Terminal terminal_;
+  CurlHistory history_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point renewed_{};
+};
+
+/// "step 120  t 45.2 s  cast 30.1 mm  corner +3.21 mm  2 it  eta 3 s" (one step, no line end).
+std::string step_line(const v1::StepReport& step);
+
+/// Remaining time of the run at its mean speed so far [s]; negative if unknown.
+double remaining_s(const v1::StepReport& step);
+
+/// "1 h 03 min", "4 min 10 s", "7 s".
+std::string duration_text(double seconds);
+
+}  // namespace dccast::client::render

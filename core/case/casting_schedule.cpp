@@ -1,0 +1,173 @@
+#include "core/case/casting_schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/thermal/boiling.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+double value(const Curve& curve, double time, double length) {
+  return curve(curve.abscissa() == Abscissa::cast_length ? length : time);
+}
+
+bool against_length(const Curve& curve) {
+  return curve.abscissa() == Abscissa::cast_length;
+}
+
+/// Integral of a table delayed by `shift`, times a factor, both against time. Exact: between two
+/// points of the tables the product is a parabola, which Simpson's rule integrates exactly.
+double integral_of_product(const Curve& table, double shift, const Curve& factor, double from,
+                           double to) {
+  if (factor.constant()) return factor.value().front() * table.integral(from - shift, to - shift);
+  std::vector<double> cuts{from, to};
+  for (const double at : table.at()) cuts.push_back(at + shift);
+  cuts.insert(cuts.end(), factor.at().begin(), factor.at().end());
+  std::erase_if(cuts, [=](double t) { return t < from || t > to; });
+  std::sort(cuts.begin(), cuts.end());
+  const auto product = [&](double t) { return table(t - shift) * factor(t); };
+  double sum = 0.0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double a = cuts[i - 1], b = cuts[i];
+    sum += (b - a) / 6.0 * (product(a) + 4.0 * product(0.5 * (a + b)) + product(b));
+  }
+  return sum;
+}
+
+// Times closer than this are treated as equal: steps are sums of decimal fractions.
+constexpr double same_time = 1e-9;  // [s]
+
+/// The step that ends when the water starts is still dry.
+bool runs(const thermal::Water& water, double time) {
+  return water.enabled && time > water.start + same_time;
+}
+
+}  // namespace
+
+CastingSchedule::CastingSchedule(const Case& c)
+    : schedule_(c.schedule),
+      step_(c.time.step),
+      cooling_(c.cooling),
+      frame_interval_(c.output.frame_interval),
+      begin_(-c.schedule.hold),
+      end_(c.time.end) {
+  events_ = {0.0, end_};
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
+    const auto changes = thermal::valve_changes(cooling_.water_of(face), end_);
+    events_.insert(events_.end(), changes.begin(), changes.end());
+  }
+  if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
+  if (schedule_.filling > 0.0) events_.push_back(begin_ + schedule_.filling);
+  if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
+  std::sort(events_.begin(), events_.end());
+}
+
+double CastingSchedule::speed(double time, double length) const {
+  return value(schedule_.casting_speed_factor, time, length) *
+         value(schedule_.casting_speed, time - schedule_.casting_speed_shift, length);
+}
+
+bool CastingSchedule::speed_follows_time() const {
+  return !against_length(schedule_.casting_speed) &&
+         !against_length(schedule_.casting_speed_factor);
+}
+
+double CastingSchedule::cast_length(double length, double time, double step) const {
+  const double to = time + step;
+  if (to <= 0.0) return length;
+  const double from = std::max(time, 0.0), h = to - from;
+  if (speed_follows_time()) {
+    return length + integral_of_product(schedule_.casting_speed, schedule_.casting_speed_shift,
+                                        schedule_.casting_speed_factor, from, to);
+  }
+  const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
+  const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
+  return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+}
+
+double CastingSchedule::filled_share(double time) const {
+  if (time >= begin_ + schedule_.filling - same_time) return 1.0;
+  return (time - begin_) / schedule_.filling;
+}
+
+double CastingSchedule::casting_temperature(double time, double length) const {
+  return value(schedule_.casting_temperature, time, length);
+}
+
+double CastingSchedule::water_flow(double time, double length) const {
+  return flow(schedule_.water_flow, cooling_.water, time, length);
+}
+
+double CastingSchedule::narrow_water_flow(double time, double length) const {
+  const Curve& own = schedule_.narrow_water_flow;
+  return flow(own.empty() ? schedule_.water_flow : own, cooling_.water_of(thermal::Face::narrow),
+              time, length);
+}
+
+double CastingSchedule::flow(const Curve& table, const thermal::Water& water, double time,
+                             double length) const {
+  return runs(water, time) ? value(schedule_.water_flow_factor, time, length) *
+                                 value(table, time - schedule_.water_flow_shift, length)
+                           : 0.0;
+}
+
+double CastingSchedule::next_frame(double time) const {
+  const double passed = std::floor((time - begin_ + same_time) / frame_interval_);
+  return begin_ + (passed + 1.0) * frame_interval_;
+}
+
+double CastingSchedule::next_change(double time) const {
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time + same_time);
+  return next == events_.end() ? INFINITY : *next;
+}
+
+double CastingSchedule::next_event(double time) const {
+  const double change = next_change(time);
+  return change == INFINITY ? change : std::min(change, next_frame(time));
+}
+
+double CastingSchedule::step_at(double time) const {
+  const double wanted = step_(time);
+  const double left = next_event(time) - time;
+  if (left <= wanted * (1.0 + same_time)) return left;
+  return left < 2.0 * wanted ? 0.5 * left : wanted;
+}
+
+constexpr std::int64_t worth_it = 200;  // fewer steps are counted one by one, exactly as in the run
+
+/// Skips all frames up to the next change at once if the step is constant: each takes as many steps
+/// as the first.
+std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
+  const double change = next_change(time);
+  const double to_frame = next_frame(time) - time;
+  if (change == INFINITY || step_.derivative(time + same_time) != 0.0) return std::nullopt;
+  if (to_frame < frame_interval_ - same_time) return std::nullopt;  // not at a frame
+  const double frames = std::floor((change - time) / frame_interval_ - same_time);
+  if (frames < 2.0) return std::nullopt;
+  const double steps = std::ceil(frame_interval_ / step_(time) - same_time);
+  const double all = std::min(frames * std::max(steps, 1.0), 1e15);
+  if (all <= static_cast<double>(worth_it)) return std::nullopt;
+  return Leap{static_cast<std::int64_t>(all), time + frames * frame_interval_};
+}
+
+Leap CastingSchedule::leap(double time) const {
+  constexpr double last_steps = 4.0;  // also before an event, where the remainder is halved
+  const Leap one{1, time + step_at(time)};
+  if (const auto frames = leap_over_frames(time)) return *frames;
+  const double step = step_(time), slope = step_.derivative(time + same_time);
+  const double next = next_event(time);
+  if (next == INFINITY || slope <= -1.0) return one;
+  const double largest = std::max(step, step + slope * (next - time));
+  const double distance = next - time - last_steps * largest;
+  if (distance <= static_cast<double>(worth_it) * largest) return one;
+  const double growth = std::log1p(slope);  // growth of a step from one to the next
+  const double count =
+      std::floor(growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
+  if (!(count < 1e15)) return {std::int64_t(1e15), next};
+  const double covered = growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
+  return {static_cast<std::int64_t>(count), time + covered};
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/case/case.hpp"
+
+namespace dccast::casting {
+
+/// A sequence of steps without an event in between.
+struct Leap {
+  std::int64_t steps = 1;
+  double to = 0.0;  ///< [s] time at its end
+};
+
+/// The operating conditions of the casting as functions of time and cast length.
+///
+/// Units: in all functions time [s] and (cast) length [m].
+class CastingSchedule {
+public:
+  explicit CastingSchedule(const Case& casting_case);
+
+  /// Start of the simulation: minus the hold [s].
+  double begin() const { return begin_; }
+  double end() const { return end_; }  ///< [s]
+
+  /// Cast length at the end of a step [m]; zero before time zero. Exact if the speed is tabulated
+  /// against time; integrated by the classical Runge-Kutta method if it is tabulated against
+  /// length.
+  /// @param length  at the beginning of the step [m]
+  /// @param time    at the beginning of the step [s]
+  /// @param step    length of the time step [s]
+  double cast_length(double length, double time, double step) const;
+  /// Share of the initial depth that has been poured [1].
+  double filled_share(double time) const;
+  double casting_temperature(double time, double length) const;  ///< [°C]
+  /// [m2/s], zero before the water starts; for pulsed water the flow while the valve is open.
+  double water_flow(double time, double length) const;
+  double narrow_water_flow(double time, double length) const;  ///< [m2/s] on the narrow face
+
+  /// First time after `time` at which the fields are stored [s].
+  double next_frame(double time) const;
+
+  /// Time step requested by the case at a time [s]. It never goes beyond the next event: start of
+  /// the block, start of the water or switching of its valve, start of the mechanics, a point of
+  /// the step table, the end of the simulation, or the time of a frame, so that a frame shows
+  /// exactly the requested time. If less than two steps remain up to the event, the remainder is
+  /// halved, so that no very short step is left.
+  double step_at(double time) const;
+
+  /// Counts many steps at once without simulating them: between two events the step is linear in
+  /// time, so the step times form a geometric series. A single step if only few are left to the
+  /// next event.
+  Leap leap(double time) const;
+  /// Whether the speed is tabulated against time only, so that cast_length() is exact for any step.
+  bool speed_follows_time() const;
+
+private:
+  double speed(double time, double length) const;  ///< [m/s]
+  /// [m2/s]
+  double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
+  /// Time of the next sudden change [s], and of the next sudden change or frame [s]; infinite after
+  /// the end.
+  double next_change(double time) const;
+  double next_event(double time) const;
+  std::optional<Leap> leap_over_frames(double time) const;
+
+  Schedule schedule_;
+  Curve step_;
+  thermal::CoolingSpec cooling_;
+  double frame_interval_;       ///< [s]
+  double begin_;                ///< [s]
+  double end_;                  ///< [s]
+  std::vector<double> events_;  ///< [s] increasing
+};
+
+}  // namespace dccast::casting

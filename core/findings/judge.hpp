@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/case/case.hpp"
+#include "core/findings/figures.hpp"
+#include "core/findings/run_failure.hpp"
+#include "core/restart/sections.hpp"
+#include "core/results/finding.hpp"
+#include "core/results/validity_loss.hpp"
+
+/// The one judge of a run: what holds for a step follows from its figures and the table of rules.
+namespace dccast::casting {
+
+using results::Finding;
+using results::Severity;
+using results::ValidityLoss;
+
+/// What has been found so far, and the history that finding more needs; a part of RunState.
+struct FindingsState {
+  std::vector<Finding> raised;       ///< each code once, in the order in which they were raised
+  std::optional<ValidityLoss> lost;  ///< the first loss of validity
+  FigureHistory history;
+};
+
+/// Findings of a case that follow from its tables alone, each code once.
+/// @param casting_case  one without faults
+std::vector<Finding> findings_of_case(const Case& casting_case);
+
+/// Judges a step by every rule: raises findings, keeps the worst exceedance of those raised before,
+/// and notes the first loss of validity.
+/// @return  the failures that follow from findings raised in this step
+RunFailures judge(const Case& casting_case, const StepFigures& step, FindingsState& state);
+
+/// Converts the state to sections of a checkpoint, and back.
+void write_findings(const FindingsState& state, restart::Sections& sections);
+/// @throws std::out_of_range  a section is missing, names an unknown severity or a number has
+///                            several values
+FindingsState read_findings(const restart::Sections& sections);
+
+}  // namespace dccast::casting

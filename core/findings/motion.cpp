@@ -1,0 +1,213 @@
+#include "core/findings/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "core/base/polar_rotation.hpp"
+#include "core/fem/element.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+/// I + grad u at the centre of a tetrahedron or hexahedron, row by row: Jacobian of the reference
+/// cell after the motion, times the inverse of the one before.
+template <std::size_t Nodes>
+Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
+                             std::span<const double> displacement,
+                             const std::array<std::array<double, 3>, Nodes>& gradient) {
+  Matrix3 before{}, after{};
+  const int* node = mesh.nodes_of(element);
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    const double* at = mesh.point(node[i]);
+    const double* u = &displacement[3 * std::size_t(node[i])];
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        before[r][k] += at[r] * gradient[i][k];
+        after[r][k] += (at[r] + u[r]) * gradient[i][k];
+      }
+    }
+  }
+  return product(after, inverse(before));
+}
+
+/// atan2(y, x). Small angles, by far the most frequent, are computed by the series, which is exact
+/// to round-off there and takes a fraction of the time.
+double angle_of(double y, double x) {
+  constexpr double small = 0.02;  // its eleventh power is negligible relative to it
+  const double t = y / x;
+  if (!(x > 0.0 && std::abs(t) < small)) return std::atan2(y, x);
+  const double square = t * t;
+  return t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square / 9.0))));
+}
+
+constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
+    {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+}  // namespace
+
+template <>
+Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
+  // Integrals of grad u by Gauss' theorem: u is linear along each edge.
+  double area = 0.0, xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
+  const int* node = mesh.nodes_of(element);
+  for (int i = 0; i < mesh.nodes_per_element; ++i) {
+    const int a = node[i], b = node[(i + 1) % mesh.nodes_per_element];
+    const double* from = mesh.point(a);
+    const double* to = mesh.point(b);
+    const double dx = to[0] - from[0], dy = to[1] - from[1];
+    const double u = 0.5 * (displacement[2 * std::size_t(a)] + displacement[2 * std::size_t(b)]);
+    const double v =
+        0.5 * (displacement[2 * std::size_t(a) + 1] + displacement[2 * std::size_t(b) + 1]);
+    area += 0.5 * (from[0] * to[1] - to[0] * from[1]);
+    xx += u * dy, xy -= u * dx;
+    yx += v * dy, yy -= v * dx;
+  }
+  return {angle_of(yx - xy, 2.0 * area + xx + yy)};
+}
+
+template <>
+Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
+  if (mesh.nodes_per_element == 4)
+    return quaternion_of(
+        polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
+  static const auto in_the_middle = fem::Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
+  return quaternion_of(
+      polar_rotation(deformation_gradient(mesh, element, displacement, in_the_middle)));
+}
+
+template <>
+double angle_between<2>(const Turn<2>& from, const Turn<2>& to) {
+  const double apart = std::abs(to[0] - from[0]);
+  return std::min(apart, 2.0 * std::numbers::pi - apart);  // the smaller of the two angles
+}
+
+template <>
+double angle_between<3>(const Turn<3>& from, const Turn<3>& to) {
+  // The product of one with the conjugate of the other: real part, and imaginary parts.
+  const double real = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3];
+  const double i = from[0] * to[1] - from[1] * to[0] - from[2] * to[3] + from[3] * to[2];
+  const double j = from[0] * to[2] - from[2] * to[0] - from[3] * to[1] + from[1] * to[3];
+  const double k = from[0] * to[3] - from[3] * to[0] - from[1] * to[2] + from[2] * to[1];
+  return 2.0 * std::atan2(std::hypot(i, j, k), std::abs(real));
+}
+
+template <int Dim>
+std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element) {
+  std::vector<double> sum(Dim, 0.0);
+  for (int i = 0; i < mesh.nodes_per_element; ++i) {
+    const double* at = mesh.point(mesh.nodes_of(element)[i]);
+    for (std::size_t d = 0; d < Dim; ++d) sum[d] += at[d] / mesh.nodes_per_element;
+  }
+  return sum;
+}
+
+template <int Dim>
+PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                              std::span<const double> displacement, int growing,
+                              std::vector<double>& when_liquid) {
+  constexpr std::size_t numbers = std::tuple_size_v<Turn<Dim>>;
+  while (when_liquid.size() < std::size_t(mesh.elements()) * numbers)
+    for (const double number : no_turn<Dim>()) when_liquid.push_back(number);
+  double largest = 0.0;
+  int where = -1;
+  for (int e = 0; e < mesh.elements(); ++e) {
+    const Turn<Dim> turn = turn_of<Dim>(mesh, e, displacement);
+    const auto stored = when_liquid.begin() + static_cast<std::ptrdiff_t>(std::size_t(e) * numbers);
+    if (solid[std::size_t(e)] == 0 || e >= growing) std::ranges::copy(turn, stored);
+    Turn<Dim> reference;
+    std::copy_n(stored, numbers, reference.begin());
+    const double turned = angle_between<Dim>(reference, turn);
+    if (turned <= largest) continue;
+    largest = turned;
+    where = e;
+  }
+  return {largest, where < 0 ? std::vector<double>(Dim, 0.0) : centroid(mesh, where)};
+}
+
+template <int Dim>
+void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liquid) {
+  if (when_liquid.empty()) return;
+  const std::size_t stride = merged.elements_per_row * std::tuple_size_v<Turn<Dim>>;
+  std::vector<double> after;
+  for (const auto& row : merged.made_of()) {
+    const auto from = when_liquid.begin() + static_cast<std::ptrdiff_t>(row[0] * stride);
+    after.insert(after.end(), from, from + static_cast<std::ptrdiff_t>(stride));
+  }
+  when_liquid = std::move(after);
+}
+
+namespace {
+
+/// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least
+/// zero.
+template <int Dim>
+double contraction_of(const mesh::Facet<Dim>& facet, std::span<const double> temperature,
+                      const material::MechanicalProperties& properties, double solid_below) {
+  double sum = 0.0;
+  for (int i = 0; i < facet.nodes; ++i) sum += temperature[std::size_t(facet.node[std::size_t(i)])];
+  const double mean = sum / facet.nodes;
+  return std::max(0.0, properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean));
+}
+
+/// Keeps the worst slip: displacement `u` along one axis against a contraction, both [m].
+template <int Dim>
+void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, PlacedFigure& slip) {
+  const double beyond = std::max(u, -contraction - u);
+  if (beyond > slip.value) slip = {beyond, {mesh.point(n), mesh.point(n) + Dim}};
+}
+
+}  // namespace
+
+template <>
+PlacedFigure largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> solid,
+                             std::span<const double> displacement,
+                             std::span<const double> temperature,
+                             const material::MechanicalProperties& properties, double solid_below) {
+  PlacedFigure slip;
+  double contraction = 0.0;  // of the solid from the symmetry plane to here [m]
+  for (const auto& edge : mesh.facets(mesh::PatchKind::bottom)) {
+    if (solid[std::size_t(edge.element)] == 0) continue;
+    const int a = edge.node[0], b = edge.node[1];
+    judge(mesh, a, displacement[2 * std::size_t(a)], contraction, slip);
+    contraction += contraction_of(edge, temperature, properties, solid_below) *
+                   std::abs(mesh.point(b)[0] - mesh.point(a)[0]);
+    judge(mesh, b, displacement[2 * std::size_t(b)], contraction, slip);
+  }
+  return slip;
+}
+
+template <>
+PlacedFigure largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> solid,
+                             std::span<const double> displacement,
+                             std::span<const double> temperature,
+                             const material::MechanicalProperties& properties, double solid_below) {
+  double strain = 0.0;
+  mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
+    if (solid[std::size_t(facet.element)] != 0)
+      strain = std::max(strain, contraction_of(facet, temperature, properties, solid_below));
+  });
+  PlacedFigure slip;
+  mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
+    if (solid[std::size_t(facet.element)] == 0) return;
+    for (int i = 0; i < facet.nodes; ++i) {
+      const int n = facet.node[std::size_t(i)];
+      for (std::size_t d = 0; d < 2; ++d)
+        judge(mesh, n, displacement[3 * std::size_t(n) + d], strain * mesh.point(n)[d], slip);
+    }
+  });
+  return slip;
+}
+
+template std::vector<double> centroid(const mesh::Mesh<2>&, int);
+template std::vector<double> centroid(const mesh::Mesh<3>&, int);
+template void merge_turns<2>(const mesh::MergedRows&, std::vector<double>&);
+template void merge_turns<3>(const mesh::MergedRows&, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
+
+}  // namespace dccast::casting

@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "core/findings/rules.hpp"
+#include "core/material/liquid_fraction.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+using Found = std::optional<Finding>;
+
+/// @param value, limit  [`unit`]
+Finding measured(std::string message, double value, double limit, const char* unit,
+                 const char* key) {
+  Finding finding;
+  finding.message = std::move(message);
+  finding.value = value;
+  finding.limit = limit;
+  finding.unit = unit;
+  finding.key = key;
+  return finding;
+}
+
+Finding without_figure(std::string message, std::string key) {
+  Finding finding;
+  finding.message = std::move(message);
+  finding.key = std::move(key);
+  return finding;
+}
+
+/// Superheat of the coldest metal that is poured in [K]; empty if none is.
+std::optional<double> least_superheat(const Case& c, const Course& course) {
+  const bool poured = c.cooling.top == thermal::Top::pouring && c.thermal.file.empty() &&
+                      !c.schedule.casting_temperature.empty();
+  if (!poured) return std::nullopt;
+  return std::ranges::min(values_in(c.schedule.casting_temperature, course)) - c.alloy.liquidus;
+}
+
+Found poured_too_cold(const Case& c, double superheat, const char* meaning) {
+  const bool below = superheat < 0.0;
+  return measured(
+      sentence("The metal is poured in at %.6g degC, %.3g K %s its liquidus of %.6g degC: %s.",
+               superheat + c.alloy.liquidus, below ? -superheat : superheat,
+               below ? "below" : "above", c.alloy.liquidus, meaning),
+      superheat, c.plausibility.minimum_superheat, "K", "schedule.casting_temperature");
+}
+
+Found poured_below_liquidus(const Case& c, const Course& course) {
+  const auto superheat = least_superheat(c, course);
+  if (!superheat || *superheat >= 0.0) return std::nullopt;
+  const bool solid = *superheat + c.alloy.liquidus < c.alloy.solidus;
+  return poured_too_cold(
+      c, *superheat,
+      solid ? "such metal is solid and cannot be poured"
+            : "it freezes in the launder and on the float before it reaches the mould");
+}
+
+Found poured_with_little_superheat(const Case& c, const Course& course) {
+  const auto superheat = least_superheat(c, course);
+  if (!superheat || *superheat < 0.0 || *superheat >= c.plausibility.minimum_superheat)
+    return std::nullopt;
+  return poured_too_cold(c, *superheat, "it freezes early: cold shuts, and a float that blocks");
+}
+
+/// A mush carries tension only where its grains have grown together; below half it is a slurry
+/// [A, docs/findings.md].
+constexpr double least_solid_fraction = 0.5;
+
+/// The liquidus is a choice of its own, the paper's; a temperature just below it is none of a card.
+Found coherency_in_liquid(const Case& c, const Course&) {
+  const material::AlloyCard& alloy = c.alloy;
+  if (!c.mechanics.enabled || c.mechanics.options.liquid == mechanics::Liquid::solid)
+    return std::nullopt;
+  if (alloy.coherency >= alloy.liquidus) return std::nullopt;
+  const double solid = material::solid_fraction_at(alloy, alloy.coherency);
+  const bool below_solidus = alloy.coherency < alloy.solidus;
+  if (solid >= least_solid_fraction && !below_solidus) return std::nullopt;
+  const std::string place =
+      below_solidus ? sentence("%.6g K below the solidus", alloy.solidus - alloy.coherency)
+                    : sentence("where %.3g of the metal is solid", solid);
+  return measured(sentence("Metal carries stress below a coherency of %.6g degC, %s (solidus "
+                           "%.6g, liquidus %.6g degC): a value of another alloy, which changes "
+                           "the curl silently? Write alloy.coherency_solid_fraction.",
+                           alloy.coherency, place.c_str(), alloy.solidus, alloy.liquidus),
+                  solid, least_solid_fraction, "1", "alloy.coherency");
+}
+
+struct Cause {
+  std::string text;  ///< empty: the water meets the slab
+  const char* key = "";
+};
+
+Cause why_water_never_meets(const Case& c, const Course& course) {
+  const auto positive = [](double value) { return value > 0.0; };
+  const thermal::Water& water = c.cooling.water;
+  if (!water.enabled) return {"No water runs", "cooling.water.enabled"};
+  if (water.start >= course.end)
+    return {sentence("The water is turned on at %.6g s, after the end at %.6g s", water.start,
+                     course.end),
+            "cooling.water.start"};
+  if (course.depth <= water.from)
+    return {sentence("The water line lies %.4g mm below the metal level, and the metal is %.4g mm "
+                     "deep at the end",
+                     in_mm * water.from, in_mm * course.depth),
+            "cooling.water.from"};
+  const std::vector<double> flows = values_in(c.schedule.water_flow, course);
+  const std::vector<double> factors = values_in(c.schedule.water_flow_factor, course);
+  if (std::ranges::none_of(flows, positive) || std::ranges::none_of(factors, positive))
+    return {"The water flow is zero throughout", "schedule.water_flow"};
+  return {};
+}
+
+Found water_never_meets(const Case& c, const Course& course) {
+  if (!c.thermal.file.empty()) return std::nullopt;
+  const Cause cause = why_water_never_meets(c, course);
+  if (cause.text.empty()) return std::nullopt;
+  return without_figure(cause.text +
+                            ": below the mould the shell loses its heat to the air alone, and the "
+                            "metal behind it melts it again.",
+                        cause.key);
+}
+
+/// Running water takes precedence over zones: a zone below the water line has no effect while it
+/// runs.
+bool under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
+                 const Course& course) {
+  return cooling.water.enabled && cooling.water.start <= course.begin &&
+         zone.from >= cooling.water.from;
+}
+
+Found zone_never_meets(const Case& c, const Course& course) {
+  std::vector<std::string> names;
+  std::string first;
+  for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
+    const thermal::SideZone& zone = c.cooling.zones[i];
+    if (zone.from < course.depth && !under_water(c.cooling, zone, course)) continue;
+    names.push_back("'" + zone.name + "'");
+    if (first.empty()) first = "cooling.zone[" + std::to_string(i) + "].from";
+  }
+  if (names.empty() || !c.thermal.file.empty()) return std::nullopt;
+  return without_figure("The slab never reaches the cooling zone " + listed(names) +
+                            sentence(" (metal %.4g mm deep at the end): it has no effect, as if "
+                                     "that part of the mould did not exist.",
+                                     in_mm * course.depth),
+                        first);
+}
+
+struct Table {
+  std::string key;
+  const Curve* curve;
+  double shift = 0.0;  ///< [s]
+};
+
+/// Every table that may depend on time or cast length, except the time step.
+std::vector<Table> tables_of(const Case& c) {
+  const thermal::BottomBlock& block = c.cooling.bottom_block;
+  std::vector<Table> tables{
+      {"schedule.casting_speed", &c.schedule.casting_speed, c.schedule.casting_speed_shift},
+      {"schedule.casting_speed_factor", &c.schedule.casting_speed_factor},
+      {"schedule.casting_temperature", &c.schedule.casting_temperature},
+      {"schedule.water_flow", &c.schedule.water_flow, c.schedule.water_flow_shift},
+      {"schedule.narrow_water_flow", &c.schedule.narrow_water_flow, c.schedule.water_flow_shift},
+      {"schedule.water_flow_factor", &c.schedule.water_flow_factor},
+      {"cooling.water.temperature", &c.cooling.water.temperature},
+      {"cooling.water.coefficient", &c.cooling.water.coefficient},
+      {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient},
+      {"cooling.bottom_block.temperature", &block.temperature},
+  };
+  for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
+    const thermal::SideZone& zone = c.cooling.zones[i];
+    const std::string key = "cooling.zone[" + std::to_string(i) + "].";
+    tables.push_back({key + "liquid_coefficient", &zone.liquid_coefficient});
+    tables.push_back({key + "solid_coefficient", &zone.solid_coefficient});
+    tables.push_back({key + "temperature", &zone.temperature});
+  }
+  return tables;
+}
+
+Found table_never_reached(const Case& c, const Course& course) {
+  std::vector<std::string> keys;
+  for (const Table& table : tables_of(c))
+    if (never_reached(*table.curve, course, table.shift)) keys.push_back(table.key);
+  if (keys.empty()) return std::nullopt;
+  return without_figure("The casting ends before any change in " + listed(keys) +
+                            ", or begins after the last one: one value holds throughout, as if "
+                            "the table were a single number.",
+                        keys.front());
+}
+
+using enum Severity;
+
+constexpr std::array rules{
+    CaseRule{"no_superheat", danger, poured_below_liquidus},
+    CaseRule{"no_superheat", warning, poured_with_little_superheat},
+    CaseRule{"coherency_in_liquid", warning, coherency_in_liquid},
+    CaseRule{"water_never_meets", warning, water_never_meets},
+    CaseRule{"zone_never_meets", warning, zone_never_meets},
+    CaseRule{"table_never_reached", warning, table_never_reached},
+};
+
+}  // namespace
+
+std::span<const CaseRule> case_rules() {
+  return rules;
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,324 @@
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/findings/rules.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+using Found = std::optional<Exceeded>;
+
+constexpr double in_degrees = 180.0 / std::numbers::pi;
+constexpr double in_percent = 100.0;
+constexpr const char* not_valid = "later results are not valid";
+
+/// "(0.1, 0.02) m"
+std::string in_words(const std::vector<double>& place) {
+  std::string text;
+  for (const double coordinate : place)
+    text += sentence(text.empty() ? "(%.4g" : ", %.4g", coordinate);
+  return text + ") m";
+}
+
+/// "0.1 m from the symmetry plane"; for a quarter slab from both.
+std::string along_bottom(const std::vector<double>& place) {
+  if (place.size() == 2) return sentence("%.4g m from the symmetry plane", place[0]);
+  return sentence("%.4g m and %.4g m from the symmetry planes", place[0], place[1]);
+}
+
+// Bounds of the checks of a run. Energy: the heat step solves to 1e-11. Support: share of the
+// weight that the mechanical residual may leave unsupported. Contact: gaps relative to 1 mm, forces
+// to the weight.
+constexpr double energy_bound = 1e-8;
+constexpr double support_bound = 1e-2;
+constexpr double contact_bound = 1e-3;
+
+Found energy_not_conserved(const Case&, const StepFigures& f) {
+  if (std::abs(f.energy_balance_error) <= energy_bound) return std::nullopt;
+  return Exceeded{
+      {f.energy_balance_error, {}},
+      energy_bound,
+      "The heat that metal and surfaces exchange does not add up: the temperatures of "
+      "this run are not to be used.",
+      sentence("energy balance off by %.2e at t = %g s", f.energy_balance_error, f.time)};
+}
+
+Found weight_not_carried(const Case&, const StepFigures& f) {
+  if (f.weight <= 0.0 || std::abs(f.bottom_reaction - f.weight) <= support_bound * f.weight)
+    return std::nullopt;
+  const char* unit = f.solid_model ? "N" : "N/m";
+  return Exceeded{{std::abs(f.bottom_reaction / f.weight - 1.0), {}},
+                  support_bound,
+                  "The bottom block does not carry the weight of the slab: the forces and gaps of "
+                  "this run are not to be used.",
+                  sentence("bottom reaction %.6g %s against a weight of %.6g %s at t = %g s",
+                           f.bottom_reaction, unit, f.weight, unit, f.time)};
+}
+
+Found contact_violated(const Case&, const StepFigures& f) {
+  if (f.complementarity_error <= contact_bound) return std::nullopt;
+  return Exceeded{
+      {f.complementarity_error, {}},
+      contact_bound,
+      "The slab penetrates the block or is pulled by it: the gaps of this run are not to be used.",
+      sentence("contact conditions violated by %.2e at t = %g s", f.complementarity_error, f.time)};
+}
+
+Found hot_exit(const Case& c, const StepFigures& f) {
+  const double limit = shell_isotherm(c);
+  if (!f.moves || !f.left_mould || f.exit_surface.value < limit) return std::nullopt;
+  return Exceeded{f.exit_surface, limit,
+                  sentence("The surface leaves the mould at %.4g degC, above the solidus of %.6g "
+                           "degC: nothing solid holds the melt there, and it runs out.",
+                           f.exit_surface.value, limit)};
+}
+
+Found thin_exit(const Case& c, const StepFigures& f) {
+  const double limit = c.plausibility.minimum_shell;
+  if (!f.moves || !f.left_mould || f.exit_shell.value >= limit) return std::nullopt;
+  return Exceeded{
+      f.exit_shell, limit,
+      sentence("The shell leaves the mould %.3g mm thick, less than %.3g mm: a scratch, a hang-up "
+               "in the mould or a short loss of water lets the melt through.",
+               in_mm * f.exit_shell.value, in_mm * limit)};
+}
+
+/// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
+/// that is solid there and melts again does so because of the gap.
+Found remelting_in_gap(const Case& c, const StepFigures& f) {
+  const double solidus = shell_isotherm(c);
+  if (!f.moves || !f.in_gap || f.gap_entry >= solidus || f.gap_surface.value < solidus)
+    return std::nullopt;
+  return Exceeded{f.gap_surface, solidus,
+                  sentence("In the air gap the surface, which was solid where it left the mould "
+                           "wall, is at %.4g degC again, above the solidus of %.6g degC: melt "
+                           "sweats out in bands, and may bleed out.",
+                           f.gap_surface.value, solidus)};
+}
+
+/// A shell that is about to fail has lost this share of its largest thickness, and its remaining
+/// thickness is below this multiple of the limit. Sound castings stay above (docs/findings.md).
+constexpr double lost_share = 0.4;
+constexpr double limits_left = 3.0;
+
+Found bottom_shell_fails(const Case& c, const StepFigures& f) {
+  const double limit = limits_left * c.plausibility.minimum_shell;
+  const double kept = (1.0 - lost_share) * f.thickest_bottom_shell;
+  const double shell = f.bottom_shell.value;
+  if (!f.moves || !f.mechanical || shell >= limit || shell >= kept) return std::nullopt;
+  return Exceeded{
+      f.bottom_shell, std::min(limit, kept),
+      sentence(
+          "The shell over the bottom block melts again: it was %.3g mm thick and is %.3g mm now. "
+          "It is about to fail; keep the contact with the block longer or the gap smaller.",
+          in_mm * f.thickest_bottom_shell, in_mm * shell)};
+}
+
+/// Gap between shell and bottom block into which melt can run [m]. The surface tension of
+/// aluminium, 0.9 N/m, bridges gaps up to 2 gamma / (rho g h), which is 0.39 mm under 0.2 m of
+/// melt.
+constexpr double open_gap = 0.3e-3;
+
+/// Only once the block moves.
+bool bottom_shell_is_thin(const Case& c, const StepFigures& f) {
+  return f.moves && f.mechanical && f.bottom_shell.value < c.plausibility.minimum_shell;
+}
+
+/// A shell in contact with the block, such as that of a billet near its axis, is supported by the
+/// block.
+Found bottom_shell_open(const Case& c, const StepFigures& f) {
+  if (!bottom_shell_is_thin(c, f) || f.gap_under_shell >= open_gap) return std::nullopt;
+  return Exceeded{
+      f.bottom_shell, c.plausibility.minimum_shell,
+      sentence(
+          "The shell over the bottom block is %.3g mm thick where it rests on the block, less than "
+          "%.3g mm: the block carries the melt now, and it bleeds as soon as the butt lifts there.",
+          in_mm * f.bottom_shell.value, in_mm * c.plausibility.minimum_shell)};
+}
+
+Found bleed_out_at_bottom(const Case& c, const StepFigures& f) {
+  if (!bottom_shell_is_thin(c, f) || f.gap_under_shell < open_gap) return std::nullopt;
+  return Exceeded{
+      f.bottom_shell, c.plausibility.minimum_shell,
+      sentence(
+          "Over a gap of %.3g mm to the bottom block the shell is %.3g mm thick, less than %.3g "
+          "mm: nothing supports it there, and melt runs into the gap and onto the block.",
+          in_mm * f.gap_under_shell, in_mm * f.bottom_shell.value,
+          in_mm * c.plausibility.minimum_shell)};
+}
+
+Found sump_too_deep(const Case& c, const StepFigures& f) {
+  const double share = f.sump_depth / f.metal_depth;
+  if (!f.moves || share <= c.plausibility.maximum_sump_share) return std::nullopt;
+  return Exceeded{{share, {}},
+                  c.plausibility.maximum_sump_share,
+                  sentence("The sump is %.4g mm deep and the slab %.4g mm long: it is liquid "
+                           "nearly to the bottom block, and any opening in the butt drains it.",
+                           in_mm * f.sump_depth, in_mm * f.metal_depth)};
+}
+
+Found shell_melted_through(const Case& c, const StepFigures& f) {
+  const double limit = c.validity.minimum_shell;
+  if (!f.closed_shell || (f.closed_shell->value > 0.0 && f.closed_shell->value >= limit))
+    return std::nullopt;
+  const double thickness = f.closed_shell->value;
+  const std::string where = along_bottom(f.closed_shell->place);
+  const char* open = f.solid_model
+                         ? "melt that is connected to the top stands on the block there"
+                         : "no solid path connects the symmetry plane to the cooled faces any more";
+  return Exceeded{
+      *f.closed_shell, limit,
+      "The shell over the bottom block has melted through: the slab bleeds out, and later results "
+      "are not valid.",
+      sentence("at t = %.6g s the shell over the bottom block ", f.time) +
+          (thickness <= 0.0
+               ? "has melted through " + where + ": " + open
+               : sentence("is %.3g mm thick ", in_mm * thickness) + where +
+                     sentence(", less than validity.minimum_shell = %.3g mm", in_mm * limit)) +
+          "; " + not_valid};
+}
+
+Found rotation_too_large(const Case& c, const StepFigures& f) {
+  const double limit = c.validity.maximum_rotation;
+  if (f.rotation.value <= limit) return std::nullopt;
+  return Exceeded{
+      f.rotation, limit,
+      sentence("A part of the shell has rotated by %.3g degrees since it solidified: a butt that "
+               "bends this far jams in the mould or cracks.",
+               in_degrees * f.rotation.value),
+      sentence("at t = %.6g s the solid at %s has rotated by %.3g degrees, more than "
+               "validity.maximum_rotation = %.3g degrees, the limit of small strains; %s",
+               f.time, in_words(f.rotation.place).c_str(), in_degrees * f.rotation.value,
+               in_degrees * limit, not_valid)};
+}
+
+bool has_small_strains(const Case& c) {
+  return c.mechanics.options.kinematics == mechanics::Kinematics::small_strain;
+}
+
+Found rotation_of_small_strains(const Case& c, const StepFigures& f) {
+  return has_small_strains(c) ? rotation_too_large(c, f) : std::nullopt;
+}
+
+Found rotation_that_is_followed(const Case& c, const StepFigures& f) {
+  return has_small_strains(c) ? std::nullopt : rotation_too_large(c, f);
+}
+
+/// Worded as for a run that stops at the loss; a run that continues may reach it after another
+/// loss.
+Found slip_too_large(const Case& c, const StepFigures& f) {
+  const double limit = c.validity.maximum_slip;
+  if (f.slip.value <= limit) return std::nullopt;
+  return Exceeded{
+      f.slip, limit,
+      sentence("The butt has slid %.3g mm over the bottom block beyond its contraction: its shell "
+               "is open or nothing holds it on the block, and the slab hangs or bleeds.",
+               in_mm * f.slip.value),
+      sentence(
+          "at t = %.6g s the butt %s has slid %.3g mm over the bottom "
+          "block beyond its thermal contraction, more than validity.maximum_slip = %.3g mm; %s",
+          f.time, along_bottom(f.slip.place).c_str(), in_mm * f.slip.value, in_mm * limit,
+          not_valid)};
+}
+
+/// The chord from the centre to the corner may rotate as little as any part of the shell.
+Found lift_too_large(const Case& c, const StepFigures& f) {
+  const double limit = std::tan(c.validity.maximum_rotation) * c.section.half_width;
+  if (!f.mechanical || f.lift.value <= limit) return std::nullopt;
+  return Exceeded{f.lift, limit,
+                  sentence("The butt has risen %.4g mm off the bottom block: such a steep butt is "
+                           "unstable, and the slab tilts or hangs in the mould.",
+                           in_mm * f.lift.value)};
+}
+
+/// With the paper's weak liquid the pressure error is up to a factor of a hundred; it is not the
+/// default, and choosing it is the user's decision.
+Found liquid_pressure_lost(const Case& c, const StepFigures& f) {
+  const double limit = c.validity.maximum_liquid_pressure_error;
+  if (c.mechanics.options.liquid != mechanics::Liquid::prestressed ||
+      f.liquid_pressure_error.value <= limit)
+    return std::nullopt;
+  return Exceeded{
+      f.liquid_pressure_error, limit,
+      "The pressure of the melt on the shell is not that of its depth: the shell has moved away "
+      "from it, and later results are not valid.",
+      sentence("at t = %.6g s the pressure of the liquid on its front is off by %.3g %% of the "
+               "hydrostatic one, most at %s, more than "
+               "validity.maximum_liquid_pressure_error = %.3g %%; %s",
+               f.time, in_percent * f.liquid_pressure_error.value,
+               in_words(f.liquid_pressure_error.place).c_str(), in_percent * limit, not_valid)};
+}
+
+/// Screening by a strain limit: docs/findings.md has its source and what it leaves out.
+Found hot_tears(const Case& c, const StepFigures& f) {
+  const double limit = c.plausibility.maximum_mush_strain;
+  if (f.mush_strain.value <= limit) return std::nullopt;
+  return Exceeded{
+      f.mush_strain, limit,
+      sentence("Metal between coherency and solidus has been stretched by %.3g %%, more than the "
+               "%.3g %% that melt can feed: hot tears are likely there.",
+               in_percent * f.mush_strain.value, in_percent * limit)};
+}
+
+/// The upper edge of the plant's range holds at any time.
+Found curl_above_range(const Case& c, const StepFigures& f) {
+  const auto& limit = c.plausibility.greatest_curl;
+  if (!f.mechanical || !limit || f.greatest_curl <= *limit) return std::nullopt;
+  return Exceeded{{f.greatest_curl, {}},
+                  *limit,
+                  sentence("The curl is %.4g mm, above the %.4g mm that the plant accepts: the "
+                           "butt rocks on the block, and more of it is sawn off.",
+                           in_mm * f.greatest_curl, in_mm * *limit)};
+}
+
+/// The lower edge holds at the end.
+Found curl_below_range(const Case& c, const StepFigures& f) {
+  const auto& limit = c.plausibility.least_curl;
+  if (!f.mechanical || !limit || !f.last || f.greatest_curl >= *limit) return std::nullopt;
+  return Exceeded{{f.greatest_curl, {}},
+                  *limit,
+                  sentence("The final curl is %.4g mm, below the %.4g mm that the plant accepts: "
+                           "the recipe misses its aim.",
+                           in_mm * f.greatest_curl, in_mm * *limit)};
+}
+
+using enum Severity;
+using enum Limit;
+using Kind = FailureKind;
+constexpr std::nullopt_t goes_on = std::nullopt;
+
+constexpr const char* least_shell = "plausibility.minimum_shell";
+
+// clang-format off
+constexpr std::array rules{
+    StepRule{"energy_not_conserved", danger, Kind::check_failed, "", "1", upper, energy_not_conserved},
+    StepRule{"weight_not_carried", danger, Kind::check_failed, "", "1", upper, weight_not_carried},
+    StepRule{"contact_violated", danger, Kind::check_failed, "", "1", upper, contact_violated},
+    StepRule{"bleed_out_at_exit", danger, goes_on, "alloy.solidus", "degC", upper, hot_exit},
+    StepRule{"bleed_out_at_exit", danger, goes_on, least_shell, "m", lower, thin_exit},
+    StepRule{"remelting_in_gap", warning, goes_on, "alloy.solidus", "degC", upper, remelting_in_gap},
+    StepRule{"bottom_shell_fails", warning, goes_on, least_shell, "m", lower, bottom_shell_fails},
+    StepRule{"bottom_shell_open", warning, goes_on, least_shell, "m", lower, bottom_shell_open},
+    StepRule{"bleed_out_at_bottom", danger, goes_on, least_shell, "m", lower, bleed_out_at_bottom},
+    StepRule{"sump_too_deep", danger, goes_on, "plausibility.maximum_sump_share", "1", upper, sump_too_deep},
+    StepRule{"shell_melted_through", danger, Kind::shell_melted_through, "validity.minimum_shell", "m", lower, shell_melted_through},
+    StepRule{"rotation_too_large", danger, Kind::motion_too_large, "validity.maximum_rotation", "rad", upper, rotation_of_small_strains},
+    StepRule{"rotation_too_large", danger, goes_on, "validity.maximum_rotation", "rad", upper, rotation_that_is_followed},
+    StepRule{"slip_too_large", danger, Kind::motion_too_large, "validity.maximum_slip", "m", upper, slip_too_large},
+    StepRule{"lift_too_large", danger, goes_on, "validity.maximum_rotation", "m", upper, lift_too_large},
+    StepRule{"liquid_pressure_lost", danger, Kind::liquid_pressure_lost, "validity.maximum_liquid_pressure_error", "1", upper, liquid_pressure_lost},
+    StepRule{"hot_tears", warning, goes_on, "plausibility.maximum_mush_strain", "1", upper, hot_tears},
+    StepRule{"curl_outside_band", warning, goes_on, "plausibility.greatest_curl", "m", upper, curl_above_range},
+    StepRule{"curl_outside_band", warning, goes_on, "plausibility.least_curl", "m", lower, curl_below_range},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const StepRule> step_rules() {
+  return rules;
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,202 @@
+#include "core/findings/shell.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "core/findings/edges.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+constexpr double unreached = std::numeric_limits<double>::infinity();
+
+/// Elements around each node, contiguous by node.
+class ElementsOfNodes {
+public:
+  template <int Dim>
+  explicit ElementsOfNodes(const mesh::Mesh<Dim>& mesh)
+      : first_(std::size_t(mesh.nodes()) + 1, 0), element_(mesh.element_node.size()) {
+    for (int n : mesh.element_node) ++first_[std::size_t(n) + 1];
+    for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
+    std::vector<int> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < element_.size(); ++i) {
+      const std::size_t n = std::size_t(mesh.element_node[i]);
+      element_[std::size_t(next[n]++)] = static_cast<int>(i) / mesh.nodes_per_element;
+    }
+  }
+  std::span<const int> of(int n) const {
+    const auto begin = std::size_t(first_[std::size_t(n)]);
+    return {element_.data() + begin, std::size_t(first_[std::size_t(n) + 1]) - begin};
+  }
+
+private:
+  std::vector<int> first_;
+  std::vector<int> element_;
+};
+
+template <int Dim>
+std::span<const int> corners(const mesh::Mesh<Dim>& mesh, int e) {
+  return {mesh.nodes_of(e), std::size_t(mesh.nodes_per_element)};
+}
+
+/// Nodes at the top of the slab and those of the melt below them (node).
+template <int Dim>
+std::vector<char> open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                            const ElementsOfNodes& around) {
+  double level = -unreached;
+  for (int n = 0; n < mesh.nodes(); ++n) level = std::max(level, mesh.point(n)[Dim - 1]);
+  constexpr double same_height = 1e-9;  // [m]
+  std::vector<char> reached(std::size_t(mesh.nodes()), 0);
+  std::vector<int> to_do;
+  const auto reach = [&](int n) {
+    if (reached[std::size_t(n)] != 0) return;
+    reached[std::size_t(n)] = 1;
+    to_do.push_back(n);
+  };
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    if (mesh.point(n)[Dim - 1] >= level - same_height) reach(n);
+  }
+  while (!to_do.empty()) {
+    const int n = to_do.back();
+    to_do.pop_back();
+    for (int e : around.of(n)) {
+      if (solid[std::size_t(e)] != 0) continue;
+      for (int neighbour : corners(mesh, e)) reach(neighbour);
+    }
+  }
+  return reached;
+}
+
+template <int Dim>
+double distance(const mesh::Mesh<Dim>& mesh, int a, int b) {
+  const double *from = mesh.point(a), *to = mesh.point(b);
+  if constexpr (Dim == 2)
+    return std::hypot(to[0] - from[0], to[1] - from[1]);
+  else
+    return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+}
+
+/// A node reached by a path.
+struct Tip {
+  double length;
+  int node;
+  int begin;  ///< bottom node at which the path begins
+  bool operator>(const Tip& other) const { return length > other.length; }
+};
+
+}  // namespace
+
+/// Dijkstra's shortest path.
+template <int Dim>
+std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
+                                           std::span<const char> solid) {
+  const ElementsOfNodes around(mesh);
+  const std::vector<char> melt = open_melt(mesh, solid, around);
+  std::vector<double> shortest(std::size_t(mesh.nodes()), unreached);
+  std::priority_queue<Tip, std::vector<Tip>, std::greater<>> tips;
+  const auto go_to = [&](int n, double length, int begin) {
+    if (length >= shortest[std::size_t(n)]) return;
+    shortest[std::size_t(n)] = length;
+    tips.push({length, n, begin});
+  };
+  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) go_to(n, 0.0, n);
+  while (!tips.empty()) {
+    const Tip tip = tips.top();
+    tips.pop();
+    if (melt[std::size_t(tip.node)] != 0) {
+      const double* at = mesh.point(tip.begin);
+      return PlacedFigure{tip.length, {at, at + Dim}};
+    }
+    if (tip.length > shortest[std::size_t(tip.node)]) continue;
+    for (int e : around.of(tip.node)) {
+      const bool free = solid[std::size_t(e)] == 0;
+      for (int n : corners(mesh, e)) {
+        go_to(n, tip.length + (free ? 0.0 : distance(mesh, tip.node, n)), tip.begin);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+template <int Dim>
+bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> solid) {
+  std::vector<char> at_bottom(std::size_t(mesh.nodes()), 0);
+  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) at_bottom[std::size_t(n)] = 1;
+  for (int e = 0; e < mesh.elements(); ++e) {
+    if (solid[std::size_t(e)] != 0) continue;
+    for (int n : corners(mesh, e)) {
+      if (at_bottom[std::size_t(n)] != 0) return true;
+    }
+  }
+  return false;
+}
+
+template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<2>&, std::span<const char>);
+template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<3>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<2>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<3>&, std::span<const char>);
+
+namespace {
+
+template <int Dim>
+Located<Dim> whole_height(const mesh::Mesh<Dim>& mesh) {
+  Located<Dim> found;
+  for (int n = 0; n < mesh.nodes(); ++n)
+    found.value = std::max(found.value, mesh.point(n)[Dim - 1]);
+  return found;
+}
+
+/// Height of the lowest node of an element [m].
+template <int Dim>
+double height_of(const mesh::Mesh<Dim>& mesh, int e) {
+  const int* node = mesh.nodes_of(e);
+  double lowest = mesh.point(node[0])[Dim - 1];
+  for (int i = 1; i < mesh.nodes_per_element; ++i)
+    lowest = std::min(lowest, mesh.point(node[i])[Dim - 1]);
+  return lowest;
+}
+
+/// The point where an edge between a cold and a hot node crosses the isotherm.
+template <int Dim>
+std::array<double, Dim> crossing(const double* cold, const double* hot, double share) {
+  std::array<double, Dim> at{};
+  for (std::size_t d = 0; d < Dim; ++d) at[d] = cold[d] + share * (hot[d] - cold[d]);
+  return at;
+}
+
+}  // namespace
+
+template <int Dim>
+Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                          double isotherm) {
+  Located<Dim> lowest = whole_height(mesh);
+  const auto consider = [&](const std::array<double, Dim>& at) {
+    if (at[Dim - 1] >= lowest.value) return;
+    lowest = {at[Dim - 1], at};
+    lowest.place[Dim - 1] = 0.0;
+  };
+  const auto edges = edges_of(Dim, mesh.nodes_per_element);
+  for (int e = 0; e < mesh.elements(); ++e) {
+    if (height_of(mesh, e) >= lowest.value) continue;  // most, once a place is known
+    for (const auto& [i, j] : edges) {
+      int cold = mesh.nodes_of(e)[i], hot = mesh.nodes_of(e)[j];
+      if (temperature[std::size_t(cold)] > temperature[std::size_t(hot)]) std::swap(cold, hot);
+      const double low = temperature[std::size_t(cold)], high = temperature[std::size_t(hot)];
+      if (high < isotherm) continue;
+      const double share = low >= isotherm ? 0.0 : (isotherm - low) / (high - low);
+      consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), share));
+      if (low >= isotherm) consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), 1.0));
+    }
+  }
+  return lowest;
+}
+
+template Located<2> bottom_shell(const mesh::Mesh<2>&, std::span<const double>, double);
+template Located<3> bottom_shell(const mesh::Mesh<3>&, std::span<const double>, double);
+
+}  // namespace dccast::casting

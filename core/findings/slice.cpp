@@ -1,0 +1,202 @@
+#include "core/findings/slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/findings/edges.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+/// A point of the cut.
+template <int Dim>
+struct CutPoint {
+  std::array<double, Dim> at{};  ///< [m]
+  double temperature = 0.0;      ///< [°C]
+};
+
+template <int Dim>
+CutPoint<Dim> between(const CutPoint<Dim>& a, const CutPoint<Dim>& b, double share) {
+  CutPoint<Dim> point;
+  for (std::size_t d = 0; d < Dim; ++d) point.at[d] = a.at[d] + share * (b.at[d] - a.at[d]);
+  point.temperature = a.temperature + share * (b.temperature - a.temperature);
+  return point;
+}
+
+/// A stretch of the side on the cut; in 2D both ends are one point.
+template <int Dim>
+struct SidePiece {
+  CutPoint<Dim> begin, end;
+};
+
+template <int Dim>
+double distance(const std::array<double, Dim>& p, const SidePiece<Dim>& piece) {
+  double along = 0.0, squared = 0.0;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const double step = piece.end.at[d] - piece.begin.at[d];
+    along += step * (p[d] - piece.begin.at[d]);
+    squared += step * step;
+  }
+  const double share = squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
+  double sum = 0.0;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const double step = piece.end.at[d] - piece.begin.at[d];
+    sum += std::pow(p[d] - piece.begin.at[d] - share * step, 2);
+  }
+  return std::sqrt(sum);
+}
+
+/// A mesh that is being cut.
+template <int Dim>
+class Cut {
+public:
+  Cut(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature, double height)
+      : mesh_(mesh), temperature_(temperature), height_(height) {
+    mesh::for_each_facet(mesh, mesh::PatchKind::side,
+                         [this](const auto& facet, const auto&) { add_side(facet); });
+  }
+
+  const std::vector<SidePiece<Dim>>& side() const { return side_; }
+
+  double from_side(const std::array<double, Dim>& p) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& piece : side_) nearest = std::min(nearest, distance<Dim>(p, piece));
+    return nearest;
+  }
+
+  /// Calls use(points) with the points where the edges of an element meet the cut.
+  template <class Use>
+  void for_each_element(Use&& use) const {
+    const auto edges = edges_of(Dim, mesh_.nodes_per_element);
+    std::vector<CutPoint<Dim>> points;
+    for (int e = 0; e < mesh_.elements(); ++e) {
+      const int* node = mesh_.nodes_of(e);
+      if (!meets(node)) continue;
+      points.clear();
+      for (const auto& [a, b] : edges) add_crossing(node[a], node[b], points);
+      if (!points.empty()) use(points);
+    }
+  }
+
+private:
+  double up(int n) const { return mesh_.point(n)[Dim - 1]; }
+  CutPoint<Dim> point(int n) const {
+    CutPoint<Dim> p;
+    std::copy_n(mesh_.point(n), Dim, p.at.begin());
+    p.temperature = temperature_[std::size_t(n)];
+    return p;
+  }
+  /// Most elements lie above or below the cut as a whole.
+  bool meets(const int* node) const {
+    double lowest = up(node[0]), highest = lowest;
+    for (int i = 1; i < mesh_.nodes_per_element; ++i) {
+      lowest = std::min(lowest, up(node[i]));
+      highest = std::max(highest, up(node[i]));
+    }
+    return lowest <= height_ && height_ <= highest;
+  }
+  /// An edge that lies in the cut ends where others meet it.
+  void add_crossing(int a, int b, std::vector<CutPoint<Dim>>& points) const {
+    const double below = up(a) - height_, above = up(b) - height_;
+    if (below * above > 0.0 || below == above) return;
+    points.push_back(between(point(a), point(b), below / (below - above)));
+  }
+  void add_side(const mesh::Facet<Dim>& facet) {
+    std::vector<CutPoint<Dim>> points;
+    for (int i = 0; i < facet.nodes; ++i)
+      add_crossing(facet.node[std::size_t(i)], facet.node[std::size_t((i + 1) % facet.nodes)],
+                   points);
+    if (!points.empty()) side_.push_back({points.front(), points.back()});
+  }
+
+  const mesh::Mesh<Dim>& mesh_;
+  std::span<const double> temperature_;
+  double height_;
+  std::vector<SidePiece<Dim>> side_;
+};
+
+/// A place and how far from the side it is.
+template <int Dim>
+struct Depth {
+  double value;
+  std::array<double, Dim> at{};
+};
+
+/// The metal at the isotherm that is nearest to the side; infinitely far where there is none.
+template <int Dim>
+Depth<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
+  Depth<Dim> nearest{std::numeric_limits<double>::infinity(), {}};
+  cut.for_each_element([&](const auto& points) {
+    for (const auto& cold : points)
+      for (const auto& hot : points) {
+        if (cold.temperature >= isotherm || hot.temperature < isotherm) continue;
+        const double share = (isotherm - cold.temperature) / (hot.temperature - cold.temperature);
+        const auto at = between(cold, hot, share).at;
+        const double depth = cut.from_side(at);
+        if (depth < nearest.value) nearest = {depth, at};
+      }
+  });
+  return nearest;
+}
+
+/// The place farthest from the side.
+template <int Dim>
+Depth<Dim> middle(const Cut<Dim>& cut) {
+  Depth<Dim> farthest{0.0, {}};
+  cut.for_each_element([&](const auto& points) {
+    for (const auto& point : points) {
+      const double depth = cut.from_side(point.at);
+      if (depth > farthest.value) farthest = {depth, point.at};
+    }
+  });
+  return farthest;
+}
+
+template <int Dim>
+CutPoint<Dim> hottest(const std::vector<SidePiece<Dim>>& side) {
+  CutPoint<Dim> found = side.front().begin;
+  for (const auto& piece : side)
+    for (const auto* end : {&piece.begin, &piece.end})
+      if (end->temperature > found.temperature) found = *end;
+  return found;
+}
+
+}  // namespace
+
+template <int Dim>
+std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                                   double height, double isotherm) {
+  const Cut<Dim> cut(mesh, temperature, height);
+  if (cut.side().empty()) return std::nullopt;
+  const CutPoint<Dim> surface = hottest(cut.side());
+  Slice<Dim> slice{surface.temperature, surface.at, 0.0, surface.at};
+  if (surface.temperature >= isotherm) return slice;
+  Depth<Dim> shell = nearest_hot(cut, isotherm);
+  if (!std::isfinite(shell.value)) shell = middle(cut);
+  slice.shell = shell.value;
+  slice.thinnest_at = shell.at;
+  return slice;
+}
+
+template <int Dim>
+std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
+                                            std::span<const double> temperature, double height) {
+  const Cut<Dim> cut(mesh, temperature, height);
+  if (cut.side().empty()) return std::nullopt;
+  const CutPoint<Dim> surface = hottest(cut.side());
+  return Located<Dim>{surface.temperature, surface.at};
+}
+
+template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>, double,
+                                          double);
+template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>, double,
+                                          double);
+template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&, std::span<const double>,
+                                                   double);
+template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&, std::span<const double>,
+                                                   double);
+
+}  // namespace dccast::casting
