@@ -305,7 +305,9 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .temperature = state_.heat.temperature,
                            .slab = state_.slab,
                            .checks = mechanics_.checks(),
-                           .growing = mesh().elements() - growing_elements(),
+                           .superheat = state_.superheat,
+                            .level_heat = state_.level_heat,
+                            .growing = mesh().elements() - growing_elements(),
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
   return meter_.measure(view, state_.findings.history);

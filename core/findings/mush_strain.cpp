@@ -47,7 +47,7 @@ double largest_principal(const SymmetricTensor<3>& t) {
 
 template <int Dim>
 Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState<Dim>& slab,
-                         std::span<const double> temperature, double solidus, int growing,
+                         std::span<const double> temperature, double fragile_above, int growing,
                          bool hoop) {
   Located<Dim> largest;
   if (!slab.started || mesh.elements() == 0) return largest;
@@ -55,7 +55,7 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
   for (int e = 0; e < growing; ++e) {
     if (slab.solid[std::size_t(e)] == 0) continue;
     const Located<Dim> element = mean_of(mesh, e, temperature);
-    if (element.value <= solidus) continue;
+    if (element.value <= fragile_above) continue;
     for (std::size_t q = 0; q < points; ++q) {
       const double strain = tensile(slab.viscoplastic[std::size_t(e) * points + q], hoop);
       if (strain > largest.value) largest = {strain, element.place};

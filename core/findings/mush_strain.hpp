@@ -7,19 +7,19 @@
 
 namespace dccast::casting {
 
-/// Largest tensile viscoplastic strain of metal between coherency and solidus since coherency [1]:
+/// Largest tensile viscoplastic strain of metal below coherency and above `fragile_above` since coherency [1]:
 /// its largest principal value; zero without such metal.
 ///
 /// In plane strain the out-of-plane direction is left out: the model constrains it rigidly, a real
 /// slab does not. Elastic strain, about 1e-4 in the mush, is left out too.
 /// @param temperature  (node) [°C]
-/// @param solidus      [°C]
+/// @param fragile_above  [°C]
 /// @param growing      first element of the row that still stretches, whose motion is that of the
 ///                     mesh
 /// @param hoop         include the out-of-plane component in 2D: the hoop strain of a billet
 template <int Dim>
 Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState<Dim>& slab,
-                         std::span<const double> temperature, double solidus, int growing,
+                         std::span<const double> temperature, double fragile_above, int growing,
                          bool hoop);
 
 /// Largest principal value of a symmetric tensor in 2D or 3D [unit of the tensor].

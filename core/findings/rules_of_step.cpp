@@ -66,12 +66,66 @@ Found contact_violated(const Case&, const StepFigures& f) {
       sentence("contact conditions violated by %.2e at t = %g s", f.complementarity_error, f.time)};
 }
 
+/// A level that is held at the casting temperature conducts heat into the pool as long as it is
+/// colder, however much metal flows in.
+Found level_overheats(const Case& c, const StepFigures& f) {
+  if (c.cooling.top != thermal::Top::held || f.superheat <= 0.0 || f.level_heat <= f.superheat)
+    return std::nullopt;
+  return Exceeded{{f.level_heat / f.superheat, {}},
+                  1.0,
+                  sentence("The metal level, held at the casting temperature, has delivered %.3g "
+                           "times the superheat of the metal poured so far: no metal brings this "
+                           "heat. Shells are too thin and curls too large.",
+                           f.level_heat / f.superheat)};
+}
+
+Found water_boils_away(const Case&, const StepFigures& f) {
+  if (!f.water_boiled_away) return std::nullopt;
+  return Exceeded{{f.water_share, {}},
+                  1.0,
+                  "So little water is left that it no longer covers a face: below, the face is "
+                  "dry, and the shell can melt again."};
+}
+
+Found water_thrown_off(const Case&, const StepFigures& f) {
+  if (!f.water_thrown_off) return std::nullopt;
+  return Exceeded{{f.water_share, {}},
+                  1.0,
+                  "A vapour film throws the water off a face that is too hot for this flow: below, "
+                  "the face is dry. As a start practice this is watched closely; later it bleeds."};
+}
+
+/// Of constant limits, which know nothing of the film's heat.
+Found water_beyond_capacity(const Case&, const StepFigures& f) {
+  if (f.water_share <= 1.0 + 1e-9) return std::nullopt;
+  return Exceeded{{f.water_share, {}},
+                  1.0,
+                  sentence("A face gives off %.3g times the heat that its water could take, even "
+                           "if all of it evaporated: set boiling_follows_flow.",
+                           f.water_share)};
+}
+
+/// Less lift [m] than this is the rocking of a butt on a block, not its shape.
+constexpr double lifted = 2e-3;
+
+Found centre_lifts(const Case&, const StepFigures& f) {
+  if (!f.mechanical || !f.moves || f.centre_lift.value <= lifted ||
+      f.centre_lift.value <= f.corner_lift)
+    return std::nullopt;
+  return Exceeded{f.centre_lift, std::max(lifted, f.corner_lift),
+                  sentence("The centre of the butt has risen %.3g mm and its edge %.3g mm: no slab "
+                           "does this. The mould holds the faces for too long, or the metal gains "
+                           "strength too late: look at alloy.coherency and shell_solid_fraction.",
+                           in_mm * f.centre_lift.value, in_mm * f.corner_lift)};
+}
+
 Found hot_exit(const Case& c, const StepFigures& f) {
   const double limit = shell_isotherm(c);
   if (!f.moves || !f.left_mould || f.exit_surface.value < limit) return std::nullopt;
   return Exceeded{f.exit_surface, limit,
-                  sentence("The surface leaves the mould at %.4g degC, above the solidus of %.6g "
-                           "degC: nothing solid holds the melt there, and it runs out.",
+                  sentence("The surface leaves the mould at %.4g degC, above the %.6g degC at "
+                           "which metal becomes a shell: nothing holds the melt there, and it "
+                           "runs out.",
                            f.exit_surface.value, limit)};
 }
 
@@ -88,14 +142,14 @@ Found thin_exit(const Case& c, const StepFigures& f) {
 /// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
 /// that is solid there and melts again does so because of the gap.
 Found remelting_in_gap(const Case& c, const StepFigures& f) {
-  const double solidus = shell_isotherm(c);
-  if (!f.moves || !f.in_gap || f.gap_entry >= solidus || f.gap_surface.value < solidus)
+  const double limit = shell_isotherm(c);
+  if (!f.moves || !f.in_gap || f.gap_entry >= limit || f.gap_surface.value < limit)
     return std::nullopt;
-  return Exceeded{f.gap_surface, solidus,
-                  sentence("In the air gap the surface, which was solid where it left the mould "
-                           "wall, is at %.4g degC again, above the solidus of %.6g degC: melt "
+  return Exceeded{f.gap_surface, limit,
+                  sentence("In the air gap the surface, which was a shell where it left the mould "
+                           "wall, is at %.4g degC again, above the %.6g degC of a shell: melt "
                            "sweats out in bands, and may bleed out.",
-                           f.gap_surface.value, solidus)};
+                           f.gap_surface.value, limit)};
 }
 
 /// A shell that is about to fail has lost this share of its largest thickness, and its remaining
@@ -257,7 +311,7 @@ Found hot_tears(const Case& c, const StepFigures& f) {
   if (f.mush_strain.value <= limit) return std::nullopt;
   return Exceeded{
       f.mush_strain, limit,
-      sentence("Metal between coherency and solidus has been stretched by %.3g %%, more than the "
+      sentence("Metal that is coherent but not yet tough has been stretched by %.3g %%, more than the "
                "%.3g %% that melt can feed: hot tears are likely there.",
                in_percent * f.mush_strain.value, in_percent * limit)};
 }
@@ -296,9 +350,13 @@ constexpr std::array rules{
     StepRule{"energy_not_conserved", danger, Kind::check_failed, "", "1", upper, energy_not_conserved},
     StepRule{"weight_not_carried", danger, Kind::check_failed, "", "1", upper, weight_not_carried},
     StepRule{"contact_violated", danger, Kind::check_failed, "", "1", upper, contact_violated},
-    StepRule{"bleed_out_at_exit", danger, goes_on, "alloy.solidus", "degC", upper, hot_exit},
+    StepRule{"level_overheats", warning, goes_on, "cooling.top", "1", upper, level_overheats},
+    StepRule{"water_boils_away", warning, goes_on, "schedule.water_flow", "1", upper, water_boils_away},
+    StepRule{"water_thrown_off", warning, goes_on, "schedule.water_flow", "1", upper, water_thrown_off},
+    StepRule{"water_beyond_capacity", warning, goes_on, "cooling.water.boiling_follows_flow", "1", upper, water_beyond_capacity},
+    StepRule{"bleed_out_at_exit", danger, goes_on, "alloy.shell_solid_fraction", "degC", upper, hot_exit},
     StepRule{"bleed_out_at_exit", danger, goes_on, least_shell, "m", lower, thin_exit},
-    StepRule{"remelting_in_gap", warning, goes_on, "alloy.solidus", "degC", upper, remelting_in_gap},
+    StepRule{"remelting_in_gap", warning, goes_on, "alloy.shell_solid_fraction", "degC", upper, remelting_in_gap},
     StepRule{"bottom_shell_fails", warning, goes_on, least_shell, "m", lower, bottom_shell_fails},
     StepRule{"bottom_shell_open", warning, goes_on, least_shell, "m", lower, bottom_shell_open},
     StepRule{"bleed_out_at_bottom", danger, goes_on, least_shell, "m", lower, bleed_out_at_bottom},
@@ -307,6 +365,7 @@ constexpr std::array rules{
     StepRule{"rotation_too_large", danger, Kind::motion_too_large, "validity.maximum_rotation", "rad", upper, rotation_of_small_strains},
     StepRule{"rotation_too_large", danger, goes_on, "validity.maximum_rotation", "rad", upper, rotation_that_is_followed},
     StepRule{"slip_too_large", danger, Kind::motion_too_large, "validity.maximum_slip", "m", upper, slip_too_large},
+    StepRule{"centre_lifts", warning, goes_on, "alloy.shell_solid_fraction", "m", upper, centre_lifts},
     StepRule{"lift_too_large", danger, goes_on, "validity.maximum_rotation", "m", upper, lift_too_large},
     StepRule{"liquid_pressure_lost", danger, Kind::liquid_pressure_lost, "validity.maximum_liquid_pressure_error", "1", upper, liquid_pressure_lost},
     StepRule{"hot_tears", warning, goes_on, "plausibility.maximum_mush_strain", "1", upper, hot_tears},

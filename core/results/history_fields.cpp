@@ -60,7 +60,7 @@ const std::array fields{
                  &R::shell_at_exit},
     HistoryField{"bottom_shell_m", "m", "smallest shell thickness over the bottom",
                  &R::bottom_shell},
-    HistoryField{"mush_strain", "1", "largest tensile strain between coherency and solidus",
+    HistoryField{"mush_strain", "1", "largest tensile strain of metal that is coherent, not yet tough",
                  &R::mush_strain},
     HistoryField{"merged_rows", "1", "rows of cells removed by merging in this step",
                  &R::merged_rows},

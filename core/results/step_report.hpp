@@ -50,7 +50,7 @@ struct StepReport {
   int conjugate_gradient_iterations = 0;
   double shell_at_exit = 0.0;  ///< [m] smallest shell thickness at the mould exit, or at the butt
   double bottom_shell = 0.0;   ///< [m] smallest shell thickness over the bottom
-  double mush_strain = 0.0;    ///< [1] largest tensile strain between coherency and solidus
+  double mush_strain = 0.0;    ///< [1] largest tensile strain of metal that is coherent, not yet tough
   int merged_rows = 0;         ///< rows of cells removed by merging in this step
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging

@@ -31,6 +31,23 @@ inline material::AlloyCard pure_metal() {
   return card;
 }
 
+/// Constants of docs/water.md.
+inline Wetting wetting() {
+  return {.flow_exponent = 1.0 / 3.0,
+          .falling_film_share = 0.6,
+          .jet_length = 0.02,
+          .rewetting_saturated = 250.0,
+          .rewetting_rise = 250.0,
+          .rewetting_limit = 600.0,
+          .rewetting_width = 50.0,
+          .lag = 2.0,
+          .jet_film_coefficient = 2000.0,
+          .film_coefficient = 400.0,
+          .throw_off_length = 0.04,
+          .least_flow = 5e-5,
+          .evaporation_from = 80.0};
+}
+
 inline CoolingSpec casting_cooling() {
   CoolingSpec cooling;
   cooling.zones.resize(2);

@@ -47,42 +47,44 @@ TEST(WeckmanNiessen, DerivativeIsConsistent) {
   }
 }
 
+WaterPlace wet_place() {
+  return {.film = {20.0, 3e-3}, .critical_heat_flux = 4e6, .film_coefficient = 500.0};
+}
+
 TEST(Water, IsBoundedByTheCriticalHeatFlux) {
   const Water water = wet_side();
-  const auto hot = water_flux(water, boiling_of(water, 3e-3, 0.0), {400.0, 0.0}, {}, 3e-3, 0.0);
+  const auto hot = water_flux(water, wet_place(), {400.0, 0.0}, {});
   EXPECT_EQ(hot.flux, 4e6);
   EXPECT_EQ(hot.d_temperature, 0.0);
-  EXPECT_EQ(water_flux(water, boiling_of(water, 3e-3, 0.0), {90.0, 0.0}, {}, 3e-3, 0.0).flux,
+  EXPECT_EQ(water_flux(water, wet_place(), {90.0, 0.0}, {}).flux,
             weckman_niessen(90.0, 20.0, 3e-3).flux);
 }
 
-TEST(Water, FilmBoilingIsOffByDefaultAndBlendedWhenOn) {
-  Water water = wet_side();
-  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 600.0, false), 0.0);
-  water.film_boiling = true;
-  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 347.0, false), 0.0);
-  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 350.0, false), 0.5);
-  EXPECT_EQ(film_share(water, boiling_of(water, 3e-3, 0.0), 353.0, false), 1.0);
-  const auto film = water_flux(water, boiling_of(water, 3e-3, 0.0), {420.0, 0.0}, {}, 3e-3, 1.0);
-  EXPECT_DOUBLE_EQ(film.flux, 500.0 * 400.0);
-  EXPECT_DOUBLE_EQ(film.d_temperature, 500.0);
-  expect_consistent(
-      [&](const SurfaceState& s) {
-        return water_flux(water, boiling_of(water, 3e-3, 0.0), s, {}, 3e-3, 0.3);
-      },
-      {130.0, 0.0});
+TEST(Water, IsBoundedByWhatTheFilmCanTake) {
+  WaterPlace place = wet_place();
+  place.largest_flux = 1e5;
+  const auto flux = water_flux(wet_side(), place, {400.0, 0.0}, {});
+  EXPECT_EQ(flux.flux, 1e5);
+  EXPECT_EQ(flux.d_temperature, 0.0);
+}
+
+TEST(Water, MixesWetSurfaceAndVapourFilm) {
+  WaterPlace place = wet_place();
+  place.wetted = 0.0;
+  const auto vapour = water_flux(wet_side(), place, {420.0, 0.0}, {});
+  EXPECT_DOUBLE_EQ(vapour.flux, 500.0 * 400.0);
+  EXPECT_DOUBLE_EQ(vapour.d_temperature, 500.0);
+  place.wetted = 0.7;
+  expect_consistent([&](const SurfaceState& s) { return water_flux(wet_side(), place, s, {}); },
+                    {130.0, 0.0});
 }
 
 TEST(Water, TableReplacesTheLaw) {
   Water water = wet_side();
   water.coefficient = {Abscissa::temperature, {20, 100, 200}, {5000, 9000, 20000}};
-  EXPECT_DOUBLE_EQ(water_flux(water, boiling_of(water, 3e-3, 0.0), {60.0, 0.0}, {}, 3e-3, 0.0).flux,
-                   7000.0 * 40.0);
-  expect_consistent(
-      [&](const SurfaceState& s) {
-        return water_flux(water, boiling_of(water, 3e-3, 0.0), s, {}, 3e-3, 0.0);
-      },
-      {150.0, 0.0});
+  EXPECT_DOUBLE_EQ(water_flux(water, wet_place(), {60.0, 0.0}, {}).flux, 7000.0 * 40.0);
+  expect_consistent([&](const SurfaceState& s) { return water_flux(water, wet_place(), s, {}); },
+                    {150.0, 0.0});
 }
 
 TEST(Zone, MixesByTheLiquidFraction) {
@@ -110,11 +112,28 @@ TEST(BottomBlock, GoesFromContactThroughTheGap) {
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 100.0, 1e-3), 100.0);
   EXPECT_NEAR(bottom_coefficient(block, 100.0, 5.25e-3), 550.0, 1e-9);
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 100.0, 1.0), 1000.0);
-  EXPECT_DOUBLE_EQ(bottom_flux(block, {580.0, 0.0}, 0.0, 0.0).flux, 2000.0 * 500.0);
+  BottomPlace place{.coefficient = 2000.0, .block = 80.0};
+  EXPECT_DOUBLE_EQ(bottom_flux(block, place, {580.0, 0.0}).slab.flux, 2000.0 * 500.0);
   block.temperature_factor = {Abscissa::temperature, {300, 600}, {0.5, 1.0}};
-  EXPECT_DOUBLE_EQ(bottom_flux(block, {450.0, 0.0}, 0.0, 0.0).flux, 1500.0 * 370.0);
-  expect_consistent([&](const SurfaceState& s) { return bottom_flux(block, s, 0.0, 0.0); },
-                    {450.0, 0.0});
+  EXPECT_DOUBLE_EQ(bottom_flux(block, place, {450.0, 0.0}).slab.flux, 1500.0 * 370.0);
+  EXPECT_DOUBLE_EQ(bottom_flux(block, place, {450.0, 0.0}).into_block, 1500.0 * 370.0);
+  for (const double compliance : {0.0, 3e-4}) {
+    place.compliance = compliance;
+    place.wet_coefficient = 700.0;
+    place.water = 25.0;
+    expect_consistent([&](const SurfaceState& s) { return bottom_flux(block, place, s).slab; },
+                      {450.0, 0.0});
+  }
+}
+
+/// Slab, block and water exchange what each gains and loses.
+TEST(BottomBlock, HeatOfAWetGapAddsUp) {
+  const BottomPlace place{
+      .coefficient = 300.0, .block = 150.0, .compliance = 2e-4, .wet_coefficient = 900.0, .water = 25.0};
+  const BottomFlux flux = bottom_flux({}, place, {500.0, 0.0});
+  const double block = place.block + place.compliance * flux.into_block;
+  const double into_water = 900.0 * (500.0 - 25.0) + 900.0 * (block - 25.0);
+  EXPECT_NEAR(flux.slab.flux, flux.into_block + into_water, 1e-9 * flux.slab.flux);
 }
 
 TEST(DrySide, IsPlainConvection) {
