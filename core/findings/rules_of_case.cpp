@@ -33,7 +33,7 @@ Finding without_figure(std::string message, std::string key) {
 
 /// Superheat of the coldest metal that is poured in [K]; empty if none is.
 std::optional<double> least_superheat(const Case& c, const Course& course) {
-  const bool poured = c.cooling.top == thermal::Top::pouring && c.thermal.file.empty() &&
+  const bool poured = c.cooling.top != thermal::Top::insulated && c.thermal.file.empty() &&
                       !c.schedule.casting_temperature.empty();
   if (!poured) return std::nullopt;
   return std::ranges::min(values_in(c.schedule.casting_temperature, course)) - c.alloy.liquidus;

@@ -54,6 +54,12 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
   if (!solid.constant())
     for (const double t : solid.at())
       if (t < card.solidus) add(t);
+  if (card.liquidus <= card.solidus) {  // a pure metal: a jump
+    constexpr double half_width = 0.01;  // [K]
+    at.insert(at.end(), {card.liquidus - half_width, card.liquidus + half_width});
+    value.insert(value.end(), {solid(card.liquidus), liquid});
+    return Curve(Abscissa::temperature, std::move(at), std::move(value));
+  }
   std::vector<double> kinks{card.solidus, card.liquidus};
   for (const Curve* curve : {&solid, &card.liquid_fraction})
     if (!curve->constant()) kinks.insert(kinks.end(), curve->at().begin(), curve->at().end());
@@ -67,9 +73,7 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
     const int parts = static_cast<int>(width / spacing) + 1;
     for (int k = 1; k < parts; ++k) add(kinks[i] + width * k / parts);
   }
-  if (at.size() > 1) return Curve(Abscissa::temperature, std::move(at), std::move(value));
-  return Curve(Abscissa::temperature, {card.liquidus - 0.01, card.liquidus + 0.01},
-               {solid(card.liquidus), liquid});  // a pure metal
+  return Curve(Abscissa::temperature, std::move(at), std::move(value));
 }
 
 /// The coherency temperature that corresponds to a solid fraction [°C]: at 1 the solidus, at 0 the

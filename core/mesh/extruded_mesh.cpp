@@ -160,7 +160,7 @@ std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
            level - plan_[next] > (divide_above - 1.0) * (plan_[next + 1] - plan_[next]);
   };
   while (filling && next_is_due()) divide_top_row(plan_[heights_.size() - 1], between);
-  while (level >= plan_.back() &&
+  while (level > plan_.back() &&
          level - heights_[heights_.size() - 2] > divide_above * growth_cell_)
     divide_top_row(heights_[heights_.size() - 2] + growth_cell_, between);
   const int last_old_row = rows() - static_cast<int>(between.size());

@@ -136,7 +136,7 @@ void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const bool heat_is_solved = c.thermal.file.empty();
   if (heat_is_solved && found.sound({"thermal.file"})) {
     need(found, mesh, side_group[Dim - 2]);
-    if (c.cooling.top == thermal::Top::pouring && found.sound({"cooling.top"}))
+    if (c.cooling.top != thermal::Top::insulated && found.sound({"cooling.top"}))
       need(found, mesh, top_group[Dim - 2]);
   }
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {

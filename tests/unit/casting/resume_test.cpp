@@ -65,6 +65,20 @@ TEST_P(Resume, GivesTheSameBytesAmidCutSteps) {
   expect_same_after_stops(c, {9, 12, 13, 14, 20});
 }
 
+/// A mould that is filled, a film that wets by and by, a block that warms up.
+TEST_P(Resume, GivesTheSameBytesOfAFilledStart) {
+  Case c = small_casting(GetParam());
+  c.schedule.filling = 6.0;
+  c.cooling.top = thermal::Top::pouring;
+  c.cooling.level_coefficient = 10.0;
+  c.cooling.water.boiling_follows_flow = true;
+  c.cooling.water.wetting = thermal::testing::wetting();
+  c.cooling.bottom_block.body = thermal::BlockBody{0.15, 170.0, 2.6e6, 200.0};
+  c.cooling.bottom_block.wet_coefficient = 1000.0;
+  c.cooling.bottom_block.wet_gap = 1e-3;
+  expect_same_after_stops(c, {3, 6, 12, 30});
+}
+
 /// Every algorithm that carries something of its own from step to step.
 TEST_P(Resume, GivesTheSameBytesByTheOtherAlgorithm) {
   Case c = small_casting(GetParam());

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/material/liquid_fraction.hpp"
+
 namespace dccast::material {
 namespace {
 
@@ -192,6 +194,25 @@ TEST(ThermalProperties, ATableOfTheLiquidFractionSetsTheWholeLatentHeatFree) {
   card.specific_heat = Curve(1000.0);
   const ThermalProperties metal(card);
   EXPECT_NEAR(metal.solidification_enthalpy(), 2500.0 * (395e3 + 1000.0 * 29.0), 1.0);
+}
+
+/// The shrinkage that is left at 90 % solid is a tenth of that on freezing, whatever the solidus.
+TEST(MixedByFraction, WeighsSolidAndLiquidByTheirFractions) {
+  AlloyCard card = tabled_card();
+  const Curve solid = against_temperature({0, 649}, {2700, 2550});
+  const Curve mixed = mixed_by_fraction(card, solid, 2360.0);
+  for (const double t : {100.0, 500.0, 620.0, 620.2, 627.3, 640.0, 647.0, 649.0, 700.0}) {
+    const double fl = t > 649.0 ? 1.0 : card.liquid_fraction(t);
+    EXPECT_NEAR(mixed(t), (1.0 - fl) * solid(std::min(t, 649.0)) + fl * 2360.0, 0.02) << t;
+  }
+  EXPECT_NEAR(mixed(500.0), solid(500.0), 1e-9);
+  EXPECT_EQ(mixed(700.0), 2360.0);
+  card.liquid_fraction = {};
+  EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(634.5),
+              0.5 * solid(634.5) + 0.5 * 2360.0, 0.05);
+  card.solidus = card.liquidus;
+  EXPECT_EQ(mixed_by_fraction(card, solid, 2360.0)(card.liquidus + 1.0), 2360.0);
+  EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(card.liquidus - 1.0), 2550.0, 0.3);
 }
 
 TEST(ThermalProperties, ALinearTableIsNoTable) {

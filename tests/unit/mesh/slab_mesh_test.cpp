@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -220,6 +221,29 @@ TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
       EXPECT_NEAR(at_once.row_heights()[std::size_t(row)], by_small.row_heights()[std::size_t(row)],
                   1e-14);
     }
+  }
+}
+
+/// However fast it is filled, the full mould has the planned rows, and growth goes on as if it had
+/// been full from the start.
+TEST_P(Slab, FillingEndsWithThePlannedRows) {
+  for (const int steps : {1, 3, 40, 500}) {
+    SlabMesh2D full(small_section(GetParam())), filled(small_section(GetParam()));
+    filled.start_filling();
+    EXPECT_EQ(filled.rows(), 2);
+    const double first = filled.level(), last = filled.planned_level();
+    EXPECT_EQ(last, full.level());
+    for (int k = 1; k <= steps; ++k) {
+      filled.grow_to(k == steps ? last : first + (last - first) * k / steps);
+      const auto& heights = filled.row_heights();
+      EXPECT_TRUE(std::ranges::is_sorted(heights, std::less_equal{}));
+      EXPECT_GT(heights.back() - heights[heights.size() - 2], 0.4 * heights[1]);
+    }
+    EXPECT_EQ(filled.row_heights(), full.row_heights()) << steps;
+    EXPECT_EQ(filled.mesh().element_node, full.mesh().element_node);
+    full.grow_to(last + 0.02);
+    filled.grow_to(last + 0.02);
+    EXPECT_EQ(filled.row_heights(), full.row_heights());
   }
 }
 

@@ -21,6 +21,7 @@ using testing::pure_metal;
 struct Casting {
   HeatField field;
   double worst_balance = 0.0;
+  double level = 0.0;  ///< [J/m] in through the metal level
   int most_iterations = 0;
   int iterations = 0;
   int steps = 0;
@@ -49,6 +50,7 @@ Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, Eleme
     const HeatStepOutcome outcome = solver.step(casting.field, input);
     casting.converged = casting.converged && outcome.converged;
     casting.worst_balance = std::max(casting.worst_balance, outcome.balance.error);
+    casting.level += outcome.balance.top;
     casting.most_iterations = std::max(casting.most_iterations, outcome.iterations);
     casting.iterations += outcome.iterations;
     ++casting.steps;
@@ -81,6 +83,50 @@ INSTANTIATE_TEST_SUITE_P(
     Alloys, GrowingCasting,
     ::testing::Combine(::testing::Bool(), ::testing::Values(ElementKind::p1, ElementKind::q1),
                        ::testing::Values(SectionKind::plane_strain, SectionKind::axisymmetric)));
+
+/// Heat of the metal poured in equals heat out plus heat stored, whatever happens at the level, with
+/// a film that is marched down the face and a block that warms up.
+TEST(HeatSolver, MetalBringsItsOwnHeatUnderEveryTop) {
+  for (const Top top : {Top::pouring, Top::held, Top::insulated}) {
+    CoolingSpec cooling = casting_cooling();
+    cooling.top = top;
+    cooling.level_coefficient = 15.0;
+    cooling.water.boiling_follows_flow = true;
+    cooling.water.wetting = testing::wetting();
+    cooling.bottom_block.body = BlockBody{0.15, 170.0, 2.6e6, 200.0};
+    const Casting casting =
+        cast(casting_alloy(), cooling, ElementKind::q1, SectionKind::plane_strain, 60.0);
+    EXPECT_TRUE(casting.converged);
+    EXPECT_LT(casting.worst_balance, 1e-10);
+    EXPECT_LE(*std::ranges::max_element(casting.field.temperature), 680.0 + 1e-9);
+    // Only a held level gives heat: else no more than the metal's own comes in.
+    if (top == Top::held) {
+      EXPECT_GT(casting.level, 0.0);
+    } else {
+      EXPECT_EQ(casting.level < 0.0, top == Top::pouring);
+    }
+  }
+}
+
+/// A level at rest loses h (T - T_ambient) per area.
+TEST(HeatSolver, TheLevelLosesHeatToTheAir) {
+  CoolingSpec cooling = casting_cooling();
+  cooling.zones.clear();
+  cooling.water.enabled = false;
+  cooling.dry_coefficient = 0.0;
+  cooling.bottom_block.contact_coefficient = Curve(0.0);
+  cooling.bottom_block.gap_coefficient = {};
+  cooling.top = Top::pouring;
+  cooling.level_coefficient = 15.0;
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::q1));
+  HeatSolver solver(material::ThermalProperties(casting_alloy()), cooling,
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
+  HeatField field = solver.uniform_field(680.0);
+  const HeatStepOutcome outcome =
+      solver.step(field, {.time = 0.01, .time_step = 0.01, .metal_level = 0.1});
+  EXPECT_NEAR(outcome.balance.top, -0.01 * 15.0 * 0.28 * (680.0 - 25.0), 0.1);
+  EXPECT_NEAR(outcome.balance.top, outcome.balance.stored, 1e-6 * -outcome.balance.top);
+}
 
 TEST(HeatSolver, FilmBoilingConvergesAndConserves) {
   CoolingSpec cooling = casting_cooling();
