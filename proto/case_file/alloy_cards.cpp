@@ -77,6 +77,14 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   // Coherency is one thing said in two ways: what the case says replaces what the card says.
   if (overrides.has_coherency_c()) complete.clear_coherency_solid_fraction();
   if (overrides.has_coherency_solid_fraction()) complete.clear_coherency_c();
+  if (overrides.has_density_kg_per_m3()) {
+    complete.clear_solid_density_kg_per_m3();
+    complete.clear_liquid_density_kg_per_m3();
+  }
+  if (overrides.has_conductivity_w_per_m_k()) {
+    complete.clear_solid_conductivity_w_per_m_k();
+    complete.clear_liquid_conductivity_w_per_m_k();
+  }
   const Descriptor& descriptor = *v1::Alloy::descriptor();
   for (int i = 0; i < descriptor.field_count(); ++i)
     // Merging would append the points of a curve to those of the card.

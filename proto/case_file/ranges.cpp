@@ -5,6 +5,8 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/size_bounds.hpp"
+#include "proto/values/printable.hpp"
+#include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -67,10 +69,21 @@ void check_enum(const Message& message, const FieldDescriptor& field, const std:
     faults.push_back(make_fault(path, std::to_string(number), "unknown choice"));
 }
 
-void check_text_length(const Message& message, const FieldDescriptor& field,
-                       const std::string& path, Faults& faults) {
-  if (auto fault = length_fault(field, message.GetReflection()->GetString(message, &field), path))
-    faults.push_back(std::move(*fault));
+/// A description may have lines; a title or a name stands in lists and logs.
+values::Lines lines_of(const FieldDescriptor& field) {
+  constexpr int longest_line = 255;
+  return key_of(field).maximum_length() > longest_line ? values::Lines::several
+                                                       : values::Lines::one;
+}
+
+void check_text(const Message& message, const FieldDescriptor& field, const std::string& path,
+                Faults& faults) {
+  const std::string text = message.GetReflection()->GetString(message, &field);
+  if (auto fault = length_fault(field, text, path)) return faults.push_back(std::move(*fault));
+  if (const auto character = values::unprintable(text, lines_of(field)))
+    faults.push_back(make_fault(path, quoted(values::escaped(values::shortened(text))),
+                                "contains " + *character, "characters that can be shown",
+                                "leave that character out"));
 }
 
 void check_scalar(const Message& message, const FieldDescriptor& field, const std::string& path,
@@ -81,7 +94,7 @@ void check_scalar(const Message& message, const FieldDescriptor& field, const st
     case FieldDescriptor::CPPTYPE_ENUM:
       return check_enum(message, field, path, faults);
     case FieldDescriptor::CPPTYPE_STRING:
-      return check_text_length(message, field, path, faults);
+      return check_text(message, field, path, faults);
     case FieldDescriptor::CPPTYPE_DOUBLE:
       number = reflection.GetDouble(message, &field);
       break;

@@ -4,36 +4,9 @@
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/nesting.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
-namespace {
-
-/// Length of the UTF-8 sequence at the beginning of `text`, 0 if it is none (RFC 3629).
-std::size_t utf8_sequence(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  // Overlong forms, surrogates, beyond U+10FFFF.
-  const unsigned char second = byte(1);
-  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return 0;
-  if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return 0;
-  return length;
-}
-
-std::optional<std::size_t> first_broken_utf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_sequence(text.substr(at));
-    if (length == 0) return at;
-    at += length;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 Position position_of(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, offset);
@@ -52,7 +25,7 @@ std::optional<TextFault> check_text(std::string_view text) {
   if (const auto nul = text.find('\0'); nul != std::string_view::npos)
     return TextFault{position_of(text, nul), "a NUL byte: this is not a text file",
                      "give a TOML file; `dccast new start-2d-thickness` writes one"};
-  if (const auto broken = first_broken_utf8(text))
+  if (const auto broken = values::first_broken_utf8(text))
     return TextFault{position_of(text, *broken), "not UTF-8", "save the file as UTF-8"};
   return check_nesting(text);
 }

@@ -15,7 +15,7 @@ int level(v1::Priority priority) {
 void JobQueue::push(const v1::Job& job) {
   const std::int64_t key =
       milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms;
-  if (key_of_.emplace(job.id(), key).second) order_.emplace(key, job.id());
+  if (key_of_.emplace(job.id(), key).second) order_.insert({key, job.id()});
 }
 
 void JobQueue::erase(const std::string& job_id) {
@@ -33,14 +33,7 @@ std::optional<std::string> JobQueue::front() const {
 int JobQueue::position(const std::string& job_id) const {
   const auto found = key_of_.find(job_id);
   if (found == key_of_.end()) return 0;
-  return static_cast<int>(std::distance(order_.begin(), order_.find({found->second, job_id}))) + 1;
-}
-
-std::map<std::string, int> JobQueue::positions() const {
-  std::map<std::string, int> result;
-  int position = 0;
-  for (const Place& place : order_) result[place.second] = ++position;
-  return result;
+  return static_cast<int>(order_.order_of_key({found->second, job_id})) + 1;
 }
 
 }  // namespace dccast::jobs

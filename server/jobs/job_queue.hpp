@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <ext/pb_ds/assoc_container.hpp>
+#include <ext/pb_ds/tree_policy.hpp>
+#include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -23,14 +25,15 @@ public:
   /// The next job. @return nothing when none waits
   std::optional<std::string> front() const;
   std::size_t size() const { return order_.size(); }
-  /// 1 is next; 0: not in the queue. Walks the queue.
+  /// 1 is next; 0: not in the queue. Takes the logarithm of the queue's length.
   int position(const std::string& job_id) const;
-  /// Of all jobs at once.
-  std::map<std::string, int> positions() const;
 
 private:
   using Place = std::pair<std::int64_t, std::string>;
-  std::set<Place> order_;
+  /// A set that knows how many are before an element.
+  using Order = __gnu_pbds::tree<Place, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,
+                                 __gnu_pbds::tree_order_statistics_node_update>;
+  Order order_;
   std::map<std::string, std::int64_t> key_of_;
 };
 

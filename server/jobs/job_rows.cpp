@@ -1,5 +1,6 @@
 #include "server/jobs/job_rows.hpp"
 
+#include "proto/values/printable.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::jobs {
@@ -24,7 +25,7 @@ std::string outcome_of(const v1::Job& job) {
 void read_labels(const std::string& lines, v1::Job& job) {
   for (std::size_t begin = 1; begin < lines.size();) {
     const std::size_t end = lines.find('\n', begin);
-    job.add_labels(lines.substr(begin, end - begin));
+    job.add_labels(values::escaped(lines.substr(begin, end - begin)));
     begin = end + 1;
   }
 }
@@ -49,15 +50,16 @@ std::string changes_of(const v1::Job& job) {
   return changes.SerializeAsString();
 }
 
+/// Texts of an earlier version may hold characters that are refused now, and go to terminals.
 JobRecord read_row(const Statement& statement) {
   JobRecord record;
   v1::Job& job = record.job;
   job.ParseFromString(statement.text(11));
   job.MergeFromString(statement.text(22));
   job.set_id(statement.text(0));
-  job.set_request_id(statement.text(1));
+  job.set_request_id(values::escaped(statement.text(1)));
   job.set_case_sha256(statement.text(2));
-  job.set_title(statement.text(3));
+  job.set_title(values::escaped(statement.text(3)));
   job.set_priority(static_cast<v1::Priority>(statement.integer(4)));
   job.set_state(static_cast<v1::JobState>(statement.integer(5)));
   set_time(statement.integer(6), job.mutable_create_time());
@@ -67,7 +69,7 @@ JobRecord read_row(const Statement& statement) {
   if (const std::string failure = statement.text(10); !failure.empty())
     job.mutable_failure()->ParseFromString(failure);
   record.requested_action = static_cast<RequestedAction>(statement.integer(12));
-  record.request_reason = statement.text(13);
+  record.request_reason = values::escaped(statement.text(13));
   record.losses = static_cast<int>(statement.integer(14));
   record.lost_step = statement.integer(15);
   record.first_loss = statement.text(16);

@@ -12,7 +12,7 @@ namespace {
 
 /// What a job of the page has to fulfil; its question marks are bound in list().
 std::string condition_of(const JobStore::Page& page) {
-  std::string sql = "(created_ms < ? OR (created_ms = ? AND id < ?))";
+  std::string sql = "(created_ms, id) < (?, ?)";
   if (!page.states.empty()) {
     sql += " AND state IN (";
     for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
@@ -203,7 +203,7 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
                           condition_of(page) + " ORDER BY created_ms DESC, id DESC LIMIT ?";
   const std::lock_guard lock(mutex_);
   Statement statement(database_, sql);
-  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id);
+  statement.bind(page.before_ms).bind(page.before_id);
   for (const std::string& wanted : {page.study, page.owner})
     if (!wanted.empty()) statement.bind(wanted);
   // Behind every character of an id: they are hexadecimal digits and '-'.

@@ -153,7 +153,6 @@ std::shared_ptr<EventLog> Scheduler::log(const std::string& id) {
 
 std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
   const std::lock_guard lock(mutex_);
-  const auto positions = queue_.positions();
   std::vector<v1::Job> jobs;
   for (JobRecord& stored : store_.list(page)) {
     const std::string id = stored.job.id();
@@ -162,8 +161,7 @@ std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
     v1::Job& job = jobs.emplace_back(kept != nullptr ? kept->job : std::move(stored.job));
     if (job.state() != v1::QUEUED) continue;
     job.set_held(hold_.reason());
-    if (const auto position = positions.find(id); position != positions.end())
-      job.set_queue_position(position->second);
+    job.set_queue_position(queue_.position(id));
   }
   return jobs;
 }

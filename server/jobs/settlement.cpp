@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/worker_exit.hpp"
 
 namespace dccast::jobs {
 
@@ -105,6 +106,10 @@ Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptF
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
+  if (how == "exit code " + std::to_string(exit_out_of_memory)) {
+    add_failure(record.job, v1::Failure::OUT_OF_MEMORY, out_of_memory_text);
+    return {v1::FAILED, out_of_memory_text};
+  }
   const std::string loss =
       "worker " + (facts.hung.empty() ? "died with " + how : facts.hung + " and was killed") +
       " after step " + std::to_string(facts.reached_step);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dccast/v1/options.pb.h"
+#include "proto/values/printable.hpp"
 
 namespace dccast::service {
 
@@ -27,8 +28,12 @@ void check_names(const jobs::Attachments& attachments, std::set<std::string>& na
   for (const v1::Attachment& attachment : attachments) {
     if (!jobs::is_plain_file_name(attachment.name()))
       *verdict.add_faults() = fault(
-          attachments_field, attachment.name(), "is not the plain name of a file",
+          attachments_field, values::escaped(attachment.name()), "is not the plain name of a file",
           "1 to 255 bytes without a slash, not \".\" or \"..\"", "attach it under its last name");
+    else if (const auto character = values::unprintable(attachment.name()))
+      *verdict.add_faults() =
+          fault(attachments_field, values::escaped(attachment.name()), "contains " + *character,
+                "characters that can be shown", "rename the file");
     else if (!names.insert(attachment.name()).second)
       *verdict.add_faults() = fault(attachments_field, attachment.name(), "is attached twice",
                                     "one file of a name", "rename one of them");

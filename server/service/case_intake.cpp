@@ -12,6 +12,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/values/sha256.hpp"
 #include "server/service/attachment_names.hpp"
+#include "server/service/message_size.hpp"
 
 namespace dccast::service {
 
@@ -66,6 +67,14 @@ CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                                  std::vector<std::string> faulty_keys,
                                  const jobs::Patience& patience, jobs::Question question) const {
+  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), patience, question);
+  make_printable(examined.verdict);  // it repeats values that are refused for what they hold
+  return examined;
+}
+
+ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
+                                std::vector<std::string> faulty_keys,
+                                const jobs::Patience& patience, jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);

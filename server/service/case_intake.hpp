@@ -46,6 +46,9 @@ public:
   const Ceilings& ceilings() const { return ceilings_; }
 
 private:
+  ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
+                      std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                      jobs::Question question) const;
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
   v1::ValidateCaseResponse ask_core(jobs::Question question, const v1::Case& complete,

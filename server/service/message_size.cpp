@@ -1,6 +1,11 @@
 #include "server/service/message_size.hpp"
 
+#include <google/protobuf/descriptor.h>
+
 #include <string>
+#include <vector>
+
+#include "proto/values/printable.hpp"
 
 namespace dccast::service {
 
@@ -19,6 +24,10 @@ void cut(std::string& text, std::size_t most) {
   text += "...";
 }
 
+std::string printable(const std::string& text) {
+  return values::escaped(text, values::Lines::several);
+}
+
 void cut_failure(v1::Failure& failure) {
   cut(*failure.mutable_message(), most_of_a_job / 8);
   if (failure.residual_history_size() > most_residuals)
@@ -34,6 +43,28 @@ void fit_into_list(v1::Job& job) {
   if (job.ByteSizeLong() <= most_of_a_job) return;
   if (job.has_last_step()) job.mutable_last_step()->clear_monitors();
   if (job.has_failure()) cut_failure(*job.mutable_failure());
+}
+
+void make_printable(google::protobuf::Message& message) {
+  using google::protobuf::FieldDescriptor;
+  const auto* reflection = message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const bool text = field->type() == FieldDescriptor::TYPE_STRING;
+    const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
+    for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {
+      if (text && field->is_repeated())
+        reflection->SetRepeatedString(
+            &message, field, i, printable(reflection->GetRepeatedString(message, field, i)));
+      else if (text)
+        reflection->SetString(&message, field, printable(reflection->GetString(message, field)));
+      else
+        make_printable(field->is_repeated()
+                           ? *reflection->MutableRepeatedMessage(&message, field, i)
+                           : *reflection->MutableMessage(&message, field));
+    }
+  }
 }
 
 }  // namespace dccast::service

@@ -18,4 +18,8 @@ inline constexpr std::size_t answer_bytes = (4 << 20) - 4096;
 /// today are bounded by the schema; those in a store of an earlier version may hold anything.
 void fit_into_list(v1::Job& job);
 
+/// Writes out what would act on a terminal in every text of a message. Cases of today are held
+/// against that when they are taken; those of an earlier version may hold anything.
+void make_printable(google::protobuf::Message& message);
+
 }  // namespace dccast::service

@@ -82,6 +82,7 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
     return {grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
                                              " cannot be read from the job store any more; " +
                                              "dccastd check says what else is damaged"};
+  make_printable(*response.mutable_case_());
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
 }
 

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "core/storage/resource_fault.hpp"
+#include "proto/values/printable.hpp"
 #include "proto/values/shortened.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/checker.hpp"
@@ -35,14 +36,15 @@ grpc::Status no_uuid(const std::string& given, const std::string& of_what,
                      const std::string& origin) {
   // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
   std::string message = "\"";
-  message += values::shortened(given);
+  message += values::escaped(values::shortened(given));
   message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
   return {grpc::StatusCode::INVALID_ARGUMENT, message};
 }
 
 grpc::Status internal(const std::string& what) {
-  spdlog::error("{}", what);
-  return {grpc::StatusCode::INTERNAL, what};
+  const std::string shown = values::escaped(what, values::Lines::several);
+  spdlog::error("{}", values::escaped(what));
+  return {grpc::StatusCode::INTERNAL, shown};
 }
 
 /// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs
@@ -73,8 +75,8 @@ grpc::Status store_refuses(const jobs::StoreError& error) {
 /// Whether asking again can help decides the code.
 grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
   using Why = jobs::WorkerDidNotAnswer::Why;
-  spdlog::warn("{}", error.what());
-  const std::string what = error.what();
+  const std::string what = values::escaped(error.what());
+  spdlog::warn("{}", what);
   switch (error.why()) {
     case Why::called_off:
       return {grpc::StatusCode::CANCELLED, what};
@@ -142,9 +144,12 @@ grpc::Status too_many_waiting() {
 }
 
 grpc::Status check_text(const std::string& name, const std::string& text) {
-  const std::string fault = values::too_long(name, text);
-  if (fault.empty()) return grpc::Status::OK;
-  return {grpc::StatusCode::INVALID_ARGUMENT, fault};
+  if (const std::string fault = values::too_long(name, text); !fault.empty())
+    return {grpc::StatusCode::INVALID_ARGUMENT, fault};
+  if (const auto character = values::unprintable(text))
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            name + " contains " + *character + "; leave that character out"};
+  return grpc::Status::OK;
 }
 
 grpc::Status job_not_found(const std::string& id) {

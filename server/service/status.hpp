@@ -19,7 +19,8 @@ grpc::Status check_id(const std::string& id);
 /// OK, or INVALID_ARGUMENT when this is neither a study id nor empty.
 grpc::Status check_study(const std::string& study);
 
-/// INVALID_ARGUMENT for a free text of a request that is too long.
+/// INVALID_ARGUMENT for a free text of a request that is too long, or is not one line that can be
+/// shown.
 grpc::Status check_text(const std::string& name, const std::string& text);
 
 /// RESOURCE_EXHAUSTED: the lane of this call is full.

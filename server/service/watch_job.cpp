@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "server/service/message_size.hpp"
 #include "server/service/news_stream.hpp"
 #include "server/service/streams.hpp"
 
@@ -36,7 +37,10 @@ private:
 
   NextMessage<v1::JobEvent> next() override {
     try {
-      if (auto event = log_->read(cursor_)) return {.message = std::move(*event), .more = true};
+      if (auto event = log_->read(cursor_)) {
+        make_printable(*event);
+        return {.message = std::move(*event), .more = true};
+      }
     } catch (const std::exception& error) {
       spdlog::error("{}", error.what());
       return {.end = grpc::Status(

@@ -1,16 +1,23 @@
 #include "server/translate/faults_to_proto.hpp"
 
+#include "proto/values/printable.hpp"
+
 namespace dccast::translate {
 
 namespace {
 
+/// Names out of a mesh file, say, are bytes of any kind; a message takes UTF-8 alone.
+std::string escaped(const std::string& text) {
+  return values::escaped(text, values::Lines::several);
+}
+
 v1::Fault to_proto(const Fault& from) {
   v1::Fault to;
-  to.set_field(from.field);
-  to.set_value(from.value);
-  to.set_message(from.message);
-  to.set_permitted(from.permitted);
-  to.set_remedy(from.remedy);
+  to.set_field(escaped(from.field));
+  to.set_value(escaped(from.value));
+  to.set_message(escaped(from.message));
+  to.set_permitted(escaped(from.permitted));
+  to.set_remedy(escaped(from.remedy));
   return to;
 }
 
@@ -37,7 +44,7 @@ std::string in_words(const std::vector<Fault>& faults) {
     text += fault.field + " = " + fault.value + ": " + fault.message;
     if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
   }
-  return text;
+  return escaped(text);
 }
 
 }  // namespace dccast::translate

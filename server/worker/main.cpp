@@ -11,14 +11,17 @@
 #include <chrono>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <optional>
 #include <string>
 #include <system_error>
 
 #include "core/casting/solver_identity.hpp"
 #include "server/jobs/worker_claim.hpp"
+#include "server/jobs/worker_exit.hpp"
 #include "server/worker/answers.hpp"
 #include "server/worker/link_client.hpp"
+#include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
 
 namespace dccast::worker {
@@ -132,6 +135,7 @@ int run_job_of_daemon() {
 int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+  name_memory_exhaustion();
   try {
     if (argc == 2 && answers_questions(argv[1])) {
       // A closed socket ends it between two questions, this one that never ends.
@@ -140,6 +144,9 @@ int main(int argc, char** argv) {
     }
     if (argc == 2 && ::strcmp(argv[1], "--wait") == 0) return run_job_of_daemon();
     return refuse_to_run_alone();
+  } catch (const std::bad_alloc&) {
+    std::cerr << "dccast-worker: out of memory\n";
+    return jobs::exit_out_of_memory;
   } catch (const std::exception& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
     return exit_not_answered;

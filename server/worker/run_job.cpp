@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <system_error>
 
 #include "core/casting/simulation.hpp"
 #include "proto/values/sha256.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/worker_exit.hpp"
 #include "server/translate/case_to_core.hpp"
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/step_to_proto.hpp"
@@ -111,6 +113,8 @@ Finished run_job(const v1::WorkerOrder::Start& start, RunLink& link, Results res
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {
     return failed(v1::Failure::STORAGE, error.what());
+  } catch (const std::bad_alloc&) {
+    return failed(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
   } catch (const std::exception& error) {
     return failed(v1::Failure::INTERNAL, error.what());
   }

@@ -5,6 +5,7 @@ import signal
 import socket
 import sqlite3
 import subprocess
+import tempfile
 import time
 
 import grpc
@@ -104,6 +105,36 @@ class Refusal(ServiceTest):
         error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, fake_case("check=crash"))
         self.assertIn("signal 6", error.details())
 
+    def test_texts_that_act_on_a_terminal_or_a_log(self):
+        for text, name in (("\x1b]0;owned\x07", "ESC"), ("a\nb", "line feed"), ("a\0b", "NUL"),
+                           ("\u009b31m", "CSI"), ("x\u202egnp", "U+202E"), ("\u2066x", "U+2066")):
+            case = fake_case(f"steps=1 {text}")
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+            self.assertIn(name, error.details())
+            case = fake_case("steps=1")
+            case.monitor[0].name = text
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+            self.assertIn("monitor[0].name", error.details())
+            case = fake_case("steps=1")
+            case.cooling.zone.add(name=text)
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+            case = fake_case("steps=1")
+            case.alloy.card = text
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
+            sound = fake_case("steps=1")
+            for rest in ({"request_id": text}, {"labels": [text]},
+                         {"attachments": [job_pb2.Attachment(name=text, content=b"x")]},
+                         {"changes": [job_pb2.CaseChange(key="title", value=text)]}):
+                if "\n" in text and "changes" in rest:
+                    continue  # the value of a key may have lines
+                error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, sound,
+                                     **rest)
+                if "attachments" not in rest:  # a name with NUL is no plain name of a file either
+                    self.assertIn(name, error.details())
+                self.assertNotIn(text, error.details())
+        said = self.daemon.said()
+        self.assertNotIn("\x1b]0;", said)
+
     def test_attachments(self):
         case = fake_case("steps=1")
         for name in ("", "..", "a/b", "/etc/passwd", "x" * 300):
@@ -159,6 +190,53 @@ class Refusal(ServiceTest):
             # Hello {job_id: "a", token: "b"}, by hand: a caller who knows no token.
             hello = b"\x0a\x06\x0a\x01a\x12\x01b"
             self.refused(grpc.StatusCode.PERMISSION_DENIED, call, iter([hello]), timeout=10)
+
+
+class RealWorker(ServiceTest):
+    """Faults of the machine and of files that only the real worker reads."""
+    worker = "dccast-worker"
+
+    def test_a_mesh_with_a_text_that_is_no_utf8(self):
+        case = fake_case("mesh")
+        case.mesh.file = "slab.msh"
+        mesh = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"bott\u00e9m\"\n"
+                "$EndPhysicalNames\n").encode("latin-1")
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
+            case=case, attachments=[job_pb2.Attachment(name="slab.msh", content=mesh)]), timeout=10)
+        self.assertTrue(checked.faults)
+        broken = b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$bott\xe9m\n"
+        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
+            case=case, attachments=[job_pb2.Attachment(name="slab.msh", content=broken)]), timeout=10)
+        self.assertTrue(checked.faults)
+
+
+class LittleMemory(ServiceTest):
+    """A worker whose memory is bounded: the job fails and says what it lacks."""
+    settings = {"workers": 1}
+
+    def setUp(self):
+        # Jobs only: what checks the case is not to fail.
+        self.script = tempfile.NamedTemporaryFile("w", suffix=".sh", delete=False)
+        self.script.write('#!/bin/sh\n[ "$1" = --wait ] && ulimit -v 400000\n'
+                          f'exec {BIN}/dccast-worker "$@"\n')
+        self.script.close()
+        os.chmod(self.script.name, 0o700)
+        self.worker = self.script.name
+        super().setUp()
+
+    def tearDown(self):
+        super().tearDown()
+        os.remove(self.script.name)
+
+    def test_a_run_that_gets_no_more_memory_fails_with_words_about_memory(self):
+        case = fake_case("large")
+        case.mesh.columns, case.mesh.rows = 300, 300
+        job = self.client.submit(case)
+        ended = self.client.until_state(job.id, job_pb2.FAILED, seconds=60)
+        with open(os.path.join(self.folder, "data", "jobs", job.id, "worker.log"),
+                  encoding="utf-8") as file:
+            self.assertEqual(ended.failure.kind, job_pb2.Failure.OUT_OF_MEMORY, file.read())
+        self.assertIn("memory", ended.failure.message)
 
 
 class Checks(ServiceTest):

@@ -49,6 +49,12 @@ void coherency(CaseFindings& found) {
 
 void check_alloy(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
+  for (const auto& [key, table] : {std::pair{"alloy.density", &a.density},
+                                   std::pair{"alloy.conductivity", &a.conductivity}})
+    if (table->empty() && found.sound({key}))
+      found.fault(key, "", "is missing",
+                  "a table, or the properties of solid and liquid",
+                  std::string("give ") + key + ", or its solid_ and liquid_ keys");
   if (!found.sound({"alloy.solidus", "alloy.liquidus"})) return;
   if (a.solidus > a.liquidus) {
     found.fault("alloy.solidus", with_unit(a.solidus, "degC"), "lies above the liquidus",

@@ -35,6 +35,25 @@ void check_time(CaseFindings& found) {
         "more than " + with_unit(-found.casting.schedule.hold, "s") + ", minus schedule.hold",
         "move the end");
   }
+  const Schedule& schedule = found.casting.schedule;
+  if (schedule.filling > 0.0 && found.sound({"schedule.filling", "schedule.hold"})) {
+    const std::string hold = "at most schedule.hold = " + with_unit(schedule.hold, "s");
+    if (schedule.filling > schedule.hold)
+      found.fault("schedule.filling", with_unit(schedule.filling, "s"),
+                  "is longer than the hold, of which it is the beginning", hold,
+                  "lengthen the hold: it lasts from the first metal until the block starts");
+    else if (!found.casting.section.growth && found.sound({"mesh.growth"}))
+      found.fault("schedule.filling", with_unit(schedule.filling, "s"),
+                  "fills a slab that does not grow", "0 s with mesh.growth = false",
+                  "leave it out");
+    else if (found.casting.mechanics.enabled && found.sound({"mechanics.start"}) &&
+             found.casting.mechanics.start < schedule.filling - schedule.hold)
+      found.fault("mechanics.start", with_unit(found.casting.mechanics.start, "s"),
+                  "lies before the mould is full",
+                  "at least schedule.filling - schedule.hold = " +
+                      with_unit(schedule.filling - schedule.hold, "s"),
+                  "start the mechanics later");
+  }
   if (!found.sound({"time.step", "time.minimum_step"})) return;
   const auto& steps = found.casting.time.step.value();
   const double shortest = *std::min_element(steps.begin(), steps.end());

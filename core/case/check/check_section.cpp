@@ -9,10 +9,6 @@ void check_section(CaseFindings& found) {
     found.fault("mesh.growth", "true", "an imported mesh cannot grow", "false with mesh.file",
                 "write growth = false, or leave mesh.file out");
   }
-  if (found.casting.cooling.top == thermal::Top::insulated && s.growth && growth_known) {
-    found.fault("cooling.top", "insulated", "metal is poured in at the top of a slab that grows",
-                "pouring, or mesh.growth = false", "write top = \"pouring\"");
-  }
   if (!found.casting.thermal.file.empty() && s.growth && growth_known) {
     found.fault("thermal.file", found.casting.thermal.file.filename().string(),
                 "has one temperature per node, but the nodes of a growing slab increase in number",

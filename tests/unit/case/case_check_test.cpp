@@ -145,8 +145,21 @@ const Mistake mistakes[] = {
      }},
     {"ImportedMeshThatGrows", "mesh.growth", [](Case& c) { c.section.file = "slab.msh"; }},
     {"TemperatureOfASlabThatGrows", "thermal.file", [](Case& c) { c.thermal.file = "t.h5"; }},
-    {"InsulatedTopOfASlabThatGrows", "cooling.top",
-     [](Case& c) { c.cooling.top = thermal::Top::insulated; }},
+    {"FillingLongerThanTheHold", "schedule.filling",
+     [](Case& c) { c.schedule.filling = 10.5; }},
+    {"FillingOfASlabThatDoesNotGrow", "schedule.filling",
+     [](Case& c) {
+       c.schedule.filling = 5.0;
+       c.section.growth = false;
+     }},
+    {"MechanicsBeforeTheMouldIsFull", "mechanics.start",
+     [](Case& c) {
+       c.schedule.filling = 5.0;
+       c.mechanics.start = -6.0;
+     }},
+    {"AlloyWithoutDensity", "alloy.density", [](Case& c) { c.alloy.density = {}; }},
+    {"AlloyWithoutConductivity", "alloy.conductivity",
+     [](Case& c) { c.alloy.conductivity = {}; }},
     {"GrowthCellTooHigh", "mesh.growth_cell", [](Case& c) { c.section.growth_cell = 0.2; }},
     {"SideCellTooWide", "mesh.side_cell", [](Case& c) { c.section.side_cell = 0.3; }},
     {"BottomCellTooHigh", "mesh.bottom_cell", [](Case& c) { c.section.bottom_cell = 0.3; }},

@@ -47,6 +47,21 @@ void fill(v1::Curve& curve, int points) {
   }
 }
 
+TEST(Texts, ACharacterThatActsOnATerminalIsAFaultThatNamesIt) {
+  v1::Case message = sound();
+  message.set_title("\x1b]0;owned\x07");
+  const v1::Fault fault = only_fault(message);
+  EXPECT_EQ(fault.field(), "title");
+  EXPECT_EQ(fault.message(), "contains U+001B (ESC) at byte 1");
+  EXPECT_THAT(fault.value(), HasSubstr("\\u{1B}]0;owned"));
+  message.set_title("t");
+  auto& monitor = *message.add_monitor();
+  monitor.set_name("a\nb");
+  monitor.set_x_m(0.0);
+  monitor.set_y_m(0.0);
+  EXPECT_EQ(only_fault(message).field(), "monitor[0].name");
+}
+
 TEST(SizeBounds, ATextBeyondItsBoundIsAFaultThatHoldsOnlyItsBeginning) {
   v1::Case message = sound();
   message.set_title(std::string(200, 't'));

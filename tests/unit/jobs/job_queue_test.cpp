@@ -31,7 +31,7 @@ TEST(JobQueue, OrdersByPriorityThenAge) {
   queue.push(job("high", v1::HIGH, start + 3));
   EXPECT_EQ(queue.position("high"), 1);
   EXPECT_EQ(queue.position("low"), 4);
-  EXPECT_EQ(queue.positions().at("late"), 3);
+  EXPECT_EQ(queue.position("late"), 3);
   for (const char* next : {"high", "early", "late", "low"}) EXPECT_EQ(take_first(queue), next);
   EXPECT_EQ(queue.front(), std::nullopt);
 }

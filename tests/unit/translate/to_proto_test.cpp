@@ -109,6 +109,14 @@ TEST(FailureToProto, KeepsTheResiduals) {
   EXPECT_EQ(to.residual_history(1), 4.0);
 }
 
+// A mesh file is of any encoding; a message takes UTF-8 alone.
+TEST(CheckToProto, WritesOutBytesThatAreNoUtf8) {
+  casting::CheckedCase checked;
+  checked.faults.add("mesh.file", "slab.msh", "has no group bott\xe9m");
+  EXPECT_EQ(to_proto(checked).faults(0).message(), "has no group bott\\x{E9}m");
+  EXPECT_EQ(in_words(checked.faults.list()), "mesh.file = slab.msh: has no group bott\\x{E9}m");
+}
+
 TEST(CheckToProto, GivesAnEstimateOnlyWithoutFaults) {
   casting::CheckedCase checked;
   checked.estimate.nodes = 12;

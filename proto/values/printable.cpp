@@ -1,0 +1,104 @@
+#include "proto/values/printable.hpp"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <utility>
+
+namespace dccast::values {
+namespace {
+
+/// One character of a text, or one byte that begins none.
+struct Character {
+  std::uint32_t code = 0;
+  std::size_t bytes = 1;
+  bool is_utf8 = true;
+};
+
+/// @param text  not empty
+Character first_of(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return {first};
+  const Character broken{first, 1, false};
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return broken;
+  std::uint32_t code = first & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return broken;
+    code = code << 6 | (byte(i) & 0x3Fu);
+  }
+  // Overlong forms, surrogates, beyond the last character (RFC 3629).
+  constexpr std::array<std::uint32_t, 5> smallest{0, 0, 0x80, 0x800, 0x10000};
+  if (code < smallest[length] || (code >= 0xD800 && code <= 0xDFFF) || code > 0x10FFFF)
+    return broken;
+  return {code, length};
+}
+
+bool is_printable(const Character& c, Lines lines) {
+  if (!c.is_utf8) return false;
+  if (lines == Lines::several && (c.code == '\n' || c.code == '\t')) return true;
+  const auto within = [&](std::uint32_t first, std::uint32_t last) {
+    return c.code >= first && c.code <= last;
+  };
+  const bool control = c.code < 0x20 || within(0x7F, 0x9F);
+  // U+2028 and U+2029 end lines; the others change the direction of what follows.
+  const bool layout = c.code == 0x061C || within(0x200E, 0x200F) || within(0x2028, 0x202E) ||
+                      within(0x2066, 0x2069) || c.code == 0xFEFF;
+  return !control && !layout;
+}
+
+std::string hexadecimal(const char* format, std::uint32_t code) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, code);
+  return text;
+}
+
+std::string name_of(const Character& c) {
+  if (!c.is_utf8) return hexadecimal("the byte 0x%02X, which is no UTF-8,", c.code);
+  static constexpr std::array names{std::pair{0x00u, "NUL"}, std::pair{0x09u, "tab"},
+                                    std::pair{0x0Au, "line feed"},
+                                    std::pair{0x0Du, "carriage return"}, std::pair{0x1Bu, "ESC"},
+                                    std::pair{0x7Fu, "DEL"}, std::pair{0x9Bu, "CSI"},
+                                    std::pair{0x9Du, "OSC"}};
+  std::string name = hexadecimal("U+%04X", c.code);
+  for (const auto& [code, known] : names)
+    if (code == c.code) name.append(" (").append(known).append(")");
+  return name;
+}
+
+}  // namespace
+
+std::optional<std::string> unprintable(std::string_view text, Lines lines) {
+  for (std::size_t at = 0; at < text.size();) {
+    const Character c = first_of(text.substr(at));
+    if (!is_printable(c, lines)) return name_of(c) + " at byte " + std::to_string(at + 1);
+    at += c.bytes;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> first_broken_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const Character c = first_of(text.substr(at));
+    if (!c.is_utf8) return at;
+    at += c.bytes;
+  }
+  return std::nullopt;
+}
+
+std::string escaped(std::string_view text, Lines lines) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    const Character c = first_of(text);
+    if (is_printable(c, lines))
+      result.append(text.substr(0, c.bytes));
+    else
+      result += hexadecimal(c.is_utf8 ? "\\u{%X}" : "\\x{%02X}", c.code);
+    text.remove_prefix(c.bytes);
+  }
+  return result;
+}
+
+}  // namespace dccast::values
