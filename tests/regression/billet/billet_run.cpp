@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/casting/slab_run.hpp"
-#include "core/thermal/heat_forms.hpp"
 
 namespace dccast::regression {
 
@@ -77,21 +76,6 @@ double heat_of_metal(const Run& run, const casting::Case& billet) {
   return sum * billet.schedule.casting_speed(run.state().time);
 }
 
-/// What the nodes at the metal level, held at the casting temperature, give to those below.
-double heat_of_top(const Run& run, const casting::Case& billet) {
-  const material::ThermalProperties properties(billet.alloy);
-  const auto forms = thermal::make_heat_forms(run.mesh(), billet.section.kind);
-  forms->update();
-  std::vector<double> kirchhoff, flow(run.state().heat.temperature.size());
-  for (const double t : run.state().heat.temperature) kirchhoff.push_back(properties.kirchhoff(t));
-  linalg::multiply(forms->pattern(), forms->stiffness(), kirchhoff, flow);
-  double sum = 0.0;
-  for (std::size_t n = flow.size() - std::size_t(run.growth_row()); n < flow.size(); ++n) {
-    sum += flow[n];
-  }
-  return sum;
-}
-
 double largest_relative_change(const std::vector<double>& from, const std::vector<double>& to) {
   double largest = 0.0;
   for (std::size_t i = 0; i < to.size(); ++i) {
@@ -148,7 +132,7 @@ BilletRun run_billet(const casting::Case& billet) {
     if (report.time > billet.time.end - averaged_over) {
       const double by_radian = report.wall_heat_flux * billet.section.half_width;
       result.wall_heat += by_radian * report.time_step / averaged_over;
-      result.top_heat += heat_of_top(run, billet) * report.time_step / averaged_over;
+      result.top_heat += report.level_heat * billet.section.half_width * report.time_step / averaged_over;
     }
     if (before.empty() && report.time >= billet.time.end - still_over) before = depths(run);
   }
