@@ -132,10 +132,15 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
   }
 }
 
-/// Whether water has met the butt on some face: it can then run into the gap.
+/// Whether water has met the butt on some face: it can then run into the gap, and stays there while
+/// the valve of pulsed water is closed.
 bool SurfaceCooling::water_at_butt(const HeatStepInput& input) const {
-  for (const Face face : {Face::wide, Face::narrow})
-    if (water_runs(face, input) && input.metal_level > cooling_.water_of(face).from) return true;
+  for (const Face face : {Face::wide, Face::narrow}) {
+    const Water& water = cooling_.water_of(face);
+    if (water.enabled && input.time > water.start && water_flow_of(face, input) > 0.0 &&
+        input.metal_level > water.from)
+      return true;
+  }
   return false;
 }
 

@@ -77,7 +77,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
   static const Discretisation draft{.column = 110e-3,
                                     .fewest_columns = 5,
                                     .side_cell = 15e-3,
-                                    .layer = 48e-3,
+                                    .layer = 41e-3,
                                     .bottom_cell = 4e-3,
                                     .top_cell = 7e-3,
                                     .growth_cell = 4e-3,
