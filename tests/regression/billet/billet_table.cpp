@@ -63,13 +63,18 @@ void print_variants(const casting::Case& billet) {
   }
 }
 
-/// Root mean square of the relative errors over every other measured depth [%]. @param first  0 or 1
+/// Root mean square of the relative errors over every other measured depth inside the billet [%]:
+/// at the surface the water decides, and 640 degC is the liquidus. @param first  0 or 1
 double error_of_half(const BilletRun& run, std::size_t first) {
   double sum = 0.0;
-  int count = 0;
-  for (std::size_t i = first; i < regression::measured_isotherms().size(); i += 2, ++count)
-    sum += std::pow(relative(run.depth[i], regression::measured_isotherms()[i].depth), 2);
-  return std::sqrt(sum / count);
+  std::size_t at = 0, count = 0;
+  for (std::size_t i = 0; i < regression::measured_isotherms().size(); ++i) {
+    const auto& m = regression::measured_isotherms()[i];
+    if (m.radius > 0.2 || m.temperature >= 640.0 || at++ % 2 != first) continue;
+    sum += std::pow(relative(run.depth[i], m.depth), 2);
+    ++count;
+  }
+  return std::sqrt(sum / double(count));
 }
 
 /// Stirring of the melt is not in the data: it is chosen on every other measured depth and judged
