@@ -20,6 +20,24 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
   }
 }
 
+/// Per metre of face in a section, of the whole quarter in a quarter slab.
+void add_heat_and_forces(const results::StepReport& report, v1::StepReport& to) {
+  if (report.dimension == 3) {
+    to.set_wall_heat_flux_w(report.wall_heat_flux);
+    to.set_side_heat_w(report.side_heat);
+    to.set_narrow_heat_w(report.narrow_heat);
+    to.set_bottom_heat_w(report.bottom_heat);
+    to.set_bottom_reaction_n(report.bottom_reaction);
+    to.set_weight_n(report.weight);
+    return;
+  }
+  to.set_wall_heat_flux_w_per_m(report.wall_heat_flux);
+  to.set_side_heat_w_per_m(report.side_heat);
+  to.set_bottom_heat_w_per_m(report.bottom_heat);
+  to.set_bottom_reaction_n_per_m(report.bottom_reaction);
+  to.set_weight_n_per_m(report.weight);
+}
+
 v1::Failure::Kind to_proto(casting::FailureKind kind) {
   switch (kind) {
     case casting::FailureKind::solve_failed:
@@ -80,9 +98,7 @@ v1::StepReport to_proto(const results::StepReport& report,
   add_monitors(report, monitors, to);
   to.set_equilibrium_residual(report.equilibrium_residual);
   to.set_energy_balance_error(report.energy_balance_error);
-  to.set_wall_heat_flux_w_per_m(report.wall_heat_flux);
-  to.set_bottom_reaction_n_per_m(report.bottom_reaction);
-  to.set_weight_n_per_m(report.weight);
+  add_heat_and_forces(report, to);
   to.set_sump_depth_m(report.sump_depth);
   to.set_contact_length_m(report.contact_length);
   to.set_solver_s(report.solver_seconds);
@@ -100,9 +116,6 @@ v1::StepReport to_proto(const results::StepReport& report,
   to.set_bottom_shell_m(report.bottom_shell);
   to.set_mush_strain(report.mush_strain);
   to.set_process_s(report.process_seconds);
-  to.set_side_heat_w_per_m(report.side_heat);
-  to.set_narrow_heat_w_per_m(report.narrow_heat);
-  to.set_bottom_heat_w_per_m(report.bottom_heat);
   to.set_conjugate_gradient_iterations(report.conjugate_gradient_iterations);
   to.set_contact_area_m2(report.contact_area);
   to.set_merged_rows(report.merged_rows);
@@ -122,6 +135,7 @@ v1::Failure to_proto(const casting::RunFailures& failures) {
   to.mutable_residual_history()->Add(failure.residual_history.begin(),
                                      failure.residual_history.end());
   to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
+  to.set_finding(failure.finding);
   for (std::size_t i = 1; i < failures.size(); ++i)
     to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
                           failures[i].message);
@@ -151,6 +165,11 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
   to.set_key(finding.key);
+  if (!finding.worst) return to;
+  to.mutable_worst()->set_time_s(finding.worst->time);
+  to.mutable_worst()->set_value(finding.worst->value);
+  to.mutable_worst()->mutable_place_m()->Add(finding.worst->place.begin(),
+                                             finding.worst->place.end());
   return to;
 }
 
