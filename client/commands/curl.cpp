@@ -82,6 +82,13 @@ void print_csv(const JobCurl& curl) {
   }
 }
 
+/// One number a time in a section, [x, y] in a quarter slab.
+Json horizontal_json(const render::CurlHistory::Series& series) {
+  Json json = Json::array();
+  for (const auto& u : series.horizontal_m) json.push_back(u.size() == 1 ? Json(u[0]) : Json(u));
+  return json;
+}
+
 void print_json(const JobCurl& curl) {
   const auto& [job, history, study] = curl;
   Json json{{"job", job.id()},
@@ -96,7 +103,7 @@ void print_json(const JobCurl& curl) {
   for (const auto& series : history.monitors) {
     Json& monitor = json["monitors"].push_back(Json{{"name", series.name},
                                                     {"curl_m", series.curl_m},
-                                                    {"horizontal_m", series.horizontal_m},
+                                                    {"horizontal_m", horizontal_json(series)},
                                                     {"temperature_c", series.temperature_c}});
     const Error error = error_of(history, series.name, study);
     if (error.limit_m.empty()) continue;
@@ -170,7 +177,6 @@ struct NamedRow {
 /// Butt, middle and head, each row once; or the requested rows.
 std::vector<NamedRow> chosen_rows(const Contraction& contraction,
                                   const ContractionOptions& options) {
-  constexpr double butt_m = 0.05;  // [m] above the lifted end of the butt
   std::vector<NamedRow> rows;
   const auto add = [&](const char* name, const FaceRow& row) {
     if (rows.empty() || rows.back().row != &row) rows.push_back({name, &row});
@@ -180,7 +186,7 @@ std::vector<NamedRow> chosen_rows(const Contraction& contraction,
       add("", contraction.at(metres_of(text, "--height")));
     return rows;
   }
-  const FaceRow &butt = contraction.at(butt_m), &head = contraction.head();
+  const FaceRow &butt = contraction.at(frames::butt_height_m), &head = contraction.head();
   add("butt", butt);
   if (head.height_m <= butt.height_m) return rows;
   add("middle", contraction.at(0.5 * (butt.height_m + head.height_m)));

@@ -48,15 +48,17 @@ void print_json(const MouldDesign& design) {
   Json json{{"study", to_json(design.result.study())},
             {"wanted_half_thickness_m", design.wanted_m},
             {"found", design.result.has_mould() ? to_json(design.found()) : Json()},
+            {"steady", design.steady()},
             {"runs", Json::array()}};
   for (const MouldRun& run : design.runs) json["runs"].push_back(run_json(design, run));
   std::cout << json.dump() << '\n';
 }
 
-/// A search that has not ended has not failed.
+/// A search that has not ended has not failed. A face that is not steady yet is no prediction.
 ExitCode exit_code_of(const MouldDesign& design) {
   if (design.result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
-  return design.found().within_tolerance() ? ExitCode::done : ExitCode::solve_failed;
+  return design.found().within_tolerance() && design.steady() ? ExitCode::done
+                                                              : ExitCode::solve_failed;
 }
 
 ExitCode wait_and_print(Connection& connection, const Options& options, const std::string& id) {
@@ -103,7 +105,7 @@ constexpr const char* examples =
     "corrected\n"
     "by the deviation of the cold slab (docs/mould-design.md). Exit code 3 when no opening within "
     "the\n"
-    "tolerance was found.";
+    "tolerance was found, or when the face that was found is not steady yet.";
 
 void add_options(const cli::Command& command, Options& options) {
   command.option("CASE", options.base.file,

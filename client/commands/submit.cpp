@@ -123,10 +123,15 @@ struct WatchOptions {
 
 void print_curl(const render::CurlHistory& history) {
   if (history.monitors.empty()) return;
-  render::Table table({"monitor", ">curl mm", ">horizontal mm"});
-  for (const auto& series : history.monitors)
-    table.add({series.name, render::fixed(1e3 * series.curl_m.back(), 3),
-               render::fixed(1e3 * series.horizontal_m.back(), 3)});
+  std::vector<std::string> headings{"monitor", ">curl mm", ">x mm"};
+  if (history.monitors.front().horizontal_m.back().size() == 2) headings.push_back(">y mm");
+  render::Table table(headings);
+  for (const auto& series : history.monitors) {
+    std::vector<std::string> row{series.name, render::fixed(1e3 * series.curl_m.back(), 3)};
+    for (const double u : series.horizontal_m.back()) row.push_back(render::fixed(1e3 * u, 3));
+    row.resize(headings.size());
+    table.add(std::move(row));
+  }
   std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
             << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
             << (history.beyond.back() ? ", beyond validity" : "") << '\n'

@@ -120,7 +120,7 @@ std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
       "Pull-in of the wide face", pull_in_chart(profiles) + pull_in_table(profiles),
       frame_mark(frame, history) +
           "Half the opening of the mould minus half the thickness of the slab, in % of the former; "
-          "negative values are a bulge. Butt: the lowest row; head: the greatest height "
+          "negative values are a bulge. Butt: 50 mm above the block; head: the greatest height "
           "at which the whole face is solid; middle: half way. Heights in the undeformed "
           "slab.");
 }

@@ -36,9 +36,8 @@ struct SeenFrame {
 
 std::vector<double> places_as_drawn(const v1::Frame& frame, double scale) {
   std::vector<double> place(frame.node_m().begin(), frame.node_m().end());
-  if (frame.displacement_m_size() == frame.node_m_size())
-    for (int i = 0; i < frame.displacement_m_size(); ++i)
-      place[static_cast<std::size_t>(i)] += scale * frame.displacement_m(i);
+  const std::vector<double> displacement = drawn_displacement(frame);
+  for (std::size_t i = 0; i < displacement.size(); ++i) place[i] += scale * displacement[i];
   return place;
 }
 

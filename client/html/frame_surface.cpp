@@ -59,6 +59,32 @@ double displacement_to_show(const v1::Frame& frame, double largest) {
   return shown > 0.0 ? shown : largest;
 }
 
+using Column = std::array<std::int64_t, 2>;
+
+/// The vertical line of a node, by its place in plan.
+Column column_of(const v1::Frame& frame, int node) {
+  constexpr double same_m = 1e-7;
+  const int dimension = frame.dimension();
+  const auto in_plan = [&](int c) {
+    return c + 1 < dimension ? std::llround(frame.node_m(dimension * node + c) / same_m) : 0;
+  };
+  return {in_plan(0), in_plan(1)};
+}
+
+/// The highest node of the solid in each column.
+template <class Liquid>
+std::map<Column, int> fronts_below_liquid(const v1::Frame& frame, const Liquid& liquid) {
+  std::map<Column, int> fronts;
+  const int dimension = frame.dimension();
+  const auto height = [&](int n) { return frame.node_m(dimension * n + dimension - 1); };
+  for (int n = 0; n < frame.temperature_c_size(); ++n) {
+    if (liquid(n)) continue;
+    const auto [front, first] = fronts.emplace(column_of(frame, n), n);
+    if (!first && height(n) > height(front->second)) front->second = n;
+  }
+  return fronts;
+}
+
 }  // namespace
 
 double dot(const Vector3& a, const Vector3& b) {
@@ -85,13 +111,34 @@ bool consistent_3d(const v1::Frame& frame) {
                              [&](int node) { return node >= 0 && node < nodes; });
 }
 
+std::vector<double> drawn_displacement(const v1::Frame& frame) {
+  if (frame.displacement_m_size() != frame.node_m_size()) return {};
+  std::vector<double> drawn(frame.displacement_m().begin(), frame.displacement_m().end());
+  const int dimension = frame.dimension(), up = dimension - 1;
+  const auto height = [&](int n) { return frame.node_m(dimension * n + up); };
+  const auto liquid = [&](int n) { return frame.temperature_c(n) > frame.solidus_c(); };
+  const auto fronts = fronts_below_liquid(frame, liquid);
+  const double level = frame.metal_level_m();
+  for (int n = 0; n < frame.temperature_c_size(); ++n) {
+    if (!liquid(n)) continue;
+    double& u = drawn[static_cast<std::size_t>(dimension * n + up)];
+    const auto front = fronts.find(column_of(frame, n));
+    u = front == fronts.end() || height(front->second) >= level
+            ? 0.0
+            : frame.displacement_m(dimension * front->second + up) *
+                  std::max(0.0, level - height(n)) / (level - height(front->second));
+  }
+  return drawn;
+}
+
 std::vector<Vector3> places_of(const v1::Frame& frame, double scale) {
   std::vector<Vector3> place(static_cast<std::size_t>(frame.node_m_size() / 3));
-  const bool moved = frame.displacement_m_size() == frame.node_m_size();
+  const std::vector<double> displacement = drawn_displacement(frame);
   for (std::size_t i = 0; i < place.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const int at = static_cast<int>(3 * i + c);
-      place[i][c] = frame.node_m(at) + (moved ? scale * frame.displacement_m(at) : 0.0);
+      place[i][c] =
+          frame.node_m(at) + (displacement.empty() ? 0.0 : scale * displacement[3 * i + c]);
     }
   return place;
 }

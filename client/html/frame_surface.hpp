@@ -23,6 +23,12 @@ struct SurfaceFace {
 /// Whether array sizes and node numbers of a frame of tetrahedra or hexahedra are consistent.
 bool consistent_3d(const v1::Frame& frame);
 
+/// Displacement as it is drawn, (node, coordinate) [m]; empty if the frame has none. Liquid stands
+/// level: its own displacement, that of a mesh which follows the shell, has no meaning. Above the
+/// front the vertical displacement falls linearly from that of the front to zero at the metal
+/// level; liquid with no node of the solid straight below it is drawn where it is poured.
+std::vector<double> drawn_displacement(const v1::Frame& frame);
+
 /// Positions of the nodes [m].
 /// @param scale  magnification of the displacements [1]; 0 for the undeformed slab
 std::vector<Vector3> places_of(const v1::Frame& frame, double scale);

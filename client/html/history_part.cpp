@@ -16,12 +16,13 @@ bool is_quarter(const v1::QueryResultResponse& result) {
   return result.case_().section().kind() == v1::Section::QUARTER_SLAB;
 }
 
+/// @param also  added to the figure: of two fields of which a step has only one
 ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name, FigureOf figure,
-                  double factor) {
+                  double factor, FigureOf also = nullptr) {
   ChartLine line{name, {}, {}};
   for (const v1::StepReport& step : result.steps()) {
     line.x.push_back(step.time_s());
-    line.y.push_back(factor * (step.*figure)());
+    line.y.push_back(factor * ((step.*figure)() + (also != nullptr ? (step.*also)() : 0.0)));
   }
   return line;
 }
@@ -86,11 +87,14 @@ std::string temperature_figure(const v1::QueryResultResponse& result) {
 std::string heat_figure(const v1::QueryResultResponse& result) {
   const bool quarter = is_quarter(result);
   std::vector<ChartLine> lines{
-      line_of(result, quarter ? "wide face" : "side", &v1::StepReport::side_heat_w_per_m, 1e-3),
-      line_of(result, "bottom block", &v1::StepReport::bottom_heat_w_per_m, 1e-3)};
+      line_of(result, quarter ? "wide face" : "side", &v1::StepReport::side_heat_w_per_m, 1e-3,
+              &v1::StepReport::side_heat_w),
+      line_of(result, "bottom block", &v1::StepReport::bottom_heat_w_per_m, 1e-3,
+              &v1::StepReport::bottom_heat_w)};
   if (quarter)
     lines.insert(lines.begin() + 1,
-                 line_of(result, "narrow face", &v1::StepReport::narrow_heat_w_per_m, 1e-3));
+                 line_of(result, "narrow face", &v1::StepReport::narrow_heat_w_per_m, 1e-3,
+                         &v1::StepReport::narrow_heat_w));
   return figure_if_any(
       "Heat through each face",
       chart_of("Heat through each face", quarter ? "kW" : "kW per metre", std::move(lines)),

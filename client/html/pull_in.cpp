@@ -7,6 +7,7 @@
 #include "client/html/frame_surface.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/text/table.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -90,13 +91,15 @@ std::vector<PullIn> pull_in_profiles(const v1::Frame& frame) {
   if (!consistent_3d(frame) || frame.displacement_m_size() != frame.node_m_size()) return {};
   const Triangles face = wide_face(frame);
   if (face.empty()) return {};
-  const auto [low, high] = solid_range(frame, face);
-  if (!(high > low)) return {};
+  const auto [lowest, high] = solid_range(frame, face);
+  if (!(high > lowest)) return {};
+  const double low = std::clamp(frames::butt_height_m, lowest, high);
   //     // At the height of the topmost node no edge would be cut: use a height just below it.
   const double head = high - 1e-9 * (high - low);
   std::vector<PullIn> profiles{profile_at(frame, face, head, "head"),
                                profile_at(frame, face, (low + high) / 2, "middle"),
                                profile_at(frame, face, low, "butt")};
+  if (low == high) profiles.resize(1);  // all below the butt: one profile
   std::erase_if(profiles, [](const PullIn& p) { return p.x_m.size() < 2; });
   return profiles;
 }

@@ -19,8 +19,9 @@ struct PullIn {
   double percent(std::size_t i) const { return 100.0 * pull_in_m(i) / mould_m[i]; }
 };
 
-/// Profiles at the butt (the lowest row), at the head (the greatest height at which the wide face
-/// is solid over its whole length, or else the metal level) and half way between them.
+/// Profiles at the butt (frames::butt_height_m above the block, as dccast contraction), at the head
+/// (the greatest height at which the wide face is solid over its whole length, or else the metal
+/// level) and half way between them.
 /// @return  empty for a frame without 3D displacements
 std::vector<PullIn> pull_in_profiles(const v1::Frame& frame);
 

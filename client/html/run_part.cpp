@@ -49,10 +49,13 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
               scientific(largest(result, &v1::StepReport::constitutive_residual)), "relative");
   rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
               "against the metallostatic one, relative, " + of_last_step);
-  rows += row("Bottom reaction", fixed(last.bottom_reaction_n_per_m(), 1) + " N" + per_metre,
-              "weight " + fixed(last.weight_n_per_m(), 1) + " N" + per_metre + ", " + of_last_step);
-  rows += row("Heat through side and bottom",
-              fixed(1e-3 * last.wall_heat_flux_w_per_m(), 1) + " kW" + per_metre,
+  // Of the two fields of each figure a step has only one.
+  const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
+  const double weight = last.weight_n_per_m() + last.weight_n();
+  const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
+  rows += row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
+              "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step);
+  rows += row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
               (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
   return card("Checks of the run", "<table>" + rows + "</table>");
 }

@@ -29,13 +29,12 @@ struct View {
 
 std::vector<Point> nodes_of(const v1::Frame& frame, double displacement_scale) {
   std::vector<Point> nodes(static_cast<std::size_t>(frame.node_m_size() / 2));
-  const bool moved = frame.displacement_m_size() == frame.node_m_size();
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const int at = static_cast<int>(2 * i);
-    nodes[i] = {
-        frame.node_m(at) + (moved ? displacement_scale * frame.displacement_m(at) : 0.0),
-        frame.node_m(at + 1) + (moved ? displacement_scale * frame.displacement_m(at + 1) : 0.0)};
-  }
+  const std::vector<double> displacement = drawn_displacement(frame);
+  const auto drawn = [&](std::size_t at) {
+    return frame.node_m(static_cast<int>(at)) +
+           (displacement.empty() ? 0.0 : displacement_scale * displacement[at]);
+  };
+  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = {drawn(2 * i), drawn(2 * i + 1)};
   return nodes;
 }
 

@@ -16,17 +16,18 @@ double curl_of(const v1::MonitorValue& monitor) {
 
 namespace {
 
-/// Away from the symmetry plane; of a quarter slab what the point moves in plan, in any direction.
-double horizontal_of(const v1::MonitorValue& monitor) {
+/// All components but the last one.
+std::vector<double> horizontal_of(const v1::MonitorValue& monitor) {
   const auto& u = monitor.displacement_m();
-  if (u.empty()) return unknown;
-  return u.size() == 3 ? std::hypot(u[0], u[1]) : u[0];
+  if (u.empty()) return {unknown};
+  return {u.begin(), u.end() - 1};
 }
 
 /// To as many instants, those not reported unknown.
 void resize(CurlHistory::Series& series, std::size_t instants) {
-  for (auto* values : {&series.curl_m, &series.horizontal_m, &series.temperature_c})
-    values->resize(instants, unknown);
+  for (auto* values : {&series.curl_m, &series.temperature_c}) values->resize(instants, unknown);
+  const std::size_t components = series.horizontal_m.empty() ? 1 : series.horizontal_m[0].size();
+  series.horizontal_m.resize(instants, std::vector<double>(components, unknown));
 }
 
 }  // namespace

@@ -15,9 +15,9 @@ struct CurlHistory {
   struct Series {
     std::string name;
     std::vector<double> curl_m;  ///< [m] one per time; NaN where the monitor is not reported
-    /// Displacement away from the symmetry plane [m]; in a quarter slab the magnitude of its
-    /// horizontal part.
-    std::vector<double> horizontal_m;
+    /// Horizontal displacement [m] by time: away from the symmetry plane in a section, its x and y
+    /// component in a quarter slab; NaN where the monitor is not reported.
+    std::vector<std::vector<double>> horizontal_m;
     std::vector<double> temperature_c;  ///< [°C]; NaN until metal reaches the monitor
   };
   std::vector<std::int64_t> step;  ///< number of the accepted step, ascending; 0 if unknown

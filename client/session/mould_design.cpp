@@ -44,6 +44,11 @@ const MouldRun* MouldDesign::best() const {
   return best;
 }
 
+bool MouldDesign::steady() const {
+  const MouldRun* run = best();
+  return run != nullptr && run->cast->face.change_m <= result.study().mould().tolerance_m();
+}
+
 MouldDesign read_mould_design(Connection& connection, const std::string& study) {
   MouldDesign design{evaluate_study(connection, study), 0.0, {}};
   if (!design.result.study().has_mould())

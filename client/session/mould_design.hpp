@@ -32,6 +32,9 @@ struct MouldDesign {
   std::vector<MouldRun> runs;
 
   const v1::StudyResult::MouldFound& found() const { return result.mould(); }
+  /// Whether the face of the best run has stopped changing along the slab, within the tolerance: a
+  /// face that has not may contract further.
+  bool steady() const;
   /// The run with the opening that was found; null if there is none yet.
   const MouldRun* best() const;
 };

@@ -26,6 +26,15 @@ v1::QueryButtCurlRequest request_of(const CaseUnderCheck& checked, bool keep) {
   return request;
 }
 
+/// Of one code the last finding holds.
+void take(const v1::Finding& finding, std::vector<v1::Finding>& findings) {
+  const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
+  if (known == findings.end())
+    findings.push_back(finding);
+  else
+    *known = finding;
+}
+
 void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, Answer& answer) {
   if (response.has_accepted()) {
     answer.from_store = response.accepted().from_store();
@@ -35,7 +44,7 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
     if (answer.history.time_s.empty()) answer.first_point_s = seconds_since(begin);
     answer.history.add(response.step());
   } else if (response.has_finding()) {
-    answer.findings.push_back(response.finding());
+    take(response.finding(), answer.findings);
   } else if (response.has_validity_lost()) {
     answer.validity_loss = response.validity_lost();
     answer.history.mark_beyond(response.validity_lost().time_s());

@@ -43,10 +43,23 @@ std::string value_and_limit(const v1::Finding& finding) {
   return text;
 }
 
-/// Value, limit, place and key, as far as they are known.
+/// The worst exceedance; empty if it is the first one.
+std::string worst_text(const v1::Finding& finding) {
+  const auto& worst = finding.worst();
+  if (!finding.has_worst() ||
+      (worst.time_s() == finding.time_s() && worst.value() == finding.value()))
+    return {};
+  std::string text = "worst " + figure_text(worst.value(), finding.unit()) + " at " +
+                     fixed(worst.time_s(), 2) + " s";
+  append(text, place_text(worst.place_m()), ", ");
+  return text;
+}
+
+/// Value, limit, place, worst exceedance and key, as far as they are known.
 std::string particulars(const v1::Finding& finding) {
   std::string text = value_and_limit(finding);
   append(text, place_text(finding.place_m()), "; ");
+  append(text, worst_text(finding), "; ");
   append(text, finding.key(), "; ");
   return text;
 }

@@ -52,13 +52,14 @@ std::string end_words(const MouldDesign& design) {
                                : "three straight segments cannot come closer");
 }
 
-/// What is not steady yet may contract further.
 std::string steady_words(const MouldDesign& design, const frames::SteadyFace& face) {
   std::string words = "Read " + mm(face.height_m, 0) +
                       " mm above the block, around which the half-thickness changes by " +
                       mm(face.change_m) + " mm";
-  if (face.change_m > design.result.study().mould().tolerance_m())
-    words += ", more than the tolerance: the casting is not steady there, cast longer (time.end)";
+  if (!design.steady())
+    words +=
+        ", more than the tolerance: the face is not steady yet and may contract further, the "
+        "opening is not to be used; cast longer (time.end)";
   return words + ".\n";
 }
 

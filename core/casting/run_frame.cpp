@@ -63,7 +63,11 @@ results::Frame frame_of(const FrameSource<Dim>& source) {
   frame.temperature = state.heat.temperature;
   frame.liquid_fraction = state.heat.liquid_fraction;
   frame.displacement = state.slab.displacement;
-  if (source.with_stresses) add_stresses(state.slab, std::size_t(mesh.elements()), frame);
+  if (source.with_stresses) {
+    add_stresses(state.slab, std::size_t(mesh.elements()), frame);
+    for (const double t : frame.temperature)
+      frame.thermal_strain.push_back(source.properties.thermal_stretch(t) - 1.0);
+  }
   add_bottom(source, frame);
   return frame;
 }

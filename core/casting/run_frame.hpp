@@ -18,7 +18,8 @@ struct FrameSource {
   std::span<const int> bottom_node;     ///< nodes of the bottom, the order of the next two arrays
   std::span<const double> bottom_gap;   ///< [m] positive if open
   std::span<const double> bottom_area;  ///< [m2], in 2D [m]
-  bool with_stresses = false;
+  const material::MechanicalProperties& properties;
+  bool with_stresses = false;  ///< and strains
 };
 
 /// The fields at one time. Stresses and strains are element means.

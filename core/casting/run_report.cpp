@@ -87,6 +87,7 @@ template <int Dim>
 results::StepReport report_of(ReportSource<Dim> source, int failed_attempts) {
   const RunState<Dim>& state = source.state;
   results::StepReport r;
+  r.dimension = Dim;
   r.step = state.step;
   r.time = state.time;
   r.cast_length = state.cast_length;

@@ -164,7 +164,7 @@ results::Frame SlabRun<Dim>::take_frame() {
   state_.next_frame = schedule_.next_frame(state_.time);
   const std::vector<double> gap = bottom_gap();
   return frame_of<Dim>({mesh(), state_, metal_level(), mechanics_.bottom_nodes(), gap,
-                        mechanics_.bottom_area(),
+                        mechanics_.bottom_area(), mechanics_.properties(),
                         case_.output.stresses && case_.mechanics.enabled});
 }
 

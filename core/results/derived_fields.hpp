@@ -17,8 +17,8 @@ struct DerivedField {
 };
 
 /// The derived fields that the fields of a frame permit: the displacement with three components if
-/// it has two, the solid fraction, the von Mises stress, and the contact pressure as a field on all
-/// nodes.
+/// it has two, the solid fraction, invariants of stress and viscoplastic strain, and contact
+/// pressure and gap as fields on all nodes.
 std::vector<DerivedField> derived_fields(const Frame& frame);
 
 }  // namespace dccast::results

@@ -31,6 +31,7 @@ struct Frame {
   /// (element, components) [Pa], tension positive; see tensor_components()
   std::vector<double> stress;
   std::vector<double> viscoplastic_strain;  ///< (element, components) [1]
+  std::vector<double> thermal_strain;       ///< (node) [1] free linear strain since the liquidus
 
   std::vector<std::int32_t> bottom_node;  ///< in 2D along the bottom, from the symmetry plane
   std::vector<double> bottom_gap;         ///< (bottom node) [m], open positive

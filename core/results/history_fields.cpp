@@ -1,6 +1,7 @@
 #include "core/results/history_fields.hpp"
 
 #include <array>
+#include <string_view>
 
 namespace dccast::results {
 
@@ -103,6 +104,13 @@ const std::array fields{
 
 std::span<const HistoryField> history_fields() {
   return fields;
+}
+
+std::string HistoryField::name_in(int dimension) const {
+  constexpr std::string_view per_metre = "_per_m";
+  const std::string_view full = name;
+  const bool shorter = dimension == 3 && solid_unit != nullptr && full.ends_with(per_metre);
+  return std::string(shorter ? full.substr(0, full.size() - per_metre.size()) : full);
 }
 
 double real_value(const HistoryField& field, const StepReport& report) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <variant>
 
 #include "core/results/step_report.hpp"
@@ -10,9 +11,10 @@ namespace dccast::results {
 /// A number of StepReport that is stored for every step: name in the file, unit and meaning. The
 /// journal, the HDF5 writer and the reader all use this one table.
 ///
-/// Units: a real value is in the unit of its field.
+/// Units: a real value is in the unit of its field. What is per metre of face in a section is that
+/// of the whole quarter in a quarter slab, and its name has no `_per_m` there.
 struct HistoryField {
-  const char* name;  ///< dataset below /history
+  const char* name;  ///< dataset below /history, of a section
   const char* unit;
   const char* meaning;
   std::variant<double StepReport::*, int StepReport::*, std::int64_t StepReport::*,
@@ -22,6 +24,7 @@ struct HistoryField {
   const char* solid_unit = nullptr;  ///< unit for a quarter slab, if different
 
   bool real() const { return member.index() == 0; }
+  std::string name_in(int dimension) const;
   const char* unit_in(int dimension) const {
     return dimension == 3 && solid_unit != nullptr ? solid_unit : unit;
   }

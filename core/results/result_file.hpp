@@ -6,12 +6,12 @@
 namespace dccast::results {
 
 /// Incremented when a dataset changes or is removed, not when one is added.
-inline constexpr int schema_version = 1;
+inline constexpr int schema_version = 2;
 
 /// "/frames/000012"
 std::string frame_group(std::size_t index);
 /// "/history/time_s"
-inline std::string history_dataset(const char* field) {
+inline std::string history_dataset(const std::string& field) {
   return std::string("/history/") + field;
 }
 

@@ -77,6 +77,8 @@ void write_frame(File& file, std::size_t index, const Frame& frame) {
                "stress, tension positive: xx, yy, zz, xy (then yz, xz)");
   write_if_any(file, group + "/viscoplastic_strain", {elements, components},
                frame.viscoplastic_strain, "1", "viscoplastic strain: xx, yy, zz, xy (then yz, xz)");
+  write_if_any(file, group + "/thermal_strain", {nodes}, frame.thermal_strain, "1",
+               "free linear strain since the liquidus, contraction negative");
   file.write(group + "/bottom_node", bottom, frame.bottom_node.data(), "1",
              "nodes along the bottom, from the symmetry plane");
   write_if_any(file, group + "/bottom_gap_m", bottom, frame.bottom_gap, "m",
@@ -92,7 +94,7 @@ void write_frame(File& file, std::size_t index, const Frame& frame) {
 
 void write_field(File& file, const HistoryField& field, const std::vector<StepReport>& steps,
                  int dimension) {
-  const std::string object = history_dataset(field.name);
+  const std::string object = history_dataset(field.name_in(dimension));
   const char* unit = field.unit_in(dimension);
   if (field.real()) {
     std::vector<double> values;

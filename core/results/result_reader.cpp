@@ -47,7 +47,10 @@ int columns_of(const File& file, const std::string& object) {
 }
 
 void read_field(const File& file, const HistoryField& field, std::vector<StepReport>& steps) {
-  const std::string object = history_dataset(field.name);
+  const int dimension = steps.empty() ? 2 : steps.front().dimension;
+  std::string object = history_dataset(field.name_in(dimension));
+  // Version 1 had the figures of a quarter slab under the names of a section.
+  if (!file.has(object)) object = history_dataset(field.name);
   if (!file.has(object)) return;  // of a program that did not know it yet
   if (field.real()) {
     const auto values = file.read_reals(object);
@@ -77,7 +80,8 @@ std::optional<ValidityLoss> validity_loss_of(const File& file) {
 
 ResultReader::ResultReader(const std::filesystem::path& results)
     : file_(std::make_unique<File>(File::open(results))) {
-  if (file_->integer_attribute("/", "schema_version") != schema_version)
+  const auto version = file_->integer_attribute("/", "schema_version");
+  if (version < 1 || version > schema_version)
     throw storage::StorageError(EINVAL, results.string(),
                                 "has a schema version this program does not know");
   frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
@@ -113,6 +117,7 @@ std::vector<StepReport> ResultReader::history() const {
   const auto shape = file_->shape_of("/monitors/displacement_m");
   require_rank(*file_, "/monitors/displacement_m", shape, 3);
   std::vector<StepReport> steps(shape[0]);
+  for (StepReport& step : steps) step.dimension = static_cast<int>(shape[2]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
   const auto displacement = file_->read_reals("/monitors/displacement_m");
   const auto temperature = reals_if_any(*file_, "/monitors/temperature_c");
@@ -148,6 +153,7 @@ Frame ResultReader::frame(std::size_t index) const {
   frame.displacement = reals_if_any(*file_, group + "/displacement_m");
   frame.stress = reals_if_any(*file_, group + "/stress_pa");
   frame.viscoplastic_strain = reals_if_any(*file_, group + "/viscoplastic_strain");
+  frame.thermal_strain = reals_if_any(*file_, group + "/thermal_strain");
   frame.bottom_node = narrow(file_->read_integers(group + "/bottom_node"));
   frame.bottom_gap = reals_if_any(*file_, group + "/bottom_gap_m");
   frame.bottom_pressure = reals_if_any(*file_, group + "/bottom_pressure_pa");

@@ -52,6 +52,7 @@ void for_real_arrays(Visit&& visit) {
   visit("displacement", &Frame::displacement);
   visit("stress", &Frame::stress);
   visit("viscoplastic_strain", &Frame::viscoplastic_strain);
+  visit("thermal_strain", &Frame::thermal_strain);
   visit("bottom_gap", &Frame::bottom_gap);
   visit("bottom_pressure", &Frame::bottom_pressure);
 }
@@ -106,6 +107,7 @@ Sections to_sections(const StepReport& report) {
   Sections content;
   content.set("reals", std::move(reals));
   content.set("integers", std::move(integers));
+  content.set_integer("dimension", report.dimension);
   content.set_integer("monitors", static_cast<std::int64_t>(report.monitor_displacement.size()));
   content.set("monitor_displacement", flat(report.monitor_displacement));
   content.set("monitor_temperature", report.monitor_temperature);
@@ -124,6 +126,7 @@ StepReport step_of(const Sections& content) {
     else
       set_integer(field, report, content.integers("integers").at(integer++));
   }
+  if (content.has("dimension")) report.dimension = static_cast<int>(content.integer("dimension"));
   report.monitor_temperature = content.reals("monitor_temperature");
   report.monitor_displacement = points_of(content.reals("monitor_displacement"),
                                           static_cast<std::size_t>(content.integer("monitors")));
@@ -152,7 +155,9 @@ Frame frame_of(const Sections& content) {
   frame.metal_level = instant.at(2);
   frame.dimension = static_cast<int>(content.integers("shape").at(0));
   frame.nodes_per_element = static_cast<int>(content.integers("shape").at(1));
-  for_real_arrays([&](const char* name, auto member) { frame.*member = content.reals(name); });
+  for_real_arrays([&](const char* name, auto member) {
+    if (content.has(name)) frame.*member = content.reals(name);
+  });
   frame.element_node = narrow(content.integers("element_node"));
   frame.bottom_node = narrow(content.integers("bottom_node"));
   return frame;

@@ -10,6 +10,7 @@ namespace dccast::results {
 /// and per metre of circumference in an axisymmetric section; for a quarter slab heat and forces
 /// are those of the whole quarter [W], [N].
 struct StepReport {
+  int dimension = 2;  ///< of the mesh
   std::int64_t step = 0;
   double time = 0.0;         ///< [s] end of the step; the block starts at 0, a hold is negative
   double time_step = 0.0;    ///< [s]

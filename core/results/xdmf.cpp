@@ -92,6 +92,7 @@ FrameOutline outline_of(const Frame& frame) {
   add("temperature_c", true, 1, frame.temperature);
   add("liquid_fraction", true, 1, frame.liquid_fraction);
   if (frame.dimension == 3) add("displacement_m", true, 3, frame.displacement);
+  add("thermal_strain", true, 1, frame.thermal_strain);
   add("stress_pa", false, tensor, frame.stress);
   add("viscoplastic_strain", false, tensor, frame.viscoplastic_strain);
   for (const DerivedField& field : derived_fields(frame)) {

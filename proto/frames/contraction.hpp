@@ -20,6 +20,10 @@ struct FacePoint {
   double cold_pull_in_m() const { return mould_m - cold_m; }
 };
 
+/// Height above the bottom block, in the undeformed slab, at which the butt is measured [m]: above
+/// its lifted end.
+inline constexpr double butt_height_m = 0.05;
+
 /// The wide face at one height.
 struct FaceRow {
   double height_m = 0.0;          ///< above the bottom block, in the undeformed slab [m]

@@ -155,10 +155,12 @@ std::optional<v1::StepReport> EventLog::last_step() const {
   return content_.last_step;
 }
 
-bool EventLog::has_finding(const std::string& code) const {
+bool EventLog::has(const v1::Finding& finding) const {
   const std::lock_guard lock(mutex_);
-  return std::ranges::any_of(content_.findings,
-                             [&](const v1::Finding& finding) { return finding.code() == code; });
+  const std::string wanted = finding.SerializeAsString();
+  return std::ranges::any_of(content_.findings, [&](const v1::Finding& known) {
+    return known.SerializeAsString() == wanted;
+  });
 }
 
 bool EventLog::has_validity_loss() const {
@@ -174,7 +176,7 @@ std::optional<std::int64_t> EventLog::attempt_reports() const {
 void EventLog::tell(v1::Job& job) const {
   const std::lock_guard lock(mutex_);
   if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
-  *job.mutable_findings() = {content_.findings.begin(), content_.findings.end()};
+  *job.mutable_findings() = content_.findings;
   if (content_.validity_loss) *job.mutable_validity_loss() = *content_.validity_loss;
 }
 

@@ -50,8 +50,8 @@ public:
   std::optional<v1::JobEvent> terminal_event() const;
   /// The last step reported and not taken back by a resumption, if there is one.
   std::optional<v1::StepReport> last_step() const;
-  /// Whether there is a finding of this code.
-  bool has_finding(const std::string& code) const;
+  /// Whether the last finding of its code is the same.
+  bool has(const v1::Finding& finding) const;
   /// Whether the model has stopped being valid.
   bool has_validity_loss() const;
   /// Brings a job up to what the log tells of it beside its state: last step, findings, loss of

@@ -88,7 +88,7 @@ void EventLogContent::take(const v1::JobEvent& event, std::int64_t offset,
   place(event.sequence(), offset, end_of_record);
   if (event.has_state_change()) last_state = event.state_change();
   if (event.state_change().terminal()) terminal = event;
-  if (event.has_finding()) findings.push_back(event.finding());
+  if (event.has_finding()) keep_finding(findings, event.finding());
   if (event.has_validity_lost() && !validity_loss) validity_loss = event.validity_lost();
   count_report(event);
   if (event.has_step()) {

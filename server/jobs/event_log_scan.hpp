@@ -50,10 +50,10 @@ struct EventLogContent {
   std::vector<Anchor> anchors;  ///< every 64th record, and the first one behind each gap
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
-  std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
-  std::vector<v1::Finding> findings;        ///< each code once
-  std::int64_t reached_step = 0;            ///< up to which the history goes
-  std::optional<v1::ValidityLoss> validity_loss;  ///< the first one
+  std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
+  google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
+  std::int64_t reached_step = 0;                             ///< up to which the history goes
+  std::optional<v1::ValidityLoss> validity_loss;             ///< the first one
   /// Reports of the worker since the last start of one; nothing before the first, or where damage
   /// may have taken some of them.
   std::optional<std::int64_t> attempt_reports;

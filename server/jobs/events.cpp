@@ -1,5 +1,6 @@
 #include "server/jobs/events.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -42,6 +43,15 @@ void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& messag
 bool is_report(const v1::JobEvent& event) {
   return event.has_step() || event.has_resumed() ||
          event.message().level() == v1::JobEvent::Message::INFO;
+}
+
+void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
+                  const v1::Finding& finding) {
+  const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
+  if (known == findings.end())
+    *findings.Add() = finding;
+  else
+    *known = finding;
 }
 
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level) {

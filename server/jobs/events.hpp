@@ -22,6 +22,10 @@ void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& messag
 /// that they may be said twice. What the daemon itself has to say is a warning.
 bool is_report(const v1::JobEvent& event);
 
+/// Adds a finding, or replaces that of the same code.
+void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
+                  const v1::Finding& finding);
+
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level);
 
 /// The event that says a job has come into its present state.

@@ -256,9 +256,10 @@ void Scheduler::note_validity_loss(const std::shared_ptr<Attempt>& attempt,
   hear(attempt, std::move(event));
 }
 
-/// The event log knows each code once, whatever a worker says again after a resumption.
+/// A worker repeats its findings after a resumption; only one that has changed, by a worse
+/// exceedance, is an event.
 void Scheduler::note_finding(const std::shared_ptr<Attempt>& attempt, const v1::Finding& finding) {
-  if (attempt->log->has_finding(finding.code())) return;
+  if (attempt->log->has(finding)) return;
   v1::JobEvent event;
   *event.mutable_finding() = finding;
   hear(attempt, std::move(event));

@@ -20,7 +20,7 @@ void take_outcome(const FinishedRun& run, JobRecord& record) {
   if (run.finished.has_failure()) *job.mutable_failure() = run.finished.failure();
   for (const v1::JobEvent& event : run.events) {
     if (event.has_validity_lost()) *job.mutable_validity_loss() = event.validity_lost();
-    if (event.has_finding()) *job.add_findings() = event.finding();
+    if (event.has_finding()) keep_finding(*job.mutable_findings(), event.finding());
   }
 }
 

@@ -3,8 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
-#include <set>
+#include <string>
 #include <utility>
 
 #include "proto/values/uuid.hpp"
@@ -127,7 +128,8 @@ private:
   }
 
   void say(const v1::Finding& finding) {
-    if (!codes_.insert(finding.code()).second) return;
+    const std::string content = finding.SerializeAsString();
+    if (std::exchange(reported_[finding.code()], content) == content) return;
     Response response;
     *response.mutable_finding() = finding;
     say(std::move(response));
@@ -199,7 +201,7 @@ private:
   const std::string key_;
   jobs::FinishedRun run_;
   QueryAnswer answer_;
-  std::set<std::string> codes_;  // of findings that were said
+  std::map<std::string, std::string> reported_;  // findings as they were sent, by code
   double solver_s_ = 0.0;
 };
 

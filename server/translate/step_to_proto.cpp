@@ -73,9 +73,9 @@ v1::StepReport to_proto(const results::StepReport& report,
   v1::StepReport to;
   const auto& reflection = *to.GetReflection();
   for (const results::HistoryField& field : results::history_fields()) {
-    const auto* of_message = to.GetDescriptor()->FindFieldByName(field.name);
-    if (of_message == nullptr)
-      throw std::logic_error(std::string("StepReport of job.proto lacks ") + field.name);
+    const std::string name = field.name_in(report.dimension);
+    const auto* of_message = to.GetDescriptor()->FindFieldByName(name);
+    if (of_message == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
     using Field = google::protobuf::FieldDescriptor;
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
@@ -108,6 +108,7 @@ v1::Failure to_proto(const casting::RunFailures& failures) {
   to.mutable_residual_history()->Add(failure.residual_history.begin(),
                                      failure.residual_history.end());
   to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
+  to.set_finding(failure.finding);
   for (std::size_t i = 1; i < failures.size(); ++i)
     to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
                           failures[i].message);
@@ -137,6 +138,11 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
   to.set_key(finding.key);
+  if (!finding.worst) return to;
+  to.mutable_worst()->set_time_s(finding.worst->time);
+  to.mutable_worst()->set_value(finding.worst->value);
+  to.mutable_worst()->mutable_place_m()->Add(finding.worst->place.begin(),
+                                             finding.worst->place.end());
   return to;
 }
 

@@ -51,6 +51,19 @@ TEST(FindingLine, SaysAllThatIsKnownAndNothingElse) {
   EXPECT_EQ(render::finding_line(remark()), "note: remark: Well.");
 }
 
+TEST(FindingLine, NamesTheWorstExceedanceWhereItIsNotTheFirst) {
+  v1::Finding finding = thin_shell();
+  finding.mutable_worst()->set_time_s(15.0);
+  finding.mutable_worst()->set_value(0.0012);
+  EXPECT_EQ(render::finding_line(finding), render::finding_line(thin_shell()));
+  finding.mutable_worst()->set_time_s(21.5);
+  finding.mutable_worst()->set_value(0.0004);
+  finding.mutable_worst()->add_place_m(0.27);
+  finding.mutable_worst()->add_place_m(0.045);
+  EXPECT_THAT(render::finding_line(finding),
+              HasSubstr("; worst 0.4 mm at 21.50 s, x 270.0 mm, y 45.0 mm; plausibility."));
+}
+
 TEST(FindingsCount, NamesTheGravestFirst) {
   EXPECT_EQ(render::findings_count({}), "");
   EXPECT_EQ(render::findings_count(list_of({remark(), thin_shell(), remark()})),

@@ -54,7 +54,7 @@ TEST(MouldText, SaysWhyItIsNotFlat) {
   design.result.mutable_study()->set_state(v1::STUDY_RUNNING);
   EXPECT_THAT(mould_sentence(design), HasSubstr("within 0.80 mm of flat so far"));
   design.runs[1].cast->face.change_m = 0.9e-3;
-  EXPECT_THAT(mould_sentence(design), HasSubstr("not steady there, cast longer (time.end)"));
+  EXPECT_THAT(mould_sentence(design), HasSubstr("not steady yet and may contract further"));
   design.runs[1].cast.reset();
   design.runs[1].trouble = "it melted through";
   EXPECT_THAT(mould_text(design), HasSubstr("run 2: it melted through"));

@@ -520,6 +520,8 @@ TEST(FindingsOfARun, AreTheSameAfterAResumption) {
 TEST(Forecast, OfAnImportedMeshOrGivenTemperaturesThereIsNone) {
   Case c = hopeless();
   EXPECT_FALSE(forecast(c).empty());
+  for (const Finding& finding : forecast(c))
+    EXPECT_FALSE(finding.key.empty()) << finding.code << ": the coarse run is judged, not the case";
   c.section.file = "mesh.msh";
   EXPECT_TRUE(forecast(c).empty());
   c = hopeless();

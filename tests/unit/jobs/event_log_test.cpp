@@ -296,6 +296,30 @@ TEST_F(EventLogTest, CountsTheReportsOfThePresentAttempt) {
   EXPECT_EQ(EventLog(path()).attempt_reports(), 5);
 }
 
+/// A finding comes again with its worst exceedance: the job has the last one of each code.
+TEST_F(EventLogTest, KeepsTheLastFindingOfEachCode) {
+  v1::JobEvent event;
+  event.mutable_finding()->set_code("cold shut");
+  const v1::Finding first = event.finding();
+  v1::Finding worse = first;
+  worse.mutable_worst()->set_value(3.0);
+  {
+    EventLog log(path());
+    log.append(event);
+    EXPECT_TRUE(log.has(first));
+    EXPECT_FALSE(log.has(worse));
+    *event.mutable_finding() = worse;
+    log.append(event);
+  }
+  v1::Job job;
+  const EventLog log(path());
+  log.tell(job);
+  ASSERT_EQ(job.findings_size(), 1);
+  EXPECT_EQ(job.findings(0).worst().value(), 3.0);
+  EXPECT_TRUE(log.has(worse));
+  EXPECT_FALSE(log.has(first));
+}
+
 TEST_F(EventLogTest, DoesNotKnowTheReportsThatDamageMayHaveTaken) {
   std::uintmax_t damage = 0;
   {

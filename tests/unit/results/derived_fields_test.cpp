@@ -44,6 +44,44 @@ TEST(DerivedFields, VonMisesStressOfTensionShearAndPressure) {
   }
 }
 
+/// Closed forms: tension with shear in a plane has s/2 +- sqrt(s^2/4 + t^2); a rotated tensor keeps
+/// its principal values.
+TEST(DerivedFields, MeanAndPrincipalStresses) {
+  const auto of = [](int dimension, std::vector<double> stress, const char* name) {
+    return field(frame_of(dimension, std::move(stress)), name).values;
+  };
+  EXPECT_THAT(of(2, {6e6, 0, 3e6, 4e6}, "mean_stress_pa"), ::testing::ElementsAre(3e6));
+  EXPECT_THAT(of(2, {6e6, 0, 3e6, 4e6}, "principal_stress_pa"),
+              ::testing::Pointwise(::testing::DoubleNear(1e-3), {8e6, 3e6, -2e6}));
+  EXPECT_THAT(of(3, {0, 0, -1e6, 2e6, 0, 0}, "principal_stress_pa"),
+              ::testing::Pointwise(::testing::DoubleNear(1e-3), {2e6, -1e6, -2e6}));
+  EXPECT_THAT(of(3, {0, 0, 0, 0, 5e6, 0}, "principal_stress_pa"),
+              ::testing::Pointwise(::testing::DoubleNear(1e-3), {5e6, 0.0, -5e6}));
+  EXPECT_THAT(of(3, {1e6, 0, 0, 0, 0, 5e6}, "mean_stress_pa"),
+              ::testing::Pointwise(::testing::DoubleNear(1e-6), {1e6 / 3.0}));
+}
+
+/// A bar that creeps by 1 % along its axis and keeps its volume; pure shear of gamma / 2 = 1 %.
+TEST(DerivedFields, EquivalentViscoplasticStrain) {
+  Frame frame = frame_of(2, {});
+  frame.viscoplastic_strain = {0.01, -0.005, -0.005, 0.0};
+  EXPECT_NEAR(field(frame, "equivalent_viscoplastic_strain").values.at(0), 0.01, 1e-15);
+  frame = frame_of(3, {});
+  frame.viscoplastic_strain = {0, 0, 0, 0, 0, 0.01};
+  EXPECT_NEAR(field(frame, "equivalent_viscoplastic_strain").values.at(0), 0.02 / std::sqrt(3.0),
+              1e-15);
+}
+
+TEST(DerivedFields, TheGapIsAFieldOnNodesThatIsUnknownAwayFromTheBottom) {
+  Frame frame = frame_of(2, {});
+  frame.bottom_node = {2, 0};
+  frame.bottom_gap = {3e-3, 0.0};
+  const auto gap = field(frame, "gap_m").values;
+  EXPECT_EQ(gap.at(0), 0.0);
+  EXPECT_TRUE(std::isnan(gap.at(1)));
+  EXPECT_EQ(gap.at(2), 3e-3);
+}
+
 TEST(DerivedFields, ThePlaneDisplacementGetsAThirdComponent) {
   Frame frame = frame_of(2, {});
   frame.displacement = {1, 2, 3, 4, 5, 6};

@@ -112,11 +112,33 @@ TEST(ResultFile, ReturnsARunOfThreeDimensions) {
   EXPECT_EQ(reader.history().at(0), expected);
 }
 
+/// The whole quarter's heat and forces have names without "per metre"; version 1 of the schema had
+/// them under the names of a section.
+TEST(ResultFile, HoldsWattsAndNewtonsOfThreeDimensionsUnderTheirOwnNames) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_solid_header());
+  writer.append(sample_solid_frame(0, 3));
+  writer.append(sample_solid_step(1));
+  writer.publish({});
+  const StepReport written = ResultReader(folder / "r.h5").history().at(0);
+  const hid_t file = H5Fopen((folder / "r.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  EXPECT_GT(H5Lexists(file, "/history/side_heat_w", H5P_DEFAULT), 0);
+  EXPECT_GT(H5Lexists(file, "/history/weight_n", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5Lexists(file, "/history/side_heat_w_per_m", H5P_DEFAULT), 0);
+  for (const char* name : {"wall_heat_flux_w", "side_heat_w", "narrow_heat_w", "bottom_heat_w",
+                           "bottom_reaction_n", "weight_n"}) {
+    const std::string now = std::string("/history/") + name, before = now + "_per_m";
+    EXPECT_GE(H5Lmove(file, now.c_str(), file, before.c_str(), H5P_DEFAULT, H5P_DEFAULT), 0);
+  }
+  H5Fclose(file);
+  EXPECT_EQ(ResultReader(folder / "r.h5").history().at(0), written);
+}
+
 TEST(ResultFile, LeavesOutWhatWasNotComputed) {
   const TemporaryFolder folder;
   Frame heat_only = sample_frame(0, 3, 3);
   for (auto* array : {&heat_only.displacement, &heat_only.stress, &heat_only.viscoplastic_strain,
-                      &heat_only.bottom_gap, &heat_only.bottom_pressure})
+                      &heat_only.thermal_strain, &heat_only.bottom_gap, &heat_only.bottom_pressure})
     array->clear();
   RunHeader header = sample_header();
   header.monitor_name.clear();

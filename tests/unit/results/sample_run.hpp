@@ -77,6 +77,7 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
     frame.temperature.push_back(600.0 + 100.0 * value);
     frame.liquid_fraction.push_back(value * value);
     frame.displacement.insert(frame.displacement.end(), {1e-3 * value, -1e-4 * value});
+    frame.thermal_strain.push_back(-0.01 * value * value);
     if (n % 2 == 0) {
       frame.bottom_node.push_back(static_cast<std::int32_t>(n));
       frame.bottom_gap.push_back(std::abs(value) / 3.0);
@@ -137,6 +138,7 @@ inline StepReport sample_solid_step(std::int64_t step) {
   StepReport report = sample_step(step);
   for (auto& displacement : report.monitor_displacement) displacement.push_back(1e-3);
   report.contact_area = 0.01;
+  report.dimension = 3;
   return report;
 }
 

@@ -32,10 +32,11 @@ TEST(Xdmf, ShowsSolidElements) {
   Frame frame = sample_frame(3, 4, 2);
   frame.stress.clear();
   frame.viscoplastic_strain.clear();
+  frame.thermal_strain.clear();
   frame.displacement.clear();
   frame.temperature.clear();
   frame.liquid_fraction.clear();
-  frame.dimension = 3;  // its 12 numbers are four points now
+  frame.dimension = 3;         // its 12 numbers are four points now
   frame.bottom_node = {0, 2};  // the third would lie beyond them
   frame.bottom_gap.resize(2);
   frame.bottom_pressure.resize(2);
@@ -72,6 +73,14 @@ TEST(Xdmf, ShowsWhatFollowsFromTheFields) {
   EXPECT_THAT(text, HasSubstr(R"(Name="solid_fraction" AttributeType="Scalar" Center="Node")"));
   EXPECT_THAT(text,
               HasSubstr(R"(Name="contact_pressure_pa" AttributeType="Scalar" Center="Node")"));
+  for (const char* name : {"thermal_strain", "gap_m"})
+    EXPECT_THAT(text, HasSubstr("Name=\"" + std::string(name) +
+                                "\" AttributeType=\"Scalar\" Center=\"Node\""));
+  for (const char* name : {"mean_stress_pa", "equivalent_viscoplastic_strain"})
+    EXPECT_THAT(text, HasSubstr("Name=\"" + std::string(name) +
+                                "\" AttributeType=\"Scalar\" Center=\"Cell\""));
+  EXPECT_THAT(text,
+              HasSubstr(R"(Name="principal_stress_pa" AttributeType="Vector" Center="Cell")"));
 }
 
 TEST(Xdmf, GivesTheTimeExactly) {

@@ -46,6 +46,22 @@ TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
   EXPECT_EQ(to.bottom_slip_m(), 0.02);
 }
 
+/// Per metre of face in a section, the whole quarter's in three dimensions.
+TEST(StepToProto, HeatAndForcesHaveTheNamesOfTheirUnits) {
+  results::StepReport report;
+  report.side_heat = 3.0;
+  report.weight = 5.0;
+  const auto section = to_proto(report, {});
+  EXPECT_EQ(section.side_heat_w_per_m(), 3.0);
+  EXPECT_EQ(section.weight_n_per_m(), 5.0);
+  EXPECT_EQ(section.side_heat_w(), 0.0);
+  report.dimension = 3;
+  const auto quarter = to_proto(report, {});
+  EXPECT_EQ(quarter.side_heat_w(), 3.0);
+  EXPECT_EQ(quarter.weight_n(), 5.0);
+  EXPECT_EQ(quarter.side_heat_w_per_m(), 0.0);
+}
+
 TEST(ValidityLossToProto, KeepsEveryField) {
   for (const auto& [name, kind] :
        {std::pair{"shell_melted_through", v1::Failure::SHELL_MELTED_THROUGH},
@@ -73,7 +89,8 @@ TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
                                             0.02,
                                             0.005,
                                             "1",
-                                            "plausibility.x"});
+                                            "plausibility.x",
+                                            results::Exceedance{15.0, 0.03, {0.3, 0.2}}});
   EXPECT_EQ(to.code(), "hot_tears");
   EXPECT_EQ(to.severity(), v1::Finding::DANGER);
   EXPECT_EQ(to.message(), "Tears.");
@@ -84,16 +101,22 @@ TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
   EXPECT_EQ(to.limit(), 0.005);
   EXPECT_EQ(to.unit(), "1");
   EXPECT_EQ(to.key(), "plausibility.x");
+  EXPECT_EQ(to.worst().time_s(), 15.0);
+  EXPECT_EQ(to.worst().value(), 0.03);
+  ASSERT_EQ(to.worst().place_m_size(), 2);
+  EXPECT_EQ(to.worst().place_m(1), 0.2);
   const auto bare = to_proto(results::Finding{});
-  EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit());
+  EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit() || bare.has_worst());
 }
 
 TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {
   using casting::FailureKind;
-  const auto to = to_proto({{FailureKind::shell_melted_through, "m", 1.0, 2.0, {0.2, 0.1}, {}},
-                            {FailureKind::storage, "disk full", 1.0, 0.0, {}, {}}});
+  const auto to = to_proto(
+      {{FailureKind::shell_melted_through, "m", 1.0, 2.0, {0.2, 0.1}, {}, "shell_melted_through"},
+       {FailureKind::storage, "disk full", 1.0, 0.0, {}, {}}});
   EXPECT_EQ(to.kind(), v1::Failure::SHELL_MELTED_THROUGH);
   EXPECT_EQ(to.message(), "m");
+  EXPECT_EQ(to.finding(), "shell_melted_through");
   EXPECT_EQ(to.time_s(), 1.0);
   EXPECT_EQ(to.time_step_s(), 2.0);
   ASSERT_EQ(to.place_m_size(), 2);
