@@ -80,8 +80,10 @@ std::string temperature_figure(const v1::QueryResultResponse& result) {
   std::vector<ChartLine> lines = monitor_lines(result);
   lines.push_back(line_of(result, "surface at mould exit, hottest",
                           &v1::StepReport::maximum_surface_temperature_at_mould_exit_c, 1.0));
+  lines.push_back(line_of(result, "surface of the bottom block, mean",
+                          &v1::StepReport::block_temperature_c, 1.0));
   return figure_if_any("Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
-                       "At the monitors, and the hottest surface where it leaves the mould.");
+                       "At the monitors, the hottest surface where it leaves the mould, and the bottom block.");
 }
 
 std::string heat_figure(const v1::QueryResultResponse& result) {
@@ -102,6 +104,60 @@ std::string heat_figure(const v1::QueryResultResponse& result) {
               : "Per metre of face, out of the half that is computed.");
 }
 
+/// Heat since the start [MJ], from flows [kW] that hold for the step that ends at each time.
+ChartLine summed(ChartLine flow, double first_step) {
+  double sum = 0.0, before = flow.x.empty() ? 0.0 : flow.x.front() - first_step;
+  for (std::size_t i = 0; i < flow.x.size(); ++i) {
+    sum += flow.y[i] * (flow.x[i] - before) * 1e-3;
+    before = flow.x[i];
+    flow.y[i] = sum;
+  }
+  return flow;
+}
+
+/// Where the heat came from and went, as one picture.
+std::string balance_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  using Step = v1::StepReport;
+  std::vector<ChartLine> lines{
+      line_of(result, "brought by the metal", &Step::metal_heat_w_per_m, 1e-3, &Step::metal_heat_w),
+      line_of(result, "in the slab", &Step::stored_heat_w_per_m, 1e-3, &Step::stored_heat_w),
+      line_of(result, quarter ? "out: wide face" : "out: side", &Step::side_heat_w_per_m, 1e-3,
+              &Step::side_heat_w),
+      line_of(result, "out: block and gap", &Step::bottom_heat_w_per_m, 1e-3,
+              &Step::bottom_heat_w),
+      line_of(result, "in through the metal level", &Step::level_heat_w_per_m, 1e-3,
+              &Step::level_heat_w)};
+  if (quarter)
+    lines.insert(lines.begin() + 3, line_of(result, "out: narrow face", &Step::narrow_heat_w_per_m,
+                                            1e-3, &Step::narrow_heat_w));
+  const double first_step = result.steps(0).time_step_s();
+  for (ChartLine& line : lines) line = summed(std::move(line), first_step);
+  return figure_if_any(
+      "Where the heat came from and went",
+      chart_of("Heat since the start", quarter ? "MJ" : "MJ per metre", std::move(lines)),
+      "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
+      "leaves through faces and bottom.");
+}
+
+std::string water_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  using Step = v1::StepReport;
+  std::vector<ChartLine> lines{
+      line_of(result, quarter ? "wide face, wetted" : "wetted", &Step::wetted_share, 100.0),
+      line_of(result, quarter ? "wide face, of its water's capacity" : "of the water's capacity",
+              &Step::water_share, 100.0)};
+  if (quarter) {
+    lines.push_back(line_of(result, "narrow face, wetted", &Step::narrow_wetted_share, 100.0));
+    lines.push_back(line_of(result, "narrow face, of its water's capacity",
+                            &Step::narrow_water_share, 100.0));
+  }
+  return figure_if_any("Water on the faces",
+                       chart_of("Water on the faces", "%", std::move(lines)),
+                       "Share of the face under water that is not under a vapour film, and heat "
+                       "taken of all that warming and evaporating the water would take.");
+}
+
 std::string contact_figure(const v1::QueryResultResponse& result) {
   const bool quarter = is_quarter(result);
   const ChartLine line = quarter
@@ -119,7 +175,8 @@ std::string contact_figure(const v1::QueryResultResponse& result) {
 std::string history_part(const v1::QueryResultResponse& result) {
   if (result.steps_size() < 2) return {};
   return shell_figure(result) + sump_figure(result) + temperature_figure(result) +
-         heat_figure(result) + contact_figure(result);
+         balance_figure(result) + heat_figure(result) + water_figure(result) +
+         contact_figure(result);
 }
 
 }  // namespace dccast::client::render
