@@ -233,7 +233,7 @@ private:
 
   /// Removes the files that only a resumption needs.
   void remove_files() {
-    if (directory_.keeps_nothing) return;
+    if (directory_.keeps_nothing || directory_.leaves_run_files) return;
     std::error_code ignored;  // a remaining file does no harm
     std::filesystem::remove(checkpoint(), ignored);
     std::filesystem::remove(files_.journal, ignored);

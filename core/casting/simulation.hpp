@@ -22,6 +22,9 @@ struct RunDirectory {
   /// Last step whose report the observer has received. Steps between it and the checkpoint are
   /// passed to StepObserver::on_missed_step; none if this is absent.
   std::optional<std::int64_t> last_reported_step = std::nullopt;
+  /// Checkpoint and journal stay after the end of the run too: the caller removes them, once it has
+  /// kept how the run ended.
+  bool leaves_run_files = false;
   bool keeps_nothing = false;  ///< no file is written; the observer gets the only output
 };
 

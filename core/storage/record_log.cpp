@@ -1,6 +1,5 @@
 #include "core/storage/record_log.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/storage/storage_error.hpp"
@@ -45,7 +44,9 @@ void RecordLog::cut(std::int64_t end) {
   const std::lock_guard lock(mutex_);
   file_.cut(end);
   end_ = end;
-  synced_ = std::min(synced_, end);
+  // What a failed sync has left in doubt is written again by whoever cuts it off.
+  synced_ = 0;
+  sync_error_ = 0;
 }
 
 void RecordLog::sync() {

@@ -266,8 +266,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
-  const service::LinkAddress link_address(directory.path());
-  jobs::LocalExecutor executor(worker, link_address.grpc_address(), worker_count(config));
+  jobs::LocalExecutor executor(worker, worker_count(config));
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
@@ -296,7 +295,6 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .maximum_connections = connections};
   scheduler.recover();
   studies.recover();
-  service::LinkServer link(scheduler, link_address);
   service::PublicServer server(context, studies, config.listen());
   checkers.warm_up();
   query_workers.warm_up();

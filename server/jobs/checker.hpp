@@ -15,16 +15,16 @@
 namespace dccast::jobs {
 
 /// What the daemon does not answer in its own process. Each is asked with a serialised
-/// WorkerOrder.Start, unless it says otherwise, and answered with a serialised message.
+/// WorkerOrder, unless it says otherwise, and answered with a serialised message.
 enum class Question : std::uint32_t {
   check = 1,  ///< a ValidateCaseResponse on its case
   judge = 3,  ///< the same with the findings of a case without faults, which takes longer
   /// Asked with "NUMBER FOLDER": a QueryResultResponse with the times of the frames that the
   /// results in the folder hold, and with that frame, if there is one. 1 is the first, 0 the last.
   frame = 2,
-  /// A run of its case: a WorkerMessage of each step as a part, the answer is its Finished.
+  /// A run of its case: a JobEvent of each step as a part, the answer is its RunEnd.
   query = 6,
-  kept_query = 4,  ///< the same; Finished names the results in its directory
+  kept_query = 4,  ///< the same; RunEnd names the results in its directory
   solver = 5,      ///< no case; the solver's identity, as text
   /// Asked with the path of a file to be written, a line break and a serialised StudyResult with
   /// curves; no answer but the file, HDF5 as docs/studies.md says.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <system_error>
+#include <utility>
 
 #include "core/storage/durable_file.hpp"
 #include "core/storage/record_format.hpp"
@@ -25,20 +26,86 @@ storage::RecordLog opened(const std::filesystem::path& path) {
 }  // namespace
 
 EventLog::EventLog(const std::filesystem::path& path) : log_(opened(path)) {
-  if (log_.end() < event_log_header_size) {
-    log_.cut(0);
-    log_.append(event_log_header());
-  }
   content_ = scan_event_log(log_.file());
-  if (!content_.sound_header) {
-    if (content_.last_sequence == 0)
-      throw std::runtime_error(path.string() + " is not an event log of version 1");
-    spdlog::warn("{}: the header was damaged and is written again", path.string());
-    log_.file().write_at(0, event_log_header());
-  }
+  if (!content_.sound_header && content_.last_sequence == 0 &&
+      content_.size >= event_log_header_size)
+    throw std::runtime_error(path.string() + " is not an event log of version 1");
   for (const EventGap& gap : content_.gaps)
     spdlog::warn("{}: {}", path.string(), gap.description());
-  if (content_.size > content_.end) cut_tail();
+}
+
+void EventLog::take_over() {
+  bool more = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (appends_) return;
+    more = take_whole_records();
+    if (log_.file().size() > content_.end) content_ = scan_event_log(log_.file());
+    repair();
+    appends_ = true;
+  }
+  if (more && on_append_) on_append_();
+}
+
+void EventLog::hand_over() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(prepared_, false)) log_.cut(content_.end);
+  appends_ = false;
+}
+
+bool EventLog::refresh() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (appends_ || !take_whole_records()) return false;
+  }
+  if (on_append_) on_append_();
+  return true;
+}
+
+/// Takes the records behind the last one. A record that is not whole is being written, or what a
+/// crash left of it: take_over() decides. @return whether there was one
+bool EventLog::take_whole_records() {
+  constexpr std::int64_t most_at_once = 1 << 20;  // [bytes]
+  const std::int64_t begin = content_.end;
+  for (std::int64_t size = log_.file().size(); content_.end < size;) {
+    std::string bytes(static_cast<std::size_t>(std::min(size - content_.end, most_at_once)), '\0');
+    bytes.resize(log_.file().read_at(content_.end, bytes));
+    const std::int64_t first = content_.end;
+    for (std::string_view rest = bytes; !rest.empty();) {
+      const auto record = short_records.first_of(rest, largest_event);
+      v1::JobEvent event;
+      if (!record ||
+          !event.ParseFromArray(record->payload.data(), static_cast<int>(record->payload.size())) ||
+          event.sequence() != content_.last_sequence + 1)
+        break;
+      content_.take(event, content_.end, content_.end + record->size);
+      rest.remove_prefix(static_cast<std::size_t>(record->size));
+    }
+    if (content_.end == first && size - first > most_at_once) {
+      // One record longer than a piece: read alone.
+      const auto payload = payload_at(first, size);
+      v1::JobEvent event;
+      if (payload && event.ParseFromString(*payload) &&
+          event.sequence() == content_.last_sequence + 1)
+        content_.take(event, first,
+                      first + static_cast<std::int64_t>(short_records.head_size + payload->size()));
+    }
+    if (content_.end == first) break;
+  }
+  return content_.end > begin;
+}
+
+void EventLog::repair() {
+  if (log_.file().size() < event_log_header_size) {
+    log_.cut(0);
+    log_.append(event_log_header());
+  } else if (!content_.sound_header) {
+    spdlog::warn("{}: the header was damaged and is written again", path().string());
+    log_.file().write_at(0, event_log_header());
+  }
+  content_.sound_header = true;
+  if (content_.size > content_.end && log_.file().size() > content_.end) cut_tail();
+  log_.cut(content_.end);  // also where it begins to append
 }
 
 /// What a crash leaves of the last write is worth nothing. A whole record that is damaged is kept
@@ -54,7 +121,6 @@ void EventLog::cut_tail() {
   }
   spdlog::info("{}: cut off {} bytes after event {}", path().string(), content_.size - content_.end,
                content_.last_sequence);
-  log_.cut(content_.end);
 }
 
 EventLog::~EventLog() {
@@ -78,15 +144,27 @@ std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_
 }
 
 void EventLog::append(v1::JobEvent& event) {
+  prepare(event);
+  announce();
+}
+
+void EventLog::prepare(v1::JobEvent& event) {
+  take_over();
+  const std::lock_guard lock(mutex_);
+  if (prepared_) return;
+  if (content_.terminal)
+    throw std::logic_error("an event log that has ended takes no more events");
+  event.set_sequence(content_.last_sequence + 1);
+  if (!event.has_time()) *event.mutable_time() = now();
+  log_.append(short_records.framed(event.SerializeAsString()));
+  prepared_ = true;
+}
+
+void EventLog::announce() {
   {
     const std::lock_guard lock(mutex_);
-    if (content_.terminal)
-      throw std::logic_error("an event log that has ended takes no more events");
-    event.set_sequence(content_.last_sequence + 1);
-    if (!event.has_time()) *event.mutable_time() = now();
-    const std::string record = short_records.framed(event.SerializeAsString());
-    const std::int64_t offset = log_.append(record);
-    content_.take(event, offset, offset + static_cast<std::int64_t>(record.size()));
+    if (!std::exchange(prepared_, false)) return;
+    take_whole_records();
   }
   if (on_append_) on_append_();
 }
@@ -168,12 +246,17 @@ bool EventLog::has_validity_loss() const {
   return content_.validity_loss.has_value();
 }
 
-std::optional<std::int64_t> EventLog::attempt_reports() const {
+std::optional<v1::RunEnd> EventLog::run_end() const {
   const std::lock_guard lock(mutex_);
-  return content_.attempt_reports;
+  return content_.run_end;
 }
 
-void EventLog::tell(v1::Job& job) const {
+EventLogContent EventLog::content() const {
+  const std::lock_guard lock(mutex_);
+  return content_;
+}
+
+void EventLog::complete(v1::Job& job) const {
   const std::lock_guard lock(mutex_);
   if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
   *job.mutable_findings() = content_.findings;

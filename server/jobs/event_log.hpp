@@ -16,6 +16,9 @@ namespace dccast::jobs {
 
 /// The append-only file of a job's events; its format stands in EVENT_LOG.md. Safe to use from
 /// several threads: one appends, any number read.
+///
+/// At any time one process appends: the worker from the start of its run to its end, else the
+/// daemon. The other one reads what is there, see refresh().
 class EventLog {
 public:
   /// Where a reader stands: the next event it has not seen.
@@ -24,18 +27,32 @@ public:
     std::int64_t offset = 0;  ///< of its record in the file; 0: not known yet
   };
 
-  /// Opens the log or begins one; cuts off a torn tail. Damage in the middle stays in the file, is
-  /// said in the program's log, and readers get a warning in the place of each event that is lost.
-  /// @throws std::system_error   the file cannot be read or written
+  /// Reads what is there and changes nothing. Damage is reported in the program's log, and readers
+  /// get a warning in the place of each event that is lost.
+  /// @throws std::system_error   the file cannot be read
   /// @throws std::runtime_error  it is not an event log of this version
   explicit EventLog(const std::filesystem::path& path);
   ~EventLog();  ///< syncs the rest to disk; a failure is logged
+
+  /// Makes this process the one that appends: takes what the other one has written, cuts off a torn
+  /// tail, puts a damaged header right. append() does it where it was not done.
+  /// @throws std::system_error  the file cannot be written
+  void take_over();
+  /// From now on another process appends.
+  void hand_over();
+  /// Takes what another process has appended. @return whether there is anything new
+  bool refresh();
 
   /// Appends an event and gives it its sequence and, unless it has one, its time.
   /// @throws std::system_error   disk full or not writable, now or at the last sync(); the log is
   ///                             as it was
   /// @throws std::logic_error    the log has ended
   void append(v1::JobEvent& event);
+
+  /// Appends an event that no reader sees before announce(); the next append() announces it too.
+  /// There is one at a time: a second call does nothing. @throws as append()
+  void prepare(v1::JobEvent& event);
+  void announce();
 
   /// Syncs what was appended to disk; cheap when nothing was. @throws std::system_error
   void sync() { log_.sync(); }
@@ -54,26 +71,30 @@ public:
   bool has(const v1::Finding& finding) const;
   /// Whether the model has stopped being valid.
   bool has_validity_loss() const;
-  /// Brings a job up to what the log tells of it beside its state: last step, findings, loss of
+  /// Brings a job up to what the log has of it beside its state: last step, findings, loss of
   /// validity.
-  void tell(v1::Job& job) const;
+  void complete(v1::Job& job) const;
+  /// What the log holds, without its events.
+  EventLogContent content() const;
   /// The step up to which the history goes: that of the last report or resumption; 0 at first.
   std::int64_t reached_step() const;
-  /// How many reports of the present attempt's worker there are, see is_report(); nothing when
-  /// damage to the file has left that open.
-  std::optional<std::int64_t> attempt_reports() const;
+  /// How the last attempt has left its run, once it has.
+  std::optional<v1::RunEnd> run_end() const;
   /// The state of the last state change, if there is one.
   std::optional<v1::JobState> last_state() const;
 
-  /// What is damaged, with sound events behind it; fixed when the log is opened.
+  /// What is damaged, with sound events behind it.
   std::vector<EventGap> gaps() const;
 
-  /// Called after every append, outside of any lock of the log. Set once, before the log is shared.
+  /// Called after every append and refresh() with something new, outside of any lock of the log. Set
+  /// once, before the log is shared.
   void on_append(std::function<void()> call) { on_append_ = std::move(call); }
 
 private:
   const std::filesystem::path& path() const { return log_.file().path(); }
+  void repair();
   void cut_tail();
+  bool take_whole_records();
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
   void locate(Cursor& cursor) const;
   v1::JobEvent lost_event(Cursor& cursor, const EventGap& gap) const;
@@ -82,6 +103,8 @@ private:
   std::function<void()> on_append_;
   mutable std::mutex mutex_;
   EventLogContent content_;
+  bool appends_ = false;   ///< this process does
+  bool prepared_ = false;  ///< a record behind the last one of `content_` waits for announce()
 };
 
 }  // namespace dccast::jobs

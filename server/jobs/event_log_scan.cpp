@@ -73,24 +73,24 @@ void EventLogContent::place(std::int64_t sequence, std::int64_t offset,
 void EventLogContent::take_unread_step(std::int64_t sequence, std::int64_t offset,
                                        std::int64_t end_of_record) {
   place(sequence, offset, end_of_record);
-  if (attempt_reports) ++*attempt_reports;
 }
 
-void EventLogContent::count_report(const v1::JobEvent& event) {
-  if (event.state_change().state() == v1::RUNNING)
-    attempt_reports = 0;
-  else if (attempt_reports && is_report(event))
-    ++*attempt_reports;
+void EventLogContent::take_state(const v1::JobEvent& event) {
+  last_state = event.state_change();
+  if (event.state_change().terminal()) terminal = event;
+  if (event.state_change().state() != v1::RUNNING) return;
+  run_end.reset();
+  if (!started) started = event.time();
+  attempts = std::max(attempts + 1, event.state_change().attempt());
 }
 
 void EventLogContent::take(const v1::JobEvent& event, std::int64_t offset,
                            std::int64_t end_of_record) {
   place(event.sequence(), offset, end_of_record);
-  if (event.has_state_change()) last_state = event.state_change();
-  if (event.state_change().terminal()) terminal = event;
+  if (event.has_state_change()) take_state(event);
+  if (event.has_run_ended()) run_end = event.run_ended();
   if (event.has_finding()) keep_finding(findings, event.finding());
   if (event.has_validity_lost() && !validity_loss) validity_loss = event.validity_lost();
-  count_report(event);
   if (event.has_step()) {
     last_step = event.step();
     reached_step = event.step().step();
@@ -173,7 +173,6 @@ private:
   }
 
   void note_gap(const Record& record) {
-    content_.attempt_reports.reset();
     v1::JobEvent next;
     next.ParseFromArray(record.payload.data(), static_cast<int>(record.payload.size()));
     content_.gaps.push_back({.first = content_.last_sequence + 1,

@@ -50,13 +50,13 @@ struct EventLogContent {
   std::vector<Anchor> anchors;  ///< every 64th record, and the first one behind each gap
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
-  std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
+  std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
-  std::int64_t reached_step = 0;                             ///< up to which the history goes
-  std::optional<v1::ValidityLoss> validity_loss;             ///< the first one
-  /// Reports of the worker since the last start of one; nothing before the first, or where damage
-  /// may have taken some of them.
-  std::optional<std::int64_t> attempt_reports;
+  std::int64_t reached_step = 0;            ///< up to which the history goes
+  std::optional<v1::ValidityLoss> validity_loss;  ///< the first one
+  std::optional<v1::RunEnd> run_end;              ///< of the last attempt, once it has ended
+  std::optional<google::protobuf::Timestamp> started;  ///< first start of a worker
+  int attempts = 0;                                    ///< starts of a worker
 
   /// Takes note of the next event, whose record stands at `offset` and ends before `end_of_record`.
   void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end_of_record);
@@ -68,7 +68,7 @@ struct EventLogContent {
   void take_unread_step(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 
 private:
-  void count_report(const v1::JobEvent& event);
+  void take_state(const v1::JobEvent& event);
   /// Takes note of where the next record is, not of what it says.
   void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 };

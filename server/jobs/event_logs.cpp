@@ -1,10 +1,19 @@
 #include "server/jobs/event_logs.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
+#include "server/jobs/log.hpp"
+#include <sys/inotify.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <system_error>
 #include <utility>
 
-#include "server/jobs/log.hpp"
+#include "server/jobs/job_folder.hpp"
 
 namespace dccast::jobs {
 
@@ -12,12 +21,19 @@ namespace {
 
 constexpr std::chrono::milliseconds sync_interval{500};
 
+// From one look at all followed files to the next: the system reports changes of local files, not
+// of those that another machine writes.
+constexpr int look_interval_ms = 100;
+constexpr int look_interval_without_reports_ms = 10;
+
 }  // namespace
 
 EventLogs::EventLogs(std::filesystem::path jobs_directory)
     : jobs_directory_(std::move(jobs_directory)),
+      changes_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)),
       notifier_([this](const std::stop_token& stop) { run_notifier(stop); }),
-      syncer_([this](const std::stop_token& stop) { run_syncer(stop); }) {}
+      syncer_([this](const std::stop_token& stop) { run_syncer(stop); }),
+      follower_([this](const std::stop_token& stop) { run_follower(stop); }) {}
 
 EventLogs::~EventLogs() = default;
 
@@ -55,6 +71,60 @@ void EventLogs::watch(const std::string& job_id, std::weak_ptr<Watcher> watcher)
     to_notify_.insert(job_id);
   }
   changed_.notify_all();
+}
+
+void EventLogs::follow(const std::string& job_id) {
+  const auto path = jobs_directory_ / job_id / "events.log";
+  const std::lock_guard lock(mutex_);
+  Followed& followed = followed_.emplace_back(Followed{.job_id = job_id});
+  if (changes_) followed.mark = ::inotify_add_watch(changes_.get(), path.c_str(), IN_MODIFY);
+}
+
+/// @param marked  marks of the files that have changed; empty: look at all
+void EventLogs::refresh_followed(const std::set<int>& marked) {
+  std::vector<std::string> jobs;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Followed& followed : followed_)
+      if (marked.empty() || marked.contains(followed.mark)) jobs.push_back(followed.job_id);
+  }
+  for (const std::string& job_id : jobs) {
+    const std::shared_ptr<EventLog> log = open_now(job_id);
+    try {
+      if (log) log->refresh();
+    } catch (const std::exception& error) {
+      spdlog::error("job {}: {}", job_id, error.what());
+    }
+    if (log) continue;
+    const std::lock_guard lock(mutex_);
+    std::erase_if(followed_, [&](const Followed& followed) {
+      if (followed.job_id != job_id) return false;
+      if (followed.mark >= 0) ::inotify_rm_watch(changes_.get(), followed.mark);
+      return true;
+    });
+  }
+}
+
+void EventLogs::run_follower(const std::stop_token& stop) {
+  alignas(inotify_event) std::array<char, 4096> buffer;
+  auto last_look = std::chrono::steady_clock::now();
+  while (!stop.stop_requested()) {
+    const int interval_ms = changes_ ? look_interval_ms : look_interval_without_reports_ms;
+    pollfd waiting{changes_.get(), POLLIN, 0};
+    ::poll(&waiting, changes_ ? 1 : 0, interval_ms);
+    std::set<int> marked;
+    for (ssize_t got; changes_ && (got = ::read(changes_.get(), buffer.data(), buffer.size())) > 0;)
+      for (const char* at = buffer.data(); at < buffer.data() + got;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(at);
+        marked.insert(event->wd);
+        at += sizeof *event + event->len;
+      }
+    if (!marked.empty()) refresh_followed(marked);
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_look < std::chrono::milliseconds(interval_ms)) continue;
+    last_look = now;
+    refresh_followed({});
+  }
 }
 
 void EventLogs::wake_all() {
@@ -101,6 +171,7 @@ void EventLogs::run_notifier(const std::stop_token& stop) {
 
 void EventLogs::run_syncer(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    ::utimensat(AT_FDCWD, daemon_file(jobs_directory_).c_str(), nullptr, 0);
     std::set<std::string> jobs;
     {
       std::unique_lock lock(mutex_);

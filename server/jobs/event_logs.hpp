@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/storage/file_descriptor.hpp"
 #include "server/jobs/event_log.hpp"
 
 namespace dccast::jobs {
@@ -22,8 +23,8 @@ public:
 };
 
 /// The open event logs: each file is open once, whoever uses it. Wakes watchers on a thread of its
-/// own, so that a writer never waits for a watcher, and syncs appended events to disk about
-/// every 0.5 s.
+/// own, so that a writer never waits for a watcher; syncs appended events to disk about every
+/// 0.5 s; follows the files that workers append to.
 class EventLogs {
 public:
   /// @param jobs_directory  with one folder per job
@@ -36,6 +37,9 @@ public:
 
   /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.
   void watch(const std::string& job_id, std::weak_ptr<Watcher> watcher);
+
+  /// Takes what the worker of a job appends, as it happens, as long as somebody else holds the log.
+  void follow(const std::string& job_id);
 
   /// Calls every watcher once more: something else than a log has changed.
   void wake_all();
@@ -52,6 +56,8 @@ private:
   void mark(const std::string& job_id);
   void run_notifier(const std::stop_token& stop);
   void run_syncer(const std::stop_token& stop);
+  void run_follower(const std::stop_token& stop);
+  void refresh_followed(const std::set<int>& marked);
   std::vector<std::shared_ptr<Watcher>> watchers_of(const std::string& job_id);
 
   std::filesystem::path jobs_directory_;
@@ -62,8 +68,16 @@ private:
   std::set<std::string> to_notify_;
   std::set<std::string> to_sync_;
   std::map<std::string, std::vector<std::weak_ptr<Watcher>>> watchers_;
+  /// A log that a worker appends to.
+  struct Followed {
+    std::string job_id;
+    int mark = -1;  ///< of the system on its file; -1: none, it is looked at now and then
+  };
+  storage::FileDescriptor changes_;  ///< inotify; nothing where the system has none left
+  std::vector<Followed> followed_;
   std::jthread notifier_;
   std::jthread syncer_;
+  std::jthread follower_;
 };
 
 }  // namespace dccast::jobs

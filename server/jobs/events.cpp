@@ -40,11 +40,6 @@ void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& messag
   job.mutable_failure()->set_message(message);
 }
 
-bool is_report(const v1::JobEvent& event) {
-  return event.has_step() || event.has_resumed() ||
-         event.message().level() == v1::JobEvent::Message::INFO;
-}
-
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
                   const v1::Finding& finding) {
   const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
@@ -67,9 +62,22 @@ v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
   change->set_state(job.state());
   change->set_cause(cause);
   change->set_terminal(is_terminal(job.state()));
+  change->set_attempt(job.attempts());
   if (!change->terminal()) return event;
   if (job.has_failure()) *change->mutable_failure() = job.failure();
   *change->mutable_artifacts() = job.artifacts();
+  return event;
+}
+
+v1::JobEvent state_event(const JobRecord& record, const std::string& cause) {
+  v1::JobEvent event = state_event(record.job, cause);
+  auto* change = event.mutable_state_change();
+  if (record.losses > 0) {
+    change->mutable_losses()->set_times(record.losses);
+    change->mutable_losses()->set_last_step(record.lost_step);
+    change->mutable_losses()->set_first_cause(record.first_loss);
+  }
+  change->set_solver(record.solver);
   return event;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dccast/v1/job.pb.h"
+#include "server/jobs/job_store.hpp"
 
 namespace dccast::jobs {
 
@@ -17,12 +18,7 @@ bool is_terminal(v1::JobState state);
 /// Adds what went wrong: the first cause stays, further ones are listed after it.
 void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message);
 
-/// Whether an event is a report of a worker, of which both ends of a link keep count: steps,
-/// messages and resumptions. Findings and the loss of validity are not: the log has each once, so
-/// that they may be said twice. What the daemon itself has to say is a warning.
-bool is_report(const v1::JobEvent& event);
-
-/// Adds a finding, or replaces that of the same code.
+/// Adds a finding, or replaces that of the same code: the last one has its worst exceedance.
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
                   const v1::Finding& finding);
 
@@ -32,5 +28,7 @@ v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level)
 /// @param job    with its new state, and failure and artifacts if it has ended
 /// @param cause  why, one line for people
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
+/// The same with what the next daemon needs to know of the attempts so far.
+v1::JobEvent state_event(const JobRecord& record, const std::string& cause);
 
 }  // namespace dccast::jobs

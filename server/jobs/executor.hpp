@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace dccast::jobs {
@@ -9,9 +10,15 @@ namespace dccast::jobs {
 /// One start of a worker.
 struct WorkerLaunch {
   std::string job_id;
-  int attempt = 0;      ///< together with the job's id it names this start
-  std::string token{};  ///< what the worker proves itself with on the link; empty in adopt()
+  int attempt = 0;  ///< together with the job's id it names this start
   std::filesystem::path folder{};
+  std::string order{};  ///< a serialised WorkerOrder, handed to the process; empty in adopt()
+};
+
+/// The end of a worker's process.
+struct WorkerExit {
+  std::string how;                 ///< "exit code 1", "signal 9 (Killed)"
+  std::optional<int> code{};       ///< nothing after a signal, or where it is not known
 };
 
 /// What has become of a worker that an earlier daemon started.
@@ -20,35 +27,34 @@ enum class Adoption {
   gone,   ///< nothing of it is left that could write into the folder of its job
 };
 
-/// Starts workers somewhere and tells when they end. Nothing else: what a worker does goes over the
-/// worker link, and the outcome of its job is the scheduler's. A second executor starts workers on
-/// other machines. Calls come from any thread and do not wait.
+/// Starts workers somewhere and reports when they end. Nothing else: what a worker does stands in
+/// the folder of its job, and the outcome of the job is the scheduler's. A second executor starts
+/// workers on other machines. Calls come from any thread and do not wait.
 class Executor {
 public:
-  /// All are called from the executor's thread and may take their time.
+  /// All are called from the executor's thread.
   struct Calls {
-    /// @param handle  the worker in the executor's own words, for adopt(); kept in the job store
-    std::function<void(const std::string& job_id, int attempt, const std::string& handle)> started;
     /// The executor lacks a resource (descriptors, memory, the program): no fault of the job.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
-    /// @param how  "exit code 1", "signal 9 (Killed)"
-    std::function<void(const std::string& job_id, int attempt, const std::string& how)> ended;
+    std::function<void(const std::string& job_id, int attempt, const WorkerExit& exit)> ended;
   };
   virtual ~Executor() = default;
   /// Before the first start.
   virtual void set_calls(Calls calls) = 0;
   /// Workers that may run at once.
   virtual int capacity() const = 0;
-  /// `started` or `not_started` follows. @throws std::exception  it cannot even be tried
+  /// `ended` or `not_started` follows. @throws std::exception  it cannot even be tried
   virtual void start(const WorkerLaunch& launch) = 0;
+  /// Requests a worker to stop at a checkpoint (SIGTERM). Nothing happens when it is gone.
+  virtual void stop(const std::string& job_id, int attempt) = 0;
   /// Ends a worker at once. Nothing happens when it is gone; `ended` follows otherwise.
   virtual void kill(const std::string& job_id, int attempt) = 0;
   /// Looks for a worker that an earlier daemon started, before the first start; may take its time,
   /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended`
-  /// tells of its end. What the executor cannot lead on with it ends here, and answers gone.
-  /// @param handle  as `started` gave it; empty when the earlier daemon ended before: the job's id
-  ///                and attempt still name the worker
-  virtual Adoption adopt(const std::string& handle, const WorkerLaunch& launch) = 0;
+  /// reports its end.
+  /// @param wanted  false: whatever works in the folder is ended here, and the answer is gone; so is
+  ///                what the executor cannot lead on with
+  virtual Adoption adopt(const WorkerLaunch& launch, bool wanted) = 0;
 };
 
 }  // namespace dccast::jobs

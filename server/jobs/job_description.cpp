@@ -35,15 +35,17 @@ JobDescription parse(std::string_view bytes) {
     throw std::runtime_error("cannot be parsed");
   description.submitted_case = take_part(bytes);
   description.complete_case = take_part(bytes);
+  if (!bytes.empty()) description.answer_key = take_part(bytes);
   return description;
 }
 
 }  // namespace
 
 void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
-  storage::create_durably(folder / description_file,
-                          header() + part(description.job.SerializeAsString()) +
-                              part(description.submitted_case) + part(description.complete_case));
+  std::string bytes = header() + part(description.job.SerializeAsString()) +
+                      part(description.submitted_case) + part(description.complete_case);
+  if (!description.answer_key.empty()) bytes += part(description.answer_key);
+  storage::create_durably(folder / description_file, bytes);
 }
 
 JobDescription read_job_description(const std::filesystem::path& folder) {

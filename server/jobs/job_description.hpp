@@ -13,6 +13,7 @@ struct JobDescription {
   v1::Job job;  ///< as it was submitted: identity, priority, owner, time, case_sha256
   std::string submitted_case;  ///< serialised
   std::string complete_case;   ///< serialised, with defaults and alloy card
+  std::string answer_key{};    ///< see JobRecord; empty: none, or of an earlier version
 };
 
 /// Name of the file: 8 bytes "DCCASTJD", version 1 and zero as in EVENT_LOG.md, then three frames:

@@ -2,7 +2,9 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -17,6 +19,7 @@ namespace {
 
 constexpr const char* checkpoint_name = "checkpoint.bin";  // core/restart/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
+constexpr const char* request_file = "request";
 
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -57,9 +60,30 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
   }
 }
 
+void write_request(const std::filesystem::path& folder, const Request& request) {
+  const char* action = request.action == RequestedAction::cancel ? "cancel" : "pause";
+  storage::replace_file(folder / request_file, std::string(action) + "\n" + request.reason);
+}
+
+std::optional<Request> read_request(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / request_file;
+  if (::access(path.c_str(), F_OK) != 0) return std::nullopt;
+  const std::string text = storage::read_file(path);
+  const std::size_t line = std::min(text.find('\n'), text.size());
+  const auto action =
+      text.substr(0, line) == "pause" ? RequestedAction::pause : RequestedAction::cancel;
+  return Request{action, text.substr(std::min(line + 1, text.size()))};
+}
+
+void remove_request(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::remove(folder / request_file, error);
+  if (error) spdlog::warn("cannot remove {}: {}", (folder / request_file).string(), error.message());
+}
+
 void remove_run_files(const std::filesystem::path& folder) {
   for (const char* name : {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin",
-                           "journal.bin", "results.h5.part", "worker.lock"}) {
+                           "journal.bin", "results.h5.part", "worker.lock", request_file}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) spdlog::warn("cannot remove {}: {}", (folder / name).string(), error.message());

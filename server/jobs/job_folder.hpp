@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "dccast/v1/job.pb.h"
@@ -31,6 +32,27 @@ void mark_accepted(const std::filesystem::path& folder);
 /// Whether a folder belongs to a job that was acknowledged: it has the mark, or its event log says
 /// more than that the job was submitted. @throws std::system_error
 bool was_accepted(const std::filesystem::path& folder);
+
+/// What a caller requested of a job and has not been carried out yet.
+enum class RequestedAction { none, pause, cancel };
+
+struct Request {
+  RequestedAction action = RequestedAction::none;
+  std::string reason;
+};
+
+/// The file beside `jobs/` that a daemon holds, and touches every half second: by its time workers
+/// see that one is there.
+inline std::filesystem::path daemon_file(const std::filesystem::path& jobs_directory) {
+  return jobs_directory.parent_path() / "lock";
+}
+
+/// Leaves a request in the folder of a running job, for its worker and for any daemon that follows.
+/// It survives a crash of the machine. @throws storage::StorageError  nothing has changed
+void write_request(const std::filesystem::path& folder, const Request& request);
+/// Costs a system call where there is none.
+std::optional<Request> read_request(const std::filesystem::path& folder);
+void remove_request(const std::filesystem::path& folder);
 
 /// Removes what only a run that goes on needs: checkpoint, journal, unpublished results. Its
 /// results and logs stay. A failure is logged: such files do no harm.

@@ -35,8 +35,7 @@ void read_labels(const std::string& lines, v1::Job& job) {
 const std::string_view job_columns =
     "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
     "attempts, failure, outcome, wish, wish_reason, losses, lost_step, first_loss, "
-    "worker_handle, study, owner, bytes, labels, changes, answer_key, solver, "
-    "worker_token_sha256";
+    "study, owner, bytes, labels, changes, answer_key, solver";
 
 std::string label_lines(const v1::Job& job) {
   std::string lines;
@@ -55,7 +54,7 @@ JobRecord read_row(const Statement& statement) {
   JobRecord record;
   v1::Job& job = record.job;
   job.ParseFromString(statement.text(11));
-  job.MergeFromString(statement.text(22));
+  job.MergeFromString(statement.text(21));
   job.set_id(statement.text(0));
   job.set_request_id(values::escaped(statement.text(1)));
   job.set_case_sha256(statement.text(2));
@@ -73,14 +72,12 @@ JobRecord read_row(const Statement& statement) {
   record.losses = static_cast<int>(statement.integer(14));
   record.lost_step = statement.integer(15);
   record.first_loss = statement.text(16);
-  record.worker_handle = statement.text(17);
-  job.set_study(statement.text(18));
-  job.set_owner(statement.text(19));
-  record.bytes = statement.integer(20);
-  read_labels(statement.text(21), job);
-  record.answer_key = statement.text(23);
-  record.solver = statement.text(24);
-  record.worker_token_sha256 = statement.text(25);
+  job.set_study(statement.text(17));
+  job.set_owner(statement.text(18));
+  record.bytes = statement.integer(19);
+  read_labels(statement.text(20), job);
+  record.answer_key = statement.text(22);
+  record.solver = statement.text(23);
   return record;
 }
 
@@ -100,9 +97,7 @@ void bind_changing(Statement& statement, const JobRecord& record) {
       .bind(record.losses)
       .bind(record.lost_step)
       .bind(record.first_loss)
-      .bind(record.worker_handle)
-      .bind(record.solver)
-      .bind(record.worker_token_sha256);
+      .bind(record.solver);
 }
 
 }  // namespace dccast::jobs

@@ -1,5 +1,7 @@
 #include "server/jobs/job_store.hpp"
 
+#include "server/jobs/log.hpp"
+
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -32,9 +34,21 @@ JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
       "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
   bring_up_to_date(database_, path);
+  reader_.emplace(path);
+  reader_->execute("PRAGMA busy_timeout = 2000");
+}
+
+JobStore::Bulk::~Bulk() {
+  store_.bulk_ = false;
+  try {
+    store_.probe();  // a commit that waits for the disk takes all before it along
+  } catch (const StoreError& error) {
+    spdlog::error("{}", error.what());
+  }
 }
 
 void JobStore::set_durability(Durability durability) {
+  if (bulk_) return database_.execute("PRAGMA synchronous = OFF");
   database_.execute(durability == Durability::full ? "PRAGMA synchronous = FULL"
                                                    : "PRAGMA synchronous = NORMAL");
 }
@@ -51,7 +65,7 @@ std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_v
     Statement statement(database_,
                         "INSERT INTO job (" + std::string(job_columns) +
                             ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "'', ?, ?, ?, ?, ?, ?, '', '')");
+                            "?, ?, ?, ?, ?, ?, '')");
     statement.bind(job.id());
     if (job.request_id().empty())
       statement.bind_null();
@@ -85,8 +99,7 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
                       "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
-                      "lost_step = ?, first_loss = ?, worker_handle = ?, solver = ?, "
-                      "worker_token_sha256 = ? WHERE id = ?");
+                      "lost_step = ?, first_loss = ?, solver = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
 }
@@ -101,8 +114,8 @@ bool JobStore::erase(const std::string& id) {
 
 std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
                                         const std::string& argument) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "SELECT " + std::string(job_columns) + " FROM job " +
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT " + std::string(job_columns) + " FROM job " +
                                      std::string(where_and_order));
   if (!argument.empty()) statement.bind(argument);
   std::vector<JobRecord> records;
@@ -123,15 +136,15 @@ std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
 }
 
 std::optional<std::string> JobStore::complete_case(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "SELECT complete FROM job_case WHERE id = ?");
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT complete FROM job_case WHERE id = ?");
   if (!statement.bind(id).step()) return std::nullopt;
   return statement.text(0);
 }
 
 std::optional<std::string> JobStore::submitted_case(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "SELECT submitted FROM job_case WHERE id = ?");
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT submitted FROM job_case WHERE id = ?");
   if (!statement.bind(id).step()) return std::nullopt;
   return statement.text(0);
 }
@@ -155,8 +168,8 @@ std::vector<JobRecord> JobStore::unfinished() {
 }
 
 std::int64_t JobStore::unfinished_bytes() {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_,
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_,
                       "SELECT COALESCE(SUM(bytes), 0) FROM job WHERE state BETWEEN 1 AND 3");
   statement.step();
   return statement.integer(0);
@@ -172,15 +185,15 @@ void JobStore::probe() {
 }
 
 int JobStore::count(v1::JobState state) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "SELECT COUNT(*) FROM job WHERE state = ?");
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT COUNT(*) FROM job WHERE state = ?");
   statement.bind(state).step();
   return static_cast<int>(statement.integer(0));
 }
 
 std::set<std::string> JobStore::ids() {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "SELECT id FROM job");
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT id FROM job");
   std::set<std::string> ids;
   while (statement.step()) ids.insert(statement.text(0));
   return ids;
@@ -189,9 +202,9 @@ std::set<std::string> JobStore::ids() {
 std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
                                                  const std::string& solver) {
   if (answer_key.empty() || solver.empty()) return std::nullopt;
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(reading_);
   // 4: SUCCEEDED of job.proto. The condition on the key lets SQLite use the index.
-  Statement statement(database_,
+  Statement statement(*reader_,
                       "SELECT id FROM job WHERE answer_key = ? AND answer_key <> '' AND solver = ? "
                       "AND state = 4 ORDER BY created_ms DESC LIMIT 1");
   if (!statement.bind(answer_key).bind(solver).step()) return std::nullopt;
@@ -201,8 +214,8 @@ std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
 std::vector<JobRecord> JobStore::list(const Page& page) {
   const std::string sql = "SELECT " + std::string(job_columns) + " FROM job WHERE " +
                           condition_of(page) + " ORDER BY created_ms DESC, id DESC LIMIT ?";
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, sql);
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, sql);
   statement.bind(page.before_ms).bind(page.before_id);
   for (const std::string& wanted : {page.study, page.owner})
     if (!wanted.empty()) statement.bind(wanted);

@@ -9,13 +9,10 @@
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/sqlite.hpp"
 
 namespace dccast::jobs {
-
-/// What a caller requested of a job and has not been carried out yet. Kept in the store, so that it
-/// survives a crash.
-enum class RequestedAction { none, pause, cancel };
 
 /// A job with what the service keeps to itself.
 struct JobRecord {
@@ -25,10 +22,6 @@ struct JobRecord {
   int losses = 0;               ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  std::string worker_handle{};  ///< of the last start, in the words of its executor
-  /// SHA-256 of the token of that worker, with which it calls again after a restart of the daemon.
-  /// Not the token itself: whoever reads the store or a backup could pass for the worker.
-  std::string worker_token_sha256{};
   std::int64_t bytes = 0;    ///< of the case and its attachments
   std::string answer_key{};  ///< of all that decides its figures, see service/answer_key.hpp
   std::string solver{};      ///< identity of the solver that succeeded with it; empty: none has
@@ -37,7 +30,8 @@ struct JobRecord {
 /// normal: survives a crash of the daemon. full: survives one of the machine.
 enum class Durability { normal, full };
 
-/// All jobs, in one SQLite file (WAL). Safe to use from several threads. Every call throws
+/// All jobs, in one SQLite file (WAL): an index of what the folders of the jobs say. Safe to use from
+/// several threads; who reads waits for no write. Every call throws
 /// StoreError when the file cannot be read or written; the virtual ones are those that tests let
 /// fail.
 class JobStore {
@@ -88,6 +82,18 @@ public:
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
 
+  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be made
+  /// again.
+  class Bulk {
+  public:
+    explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }
+    Bulk(const Bulk&) = delete;
+    ~Bulk();
+
+  private:
+    JobStore& store_;
+  };
+
   /// Reads every page and holds it against the others. @return the first fault; empty for none
   std::string first_fault();
   /// Writes all that is committed to a new file, in one instant, while others go on writing here.
@@ -97,8 +103,11 @@ private:
   void set_durability(Durability durability);
   std::vector<JobRecord> select(std::string_view where_and_order, const std::string& argument);
 
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< of the connection that writes
   Database database_;
+  bool bulk_ = false;
+  std::mutex reading_;
+  std::optional<Database> reader_;
 };
 
 }  // namespace dccast::jobs

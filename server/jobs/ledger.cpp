@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/values/printable.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
@@ -18,12 +19,6 @@ void enter(JobRecord& record, v1::JobState to) {
   if (!job.has_end_time()) *job.mutable_end_time() = timestamp(milliseconds(now()));
 }
 
-/// The files of the job itself are damaged: that is how it ends, unless it has ended before.
-void note_damage(JobRecord& record, const std::string& why) {
-  add_failure(record.job, v1::Failure::STORAGE, why);
-  if (!is_terminal(record.job.state())) enter(record, v1::FAILED);
-}
-
 Durability durability_of(v1::JobState state) {
   return is_terminal(state) ? Durability::full : Durability::normal;
 }
@@ -33,30 +28,40 @@ Durability durability_of(v1::JobState state) {
 void Ledger::write_event(JobRecord& record, const std::string& cause) {
   v1::Job& job = record.job;
   const auto log = logs_.open(job.id());
-  log->tell(job);
+  log->take_over();
+  log->complete(job);
   const bool terminal = is_terminal(job.state());
-  if (!(terminal && log->terminal_event())) {
-    v1::JobEvent event = state_event(job, cause);
-    log->append(event);
+  if (terminal && log->terminal_event()) return;
+  v1::JobEvent event = state_event(record, cause);
+  log->prepare(event);
+  if (!terminal) return;
+  try {
+    log->sync();
+  } catch (...) {
+    log->hand_over();  // takes the event back
+    throw;
   }
-  // The event is on the disk before the store says so: a start after a crash finds the event at
-  // least, and completes the store.
-  if (terminal) log->sync();
 }
 
 void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::JobState from) {
   const v1::Job& job = record.job;
   spdlog::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
-               v1::JobState_Name(job.state()), cause);
+               v1::JobState_Name(job.state()), values::escaped(cause));
   try {
     store_.update(record, durability_of(job.state()));
-    pending_.erase(job.id());
+    const std::lock_guard lock(mutex_);
+    kept_.erase(job.id());
   } catch (const std::exception& error) {
     spdlog::error("job {}: {}; its event log says what it is, the store follows", job.id(),
                   error.what());
-    pending_[job.id()] = {record, cause, true};
-    trouble_ = error.what();
+    keep(record, error.what());
   }
+}
+
+void Ledger::keep(const JobRecord& record, const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  kept_[record.job.id()] = record;
+  trouble_ = why;
 }
 
 void Ledger::transition(JobRecord& record, v1::JobState to, const std::string& cause) {
@@ -68,59 +73,64 @@ void Ledger::transition(JobRecord& record, v1::JobState to, const std::string& c
   record = std::move(next);
 }
 
-std::string Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause) {
+void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause) {
   try {
     transition(record, to, cause);
-    return {};
   } catch (const std::exception& error) {
     spdlog::error("job {}: cannot write that it is {}: {}", record.job.id(), v1::JobState_Name(to),
                   error.what());
-    if (!daemon_lacks(error)) {
-      fail_for_damage(record, error.what());
-      return {};
-    }
-    enter(record, to);
-    pending_[record.job.id()] = {record, cause, false};
-    trouble_ = error.what();
-    return error.what();
+    if (daemon_lacks(error)) throw;
+    // The files of the job itself are damaged: that is how it ends, unless it has ended before.
+    const v1::JobState from = record.job.state();
+    add_failure(record.job, v1::Failure::STORAGE, error.what());
+    if (!is_terminal(from)) enter(record, v1::FAILED);
+    write_store(record, error.what(), from);
   }
 }
 
-void Ledger::fail_for_damage(JobRecord& record, const std::string& why) {
-  const v1::JobState from = record.job.state();
-  note_damage(record, why);
-  write_store(record, why, from);
-}
-
-bool Ledger::write(Pending& pending) {
+void Ledger::announce(const std::string& job_id) {
   try {
-    if (!pending.event_written) write_event(pending.record, pending.cause);
-    pending.event_written = true;
-    store_.update(pending.record, durability_of(pending.record.job.state()));
-    return true;
+    logs_.open(job_id)->announce();
   } catch (const std::exception& error) {
-    if (daemon_lacks(error) || pending.event_written) return false;  // said when it failed first
-    spdlog::error("job {}: {}", pending.record.job.id(), error.what());
-    note_damage(pending.record, error.what());
-    pending.event_written = true;  // it never will be: its log is damaged
-    return false;
+    spdlog::error("job {}: {}", job_id, error.what());  // damaged: settle() has said so
   }
 }
 
 bool Ledger::retry() {
-  for (auto at = pending_.begin(); at != pending_.end();)
-    at = write(at->second) ? pending_.erase(at) : std::next(at);
-  return pending_.empty();
+  std::map<std::string, JobRecord> kept;
+  {
+    const std::lock_guard lock(mutex_);
+    kept = kept_;
+  }
+  for (const auto& [id, record] : kept) {
+    try {
+      store_.update(record, durability_of(record.job.state()));
+    } catch (const std::exception&) {
+      return false;  // reported when it was refused first
+    }
+    const std::lock_guard lock(mutex_);
+    if (const auto there = kept_.find(id);
+        there != kept_.end() && there->second.job.state() == record.job.state())
+      kept_.erase(there);
+  }
+  const std::lock_guard lock(mutex_);
+  return kept_.empty();
+}
+
+std::string Ledger::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return kept_.empty() ? "" : trouble_;
 }
 
 std::optional<JobRecord> Ledger::find(const std::string& id) {
-  if (const JobRecord* kept = pending(id)) return *kept;
+  if (auto record = kept(id)) return record;
   return store_.find(id);
 }
 
-const JobRecord* Ledger::pending(const std::string& id) const {
-  const auto found = pending_.find(id);
-  return found == pending_.end() ? nullptr : &found->second.record;
+std::optional<JobRecord> Ledger::kept(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = kept_.find(id);
+  return found == kept_.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace dccast::jobs

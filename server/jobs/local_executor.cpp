@@ -11,8 +11,8 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <memory>
-#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -26,10 +26,9 @@ namespace {
 
 using storage::FileDescriptor;
 
-std::vector<std::string> job_environment(const std::string& link) {
+std::vector<std::string> job_environment() {
   std::vector<std::string> variables = worker_environment();
-  variables.insert(variables.end(), {"DCCAST_WORKER_LINK=" + link,
-                                     "DCCAST_WORKER_PARENT=" + std::to_string(::getpid())});
+  variables.push_back("DCCAST_WORKER_PARENT=" + std::to_string(::getpid()));
   return variables;
 }
 
@@ -44,20 +43,7 @@ std::pair<FileDescriptor, FileDescriptor> make_pipe() {
   return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
 }
 
-std::string handle_of(pid_t process) {
-  const auto identity = identify(process);  // not collected yet: it is there, if only as a zombie
-  return std::to_string(process) + " " + std::to_string(identity ? identity->start_ticks : 0);
-}
-
-/// The other way round. @return nothing for a handle of another executor
-std::optional<ProcessIdentity> identity_of(const std::string& handle) {
-  std::istringstream words(handle);
-  ProcessIdentity identity;
-  words >> identity.id >> identity.start_ticks;
-  return words ? std::optional(identity) : std::nullopt;
-}
-
-/// Who claims the folder of a job; nobody where that cannot be found out.
+/// Who claims the folder of a job; nothing where that cannot be found out.
 std::optional<ClaimHolder> claim_on(const WorkerLaunch& launch) {
   try {
     return holder_of(launch.folder);
@@ -73,29 +59,32 @@ bool has_ended(const FileDescriptor& handle, int longest_ms) {
   return ::poll(&waiting, 1, longest_ms) > 0;
 }
 
-/// Ends the process of a pidfd, whoever its parent is.
-void kill_process(const FileDescriptor& handle) {
-  ::syscall(SYS_pidfd_send_signal, handle.get(), SIGKILL, nullptr, 0);
+/// To the process of a pidfd, whoever its parent is.
+void send_to(const FileDescriptor& handle, int number) {
+  ::syscall(SYS_pidfd_send_signal, handle.get(), number, nullptr, 0);
 }
 
 void kill_and_wait(const FileDescriptor& handle) {
   constexpr int longest_ms = 5000;
-  kill_process(handle);
+  send_to(handle, SIGKILL);
   if (!has_ended(handle, longest_ms)) spdlog::error("a worker that was killed does not end");
 }
 
-/// What a worker reads: its job, its token, the file for what it says.
-std::string order_of(const WorkerLaunch& launch) {
-  return launch.job_id + "\n" + launch.token + "\n" + (launch.folder / "worker.log").string() +
-         "\n";
+/// What a worker reads on its standard input: see wait_for_order() of the worker.
+std::string framed(const std::string& order) {
+  const auto length = static_cast<std::uint32_t>(order.size());
+  return std::string(reinterpret_cast<const char*>(&length), sizeof length) + order;
+}
+
+bool may_lead(const ClaimHolder& holder, const WorkerLaunch& launch) {
+  return holder.claim && holder.claim->protocol == worker_protocol &&
+         holder.claim->job_id == launch.job_id && holder.claim->attempt == launch.attempt;
 }
 
 }  // namespace
 
-LocalExecutor::LocalExecutor(std::filesystem::path worker_program, std::string link_address,
-                             int capacity)
+LocalExecutor::LocalExecutor(std::filesystem::path worker_program, int capacity)
     : worker_program_(std::move(worker_program)),
-      link_address_(std::move(link_address)),
       capacity_(capacity),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!wake_) fail("eventfd", errno);
@@ -103,10 +92,10 @@ LocalExecutor::LocalExecutor(std::filesystem::path worker_program, std::string l
 }
 
 LocalExecutor::~LocalExecutor() {
-  stop();
+  end_thread();
 }
 
-void LocalExecutor::stop() {
+void LocalExecutor::end_thread() {
   if (!thread_.joinable()) return;
   post([this] { stopping_ = true; });
   thread_.join();
@@ -114,7 +103,7 @@ void LocalExecutor::stop() {
 
 void LocalExecutor::let_workers_run() {
   post([this] { leaves_workers_ = true; });
-  stop();
+  end_thread();
 }
 
 void LocalExecutor::post(std::function<void()> order) {
@@ -129,22 +118,25 @@ void LocalExecutor::start(const WorkerLaunch& launch) {
   post([this, launch] { hand_over(launch); });
 }
 
+void LocalExecutor::stop(const std::string& job_id, int attempt) {
+  send_signal(job_id, attempt, SIGTERM);
+}
+
 void LocalExecutor::kill(const std::string& job_id, int attempt) {
-  post([this, key = std::pair(job_id, attempt)] {
-    if (const auto found = children_.find(key); found != children_.end()) end(found->second);
+  send_signal(job_id, attempt, SIGKILL);
+}
+
+void LocalExecutor::send_signal(const std::string& job_id, int attempt, int number) {
+  post([this, key = std::pair(job_id, attempt), number] {
+    if (const auto found = children_.find(key); found != children_.end())
+      send_signal(found->second, number);
   });
 }
 
-bool LocalExecutor::may_lead(const ClaimHolder& holder, const std::string& handle,
-                             const WorkerLaunch& launch) {
-  return holder.claim && holder.claim->protocol == worker_protocol &&
-         holder.claim->job_id == launch.job_id && holder.claim->attempt == launch.attempt &&
-         (handle.empty() || handle == handle_of(holder.process));
-}
-
-Adoption LocalExecutor::adopt(const std::string& handle, const WorkerLaunch& launch) {
+Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
   auto holder = claim_on(launch);
-  if (holder && may_lead(*holder, handle, launch)) {
+  if (!holder) return Adoption::gone;
+  if (wanted && may_lead(*holder, launch)) {
     auto found = std::make_shared<Child>();
     found->process = holder->process;
     found->handle = std::move(holder->handle);
@@ -154,13 +146,9 @@ Adoption LocalExecutor::adopt(const std::string& handle, const WorkerLaunch& lau
     });
     return Adoption::found;
   }
-  if (holder) {
-    spdlog::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
-                 holder->process);
-    kill_and_wait(holder->handle);
-  }
-  if (const auto recorded = identity_of(handle); recorded && kill_stray(*recorded))
-    spdlog::warn("job {}: ended a worker of the last daemon ({})", launch.job_id, handle);
+  spdlog::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
+               holder->process);
+  kill_and_wait(holder->handle);
   return Adoption::gone;
 }
 
@@ -172,7 +160,7 @@ LocalExecutor::Child LocalExecutor::spawn() const {
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   Child child;
   const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"},
-                                job_environment(link_address_), actions, &child.process);
+                                job_environment(), actions, &child.process);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) fail("cannot start " + worker_program_.string(), error);
   child.orders = std::move(write_end);
@@ -185,15 +173,13 @@ void LocalExecutor::hand_over(const WorkerLaunch& launch) {
   try {
     Child child = ready_ ? std::move(*ready_) : spawn();
     ready_.reset();
-    const std::string order = order_of(launch);
-    // One that died while it waited is found by collect(): the write is for the living.
+    const std::string order = framed(launch.order);
+    // One that died while it waited is found by collect().
     if (::write(child.orders.get(), order.data(), order.size()) < 0 && errno != EPIPE)
       spdlog::warn("job {}: cannot hand a worker its job: {}", launch.job_id,
                    std::generic_category().message(errno));
     child.orders = FileDescriptor();
-    const std::string handle = handle_of(child.process);
     children_[{launch.job_id, launch.attempt}] = std::move(child);
-    calls_.started(launch.job_id, launch.attempt, handle);
   } catch (const std::exception& error) {
     calls_.not_started(launch.job_id, launch.attempt, error.what());
   }
@@ -228,31 +214,34 @@ void LocalExecutor::wait_for_something() {
 
 void LocalExecutor::collect() {
   for (auto at = children_.begin(); at != children_.end();) {
-    const auto how = end_of(at->second);
-    if (!how) {
+    const auto exit = exit_of(at->second);
+    if (!exit) {
       ++at;
       continue;
     }
     const auto [job_id, attempt] = at->first;
     at = children_.erase(at);
-    calls_.ended(job_id, attempt, *how);
+    calls_.ended(job_id, attempt, *exit);
   }
 }
 
 /// How a process has ended; nothing while it runs.
-std::optional<std::string> LocalExecutor::end_of(const Child& child) {
-  static const std::string unseen = "an end nobody saw";
-  if (child.adopted) return has_ended(child.handle, 0) ? std::optional(unseen) : std::nullopt;
+std::optional<WorkerExit> LocalExecutor::exit_of(const Child& child) {
+  static const WorkerExit unknown{"an unknown exit code"};
+  if (child.adopted) return has_ended(child.handle, 0) ? std::optional(unknown) : std::nullopt;
   const ChildState state = jobs::collect(child.process, Waiting::not_at_all);
   if (state.running) return std::nullopt;
-  return state.status ? describe_exit(*state.status) : unseen;
+  if (!state.status) return unknown;
+  WorkerExit exit{describe_exit(*state.status)};
+  if (WIFEXITED(*state.status)) exit.code = WEXITSTATUS(*state.status);
+  return exit;
 }
 
-void LocalExecutor::end(const Child& child) {
+void LocalExecutor::send_signal(const Child& child, int number) {
   if (child.adopted)
-    kill_process(child.handle);
+    send_to(child.handle, number);
   else
-    ::kill(child.process, SIGKILL);  // ours and not collected: the id is still its own
+    ::kill(child.process, number);  // ours and not collected: the id is still its own
 }
 
 void LocalExecutor::run() {
@@ -275,7 +264,7 @@ void LocalExecutor::run() {
   if (ready_) children_[{"", 0}] = std::move(*ready_);
   for (const auto& [key, child] : children_) {
     if (child.adopted) continue;
-    end(child);
+    send_signal(child, SIGKILL);
     jobs::collect(child.process, Waiting::until_its_end);
   }
 }

@@ -27,9 +27,8 @@ namespace dccast::jobs {
 class LocalExecutor : public Executor {
 public:
   /// @param worker_program  dccast-worker
-  /// @param link_address    of the worker link, in gRPC's notation
   /// @param capacity        workers that may run at once
-  LocalExecutor(std::filesystem::path worker_program, std::string link_address, int capacity);
+  LocalExecutor(std::filesystem::path worker_program, int capacity);
   /// Kills what it has started and is still running, unless that was left to itself, and waits for
   /// its end. A worker of an earlier daemon is left to the next one: this one has only tried to
   /// serve, or has ended it before.
@@ -38,11 +37,11 @@ public:
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
   int capacity() const override { return capacity_; }
   void start(const WorkerLaunch& launch) override;
+  void stop(const std::string& job_id, int attempt) override;
   void kill(const std::string& job_id, int attempt) override;
-  /// Found is the worker that claims the folder of the job, when it is of this attempt, is the one
-  /// of `handle`, and speaks the protocol of this program. Any other that claims the folder is
-  /// killed, and so is the one of `handle` that has no claim: it hangs.
-  Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override;
+  /// Found is the worker that claims the folder of the job, when it is of this attempt and of the
+  /// protocol of this program. Any other that claims the folder is killed.
+  Adoption adopt(const WorkerLaunch& launch, bool wanted) override;
   /// Leaves workers that have claimed a folder to the next daemon. No call back comes any more.
   void let_workers_run();
 
@@ -55,11 +54,10 @@ private:
     bool adopted = false;            ///< of an earlier daemon: no child of this process
   };
   using Children = std::map<std::pair<std::string, int>, Child>;
-  static bool may_lead(const ClaimHolder& holder, const std::string& handle,
-                       const WorkerLaunch& launch);
-  static std::optional<std::string> end_of(const Child& child);
-  static void end(const Child& child);
-  void stop();
+  static std::optional<WorkerExit> exit_of(const Child& child);
+  void send_signal(const std::string& job_id, int attempt, int number);
+  static void send_signal(const Child& child, int number);
+  void end_thread();
   void run();
   void post(std::function<void()> order);
   Child spawn() const;
@@ -69,7 +67,6 @@ private:
   void collect();
 
   const std::filesystem::path worker_program_;
-  const std::string link_address_;
   const int capacity_;
   Calls calls_;
   storage::FileDescriptor wake_;  ///< eventfd

@@ -29,22 +29,6 @@ std::optional<ProcessIdentity> identify(pid_t id) {
   return ProcessIdentity{id, std::stoull(field)};
 }
 
-bool kill_stray(const ProcessIdentity& recorded) {
-  const auto same = [&recorded] {
-    const auto found = identify(recorded.id);
-    return found && found->start_ticks == recorded.start_ticks;
-  };
-  if (recorded.id <= 0 || !same()) return false;
-  ::kill(recorded.id, SIGKILL);
-  // Its parent collects it: init by now, or this process in a test. A killed process writes no more
-  // once it is a zombie, but that would take parsing its state; waiting for its end is as good.
-  for (int i = 0; i < 500 && same(); ++i) {
-    collect(recorded.id, Waiting::not_at_all);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
-}
-
 storage::FileDescriptor open_process(pid_t process) {
   // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
   return storage::FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));

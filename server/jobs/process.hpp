@@ -20,10 +20,6 @@ struct ProcessIdentity {
 /// The identity of a living process. @return nothing when there is none with this id
 std::optional<ProcessIdentity> identify(pid_t id);
 
-/// Kills the process if it still is the one that was recorded, and waits until it is gone.
-/// @return whether it was there
-bool kill_stray(const ProcessIdentity& recorded);
-
 /// A pidfd of a process: readable once the process has ended, and never of another process with the
 /// same id. @return nothing and `errno` when there is no such process, or a kernel without pidfds
 storage::FileDescriptor open_process(pid_t process);

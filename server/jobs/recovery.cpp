@@ -1,10 +1,11 @@
 #include "server/jobs/recovery.hpp"
 
-#include <set>
+#include "server/jobs/log.hpp"
+
 #include <utility>
 
 #include "server/jobs/events.hpp"
-#include "server/jobs/log.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {
@@ -18,81 +19,92 @@ void take_over_end(const v1::JobEvent& event, v1::Job& job) {
   *job.mutable_end_time() = timestamp(milliseconds(event.time()));
 }
 
-/// Whether a worker that was found may go on with its job: it runs for store and log, the log tells
-/// which of its reports are there, nobody has cancelled it, and the worker can prove itself.
-bool may_go_on(const EventLog& log, const JobRecord& record) {
-  return log.last_state() == v1::RUNNING && record.job.state() == v1::RUNNING &&
-         log.attempt_reports() && record.requested_action != RequestedAction::cancel &&
-         !record.worker_token_sha256.empty();
-}
+/// One job that has not ended as far as the store knows.
+class Recovery {
+public:
+  Recovery(const AttemptOptions& options, EventLogs& logs, Ledger& ledger, Executor& executor,
+           JobRecord& record)
+      : options_(options),
+        ledger_(ledger),
+        executor_(executor),
+        record_(record),
+        folder_(options.jobs_directory / record.job.id()),
+        log_(logs.open(record.job.id())) {}
 
-/// Brings one job into the state in which the next daemon finds it.
-void recover_job(EventLogs& logs, Ledger& ledger, JobRecord& record, bool has_worker) {
-  const auto log = logs.open(record.job.id());
-  if (has_worker && may_go_on(*log, record))
-    return spdlog::info("job {}: its worker ({}) was found again", record.job.id(),
-                        record.worker_handle);
-  record.worker_token_sha256.clear();
-  if (const auto end = log->terminal_event()) {
-    take_over_end(*end, record.job);
-    return ledger.transition(
-        record, end->state_change().state(),
-        "ended just before the last daemon did: " + end->state_change().cause());
+  /// @return whether a worker goes on with it
+  bool run() {
+    v1::Job& job = record_.job;
+    // An event is written before the store is: the log is never behind.
+    const EventLogContent content = log_->content();
+    const v1::JobState state = content.last_state ? content.last_state->state() : job.state();
+    job.set_attempts(std::max(job.attempts(), content.attempts));
+    const WorkerLaunch launch{.job_id = job.id(), .attempt = job.attempts(), .folder = folder_};
+    const auto request = read_request(folder_);
+    const bool cancelled = request && request->action == RequestedAction::cancel;
+    if (executor_.adopt(launch, state == v1::RUNNING && !cancelled) == Adoption::found) {
+      spdlog::info("job {}: its worker was found again", job.id());
+      job.set_state(v1::RUNNING);
+      if (request) record_.requested_action = request->action;
+      return true;
+    }
+    if (const auto end = log_->terminal_event()) {
+      take_over_end(*end, job);
+      become(end->state_change().state(),
+             "ended just before the last daemon did: " + end->state_change().cause());
+    } else if (state == v1::RUNNING || record_.requested_action != RequestedAction::none) {
+      const Settlement settlement = settle(record_, *log_, folder_, std::nullopt,
+                                           {.worker_restarts = options_.worker_restarts,
+                                            .other_version = options_.other_version});
+      become(settlement.state, settlement.cause);
+    } else if (state != job.state()) {
+      become(state, "as its event log says; dccastd was restarted");
+    }
+    return false;
   }
-  if (record.requested_action == RequestedAction::cancel)
-    return ledger.transition(record, v1::CANCELLED, "cancelled before dccastd was restarted");
-  if (std::exchange(record.requested_action, RequestedAction::none) == RequestedAction::pause)
-    return ledger.transition(record, v1::PAUSED, "paused before dccastd was restarted");
-  // A transition is in the log before it is in the store.
-  const v1::JobState state = log->last_state().value_or(record.job.state());
-  if (state == v1::RUNNING)
-    return ledger.transition(record, v1::QUEUED,
-                             "dccastd was restarted; goes on from its last checkpoint");
-  if (state != record.job.state())
-    ledger.transition(record, state, "as its event log says; dccastd was restarted");
-}
 
-/// With a full disk the job waits as it is; with damaged files of its own it has failed.
-void recover_damaged(Ledger& ledger, JobRecord& record, const std::exception& error) {
-  if (daemon_lacks(error)) {
-    if (record.job.state() == v1::RUNNING)
-      ledger.settle(record, v1::QUEUED, "dccastd was restarted; goes on from its last checkpoint");
-    return;
+private:
+  void become(v1::JobState state, const std::string& cause) {
+    ledger_.transition(record_, state, cause);
+    remove_request(folder_);
+    if (is_terminal(state)) remove_run_files(folder_);
+    log_->announce();
   }
-  add_failure(record.job, v1::Failure::STORAGE, error.what());
-  ledger.settle(record, v1::FAILED, error.what());
-}
+
+  const AttemptOptions& options_;
+  Ledger& ledger_;
+  Executor& executor_;
+  JobRecord& record_;
+  const std::filesystem::path folder_;
+  const std::shared_ptr<EventLog> log_;
+};
 
 }  // namespace
 
-RecoveredJobs recover_jobs(const std::filesystem::path& jobs_directory, JobStore& store,
-                           EventLogs& logs, Ledger& ledger, Executor& executor) {
-  std::vector<JobRecord> unfinished = store.unfinished();
-  // All workers first: none that is to go may still write when anything of theirs is looked at.
-  std::set<std::string> found;
-  for (JobRecord& record : unfinished) {
-    const std::string& id = record.job.id();
-    const WorkerLaunch launch{
-        .job_id = id, .attempt = record.job.attempts(), .folder = jobs_directory / id};
-    if (executor.adopt(record.worker_handle, launch) == Adoption::found)
-      found.insert(id);
-    else
-      record.worker_handle.clear();
-  }
+RecoveredJobs recover_jobs(const AttemptOptions& options, JobStore& store, EventLogs& logs,
+                           Ledger& ledger, Executor& executor) {
   RecoveredJobs recovered;
-  for (JobRecord& record : unfinished) {
-    const bool has_worker = found.contains(record.job.id());
+  for (JobRecord& record : store.unfinished()) {
+    const std::string id = record.job.id();
     try {
-      recover_job(logs, ledger, record, has_worker);
+      if (Recovery(options, logs, ledger, executor, record).run()) {
+        recovered.with_worker.push_back(std::move(record));
+        continue;
+      }
     } catch (const StoreError&) {
       throw;
     } catch (const std::exception& error) {
-      recover_damaged(ledger, record, error);
+      if (const auto lack = daemon_lacks(error)) {
+        // It waits as it is, and goes on from its last checkpoint.
+        spdlog::error("job {}: {}", id, error.what());
+        recovered.daemon_lacks = *lack;
+        record.job.set_state(v1::QUEUED);
+        ledger.keep(record, *lack);
+      } else {
+        add_failure(record.job, v1::Failure::STORAGE, error.what());
+        ledger.settle(record, v1::FAILED, error.what());
+      }
     }
-    if (has_worker)
-      recovered.with_worker.push_back(std::move(record));
-    else if (record.job.state() == v1::QUEUED)
-      recovered.waiting.push_back(record.job);
+    if (record.job.state() == v1::QUEUED) recovered.waiting.push_back(record.job);
   }
   return recovered;
 }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <filesystem>
+#include <string>
 #include <vector>
 
+#include "server/jobs/attempts.hpp"
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/executor.hpp"
 #include "server/jobs/job_store.hpp"
@@ -13,13 +14,13 @@ namespace dccast::jobs {
 /// What the last daemon left to do.
 struct RecoveredJobs {
   std::vector<v1::Job> waiting;
-  /// Jobs whose workers were found again: those that run go on, of the others the worker is to go.
-  std::vector<JobRecord> with_worker;
+  std::vector<JobRecord> with_worker;  ///< whose workers were found again and go on
+  std::string daemon_lacks;            ///< why something could not be written; empty: all was
 };
 
-/// Puts in order what the last daemon left, before anything else happens: the executor has looked
-/// for its workers, store and event logs agree. @throws StoreError
-RecoveredJobs recover_jobs(const std::filesystem::path& jobs_directory, JobStore& store,
-                           EventLogs& logs, Ledger& ledger, Executor& executor);
+/// Puts in order what the last daemon left, before anything else happens: jobs whose workers have
+/// ended meanwhile become what their folders say. @throws StoreError
+RecoveredJobs recover_jobs(const AttemptOptions& options, JobStore& store, EventLogs& logs,
+                           Ledger& ledger, Executor& executor);
 
 }  // namespace dccast::jobs

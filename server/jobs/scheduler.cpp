@@ -2,12 +2,14 @@
 // clients are in scheduler_requests.cpp.
 #include "server/jobs/scheduler.hpp"
 
+#include "server/jobs/log.hpp"
+
 #include <algorithm>
 #include <utility>
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
-#include "server/jobs/log.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/recovery.hpp"
 #include "server/jobs/storage_fault.hpp"
@@ -21,6 +23,19 @@ constexpr std::chrono::milliseconds standstill{250};
 
 }  // namespace
 
+Scheduler::Exclusive::Exclusive(Scheduler& scheduler, std::unique_lock<std::mutex>& lock,
+                                const std::string& id)
+    : scheduler_(scheduler), lock_(lock), id_(id) {
+  scheduler_.changed_.wait(lock_, [this] { return !scheduler_.held_jobs_.contains(id_); });
+  scheduler_.held_jobs_.insert(id_);
+}
+
+Scheduler::Exclusive::~Exclusive() {
+  if (!lock_.owns_lock()) lock_.lock();
+  scheduler_.held_jobs_.erase(id_);
+  scheduler_.changed_.notify_all();
+}
+
 Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor)
     : options_(std::move(options)),
       jobs_directory_(options_.attempts.jobs_directory),
@@ -28,17 +43,16 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
       logs_(logs),
       executor_(executor),
       ledger_(store, logs),
-      attempts_(options_.attempts, store, logs, ledger_, executor) {
-  const auto told = [this](auto tell) {
-    return [this, tell](const std::string& job_id, int number, const std::string& text) {
+      attempts_(options_.attempts, executor) {
+  const auto noted = [this](auto note) {
+    return [this, note](const std::string& job_id, int number, const auto& what) {
       const std::lock_guard lock(mutex_);
-      (attempts_.*tell)(job_id, number, text);
-      take_news();
+      (attempts_.*note)(job_id, number, what);
+      changed_.notify_all();
     };
   };
-  executor_.set_calls({.started = told(&Attempts::worker_started),
-                       .not_started = told(&Attempts::worker_not_started),
-                       .ended = told(&Attempts::worker_ended)});
+  executor_.set_calls({.not_started = noted(&Attempts::worker_not_started),
+                       .ended = noted(&Attempts::worker_ended)});
 }
 
 Scheduler::~Scheduler() {
@@ -46,12 +60,17 @@ Scheduler::~Scheduler() {
 }
 
 void Scheduler::recover() {
-  const std::lock_guard lock(mutex_);
-  RecoveredJobs recovered = recover_jobs(jobs_directory_, store_, logs_, ledger_, executor_);
-  for (const v1::Job& job : recovered.waiting) queue_.push(job);
-  for (JobRecord& record : recovered.with_worker) attempts_.adopt(std::move(record));
+  RecoveredJobs recovered = recover_jobs(options_.attempts, store_, logs_, ledger_, executor_);
   quarantine_unknown_folders(jobs_directory_, store_.ids());
-  take_news();
+  const std::lock_guard lock(mutex_);
+  for (const v1::Job& job : recovered.waiting) queue_.push(job);
+  for (JobRecord& record : recovered.with_worker) {
+    const std::string id = record.job.id();
+    const auto attempt = attempts_.add(std::move(record), logs_.open(id), true);
+    if (attempt->record.requested_action != RequestedAction::none) attempts_.expect_stop(*attempt);
+    logs_.follow(id);
+  }
+  if (!recovered.daemon_lacks.empty()) hold(recovered.daemon_lacks);
 }
 
 void Scheduler::start() {
@@ -64,7 +83,10 @@ void Scheduler::shut_down() {
   shutting_down_ = true;
   attempts_.stop_all();
   changed_.notify_all();
-  changed_.wait(lock, [this] { return attempts_.count() == 0; });
+  // What the disk does not take now the next daemon reads in the folders of the jobs.
+  changed_.wait(lock, [this] {
+    return attempts_.count() == 0 || (hold_.holds() && attempts_.running() == 0);
+  });
   stopping_ = true;
   changed_.notify_all();
   lock.unlock();
@@ -85,13 +107,16 @@ void Scheduler::run() {
   while (!stopping_) {
     notice_standstill();
     attempts_.kill_overdue(Clock::now());
-    take_news();
     lock.unlock();
+    conclude_ended();
     look_whether_hold_has_passed();
     start_jobs();
     lock.lock();
     if (stopping_) return;
-    if (may_start() && queue_.front()) continue;
+    if (!hold_.holds() && (!attempts_.ended().empty() || (may_start() && queue_.front()))) {
+      expected_wake_ = Clock::now();
+      continue;
+    }
     expected_wake_ = next_deadline();
     changed_.wait_until(lock, expected_wake_);
   }
@@ -107,18 +132,55 @@ Scheduler::Clock::time_point Scheduler::next_deadline() const {
   return hold_.holds() ? std::min(deadline, hold_.next_look()) : deadline;
 }
 
-void Scheduler::take_news() {
-  const AttemptNews news = attempts_.take_news();
-  for (const v1::Job& job : news.requeued) queue_.push(job);
-  for (const std::string& lack : {news.daemon_lacks, ledger_.trouble()})
+void Scheduler::conclude_ended() {
+  std::vector<std::shared_ptr<Attempt>> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!hold_.holds()) ended = attempts_.ended();
+  }
+  for (const auto& attempt : ended) conclude(attempt);
+}
+
+/// Decides and writes what a job becomes whose worker has gone. What the disk does not take is tried
+/// again once it does; until then the job is as it was.
+void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
+  const auto folder = jobs_directory_ / attempt->job_id;
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, attempt->job_id);
+  JobRecord record = attempt->record;
+  AttemptFacts facts = attempts_.facts_of(*attempt);
+  lock.unlock();
+  Settlement settlement;
+  try {
+    if (attempt->not_started.empty()) {
+      settlement = settle(record, *attempt->log, folder, attempt->exit, std::move(facts));
+    } else {  // the job waits as if this attempt had not been
+      record.job.set_attempts(attempt->number - 1);
+      settlement = settle_stopped(record, attempt->not_started);
+      settlement.daemon_lacks = attempt->not_started;
+    }
+    ledger_.settle(record, settlement.state, settlement.cause);
+  } catch (const std::exception& error) {
+    lock.lock();
+    return hold(error.what());
+  }
+  remove_request(folder);
+  if (is_terminal(record.job.state())) remove_run_files(folder);
+  lock.lock();
+  attempts_.count_storage_failure(*attempt, settlement, attempt->log->reached_step());
+  attempts_.erase(*attempt);
+  if (record.job.state() == v1::QUEUED) queue_.push(record.job);
+  for (const std::string& lack : {settlement.daemon_lacks, ledger_.trouble()})
     if (!lack.empty()) hold(lack);
-  changed_.notify_all();
+  lock.unlock();
+  ledger_.announce(attempt->job_id);
 }
 
 void Scheduler::hold(const std::string& reason) {
   if (hold_.set(reason))
     spdlog::error("the queue is held, no job fails for it: {}; looking again every few seconds",
                   reason);
+  changed_.notify_all();
 }
 
 void Scheduler::look_whether_hold_has_passed() {
@@ -127,10 +189,12 @@ void Scheduler::look_whether_hold_has_passed() {
     if (!hold_.holds() || Clock::now() < hold_.next_look()) return;
   }
   const std::string trouble = storage_trouble();  // waits for the disk: outside of the mutex
+  const bool passed = trouble.empty() && ledger_.retry();
   const std::lock_guard lock(mutex_);
-  if (!trouble.empty() || !ledger_.retry()) return hold_.look_again_later();
+  if (!passed) return hold_.look_again_later();
   spdlog::info("the queue goes on; it was held: {}", hold_.reason());
   hold_.lift();
+  changed_.notify_all();
 }
 
 std::string Scheduler::storage_trouble() {
@@ -144,7 +208,7 @@ std::string Scheduler::storage_trouble() {
   }
 }
 
-bool Scheduler::may_start() {
+bool Scheduler::may_start() const {
   return !shutting_down_ && !hold_.holds() && attempts_.count() < executor_.capacity();
 }
 
@@ -155,129 +219,64 @@ void Scheduler::start_jobs() {
 
 /// @return whether there may be another job to start
 bool Scheduler::start_next() {
-  std::optional<std::string> id;
-  {
-    const std::lock_guard lock(mutex_);
-    id = may_start() ? queue_.front() : std::nullopt;
-  }
+  std::unique_lock lock(mutex_);
+  const auto id = may_start() ? queue_.front() : std::nullopt;
   if (!id) return false;
-  std::shared_ptr<EventLog> held_open;  // so that nothing scans a long log under the mutex
+  const Exclusive job(*this, lock, *id);
+  if (!may_start() || queue_.front() != id) return true;
+  lock.unlock();
   try {
-    require_free_space(jobs_directory_, options_.minimum_free_bytes);
-    held_open = logs_.open(*id);
+    auto [record, log] = begin_attempt(*id);
+    lock.lock();
+    queue_.erase(*id);
+    if (!log) return true;  // it waits no more
+    attempts_.start(*attempts_.add(std::move(record), std::move(log), false));
+    if (const std::string trouble = ledger_.trouble(); !trouble.empty()) hold(trouble);
   } catch (const std::exception& error) {
-    const std::lock_guard lock(mutex_);
     refuse_start(*id, error);
     return true;
   }
-  const std::lock_guard lock(mutex_);
-  if (!may_start() || queue_.front() != id) return true;
-  try {
-    auto record = ledger_.find(*id);
-    if (record && record->job.state() == v1::QUEUED) attempts_.begin(std::move(*record));
-    queue_.erase(*id);
-  } catch (const std::exception& error) {
-    refuse_start(*id, error);
-  }
-  take_news();
+  lock.unlock();
+  ledger_.announce(*id);
   return true;
+}
+
+/// Writes that a job runs. @return no log for a job that does not wait
+std::pair<JobRecord, std::shared_ptr<EventLog>> Scheduler::begin_attempt(const std::string& id) {
+  require_free_space(jobs_directory_, options_.minimum_free_bytes);
+  auto record = ledger_.find(id);
+  if (!record || record->job.state() != v1::QUEUED) return {};
+  auto log = logs_.open(id);
+  remove_request(jobs_directory_ / id);  // that a crash has left
+  v1::Job& job = record->job;
+  job.set_attempts(job.attempts() + 1);
+  if (!job.has_start_time()) *job.mutable_start_time() = timestamp(milliseconds(now()));
+  ledger_.transition(*record, v1::RUNNING,
+                     job.attempts() == 1
+                         ? "started"
+                         : "started again (attempt " + std::to_string(job.attempts()) + ")");
+  log->announce();
+  log->hand_over();
+  logs_.follow(id);
+  return {std::move(*record), std::move(log)};
 }
 
 /// A job that cannot be started waits for the missing resource; it fails only for its own files.
 void Scheduler::refuse_start(const std::string& id, const std::exception& error) {
-  if (const auto lack = daemon_lacks(error)) return hold(*lack);
   try {
-    fail_waiting(id, error.what());
-  } catch (const std::exception& unreadable) {  // the store: what becomes of the job is seen later
-    hold(unreadable.what());
-  }
-}
-
-void Scheduler::fail_waiting(const std::string& id, const std::string& why) {
-  auto record = ledger_.find(id);
-  queue_.erase(id);
-  if (!record || record->job.state() != v1::QUEUED) return;
-  add_failure(record->job, v1::Failure::STORAGE, why);
-  ledger_.settle(*record, v1::FAILED, why);
-  take_news();
-}
-
-std::shared_ptr<Attempt> Scheduler::attach(const v1::WorkerMessage::Hello& hello,
-                                           std::shared_ptr<WorkerChannel> channel) {
-  const std::lock_guard lock(mutex_);
-  auto attempt = attempts_.attach(hello, std::move(channel));
-  changed_.notify_all();  // from now on other deadlines hold
-  return attempt;
-}
-
-void Scheduler::report(const std::shared_ptr<Attempt>& attempt, const v1::WorkerMessage& message) {
-  Attempts::note_word(*attempt);
-  v1::JobEvent event;
-  switch (message.what_case()) {
-    case v1::WorkerMessage::kStep:
-      *event.mutable_step() = message.step();
-      return hear(attempt, std::move(event));
-    case v1::WorkerMessage::kMessage:
-      *event.mutable_message() = message.message();
-      return hear(attempt, std::move(event));
-    case v1::WorkerMessage::kResumed:
-      spdlog::info("job {}: resumed from the checkpoint of step {}", attempt->job_id,
-                   message.resumed().step());
-      *event.mutable_resumed() = message.resumed();
-      return hear(attempt, std::move(event));
-    case v1::WorkerMessage::kValidityLost:
-      return note_validity_loss(attempt, message.validity_lost());
-    case v1::WorkerMessage::kFinding:
-      return note_finding(attempt, message.finding());
-    case v1::WorkerMessage::kFinished: {
-      const std::lock_guard lock(mutex_);
-      attempts_.finish(*attempt, message.finished());
-      return take_news();
+    if (const auto lack = daemon_lacks(error)) throw std::runtime_error(*lack);
+    auto record = ledger_.find(id);
+    if (record && record->job.state() == v1::QUEUED) {
+      add_failure(record->job, v1::Failure::STORAGE, error.what());
+      ledger_.settle(*record, v1::FAILED, error.what());
+      ledger_.announce(id);
     }
-    case v1::WorkerMessage::kHeartbeat:
-      return;
-    case v1::WorkerMessage::kHello:
-    case v1::WorkerMessage::WHAT_NOT_SET:
-      spdlog::warn("job {}: its worker sent an unexpected message", attempt->job_id);
-  }
-}
-
-/// A run that goes on from a checkpoint says again what was lost before.
-void Scheduler::note_validity_loss(const std::shared_ptr<Attempt>& attempt,
-                                   const v1::ValidityLoss& loss) {
-  {
     const std::lock_guard lock(mutex_);
-    if (attempt->log->has_validity_loss()) return;
-    attempts_.note_validity_loss(*attempt, loss);
+    queue_.erase(id);
+  } catch (const std::exception& lack) {  // what becomes of the job is seen later
+    const std::lock_guard lock(mutex_);
+    hold(lack.what());
   }
-  v1::JobEvent event;
-  *event.mutable_validity_lost() = loss;
-  hear(attempt, std::move(event));
-}
-
-/// A worker repeats its findings after a resumption; only one that has changed, by a worse
-/// exceedance, is an event.
-void Scheduler::note_finding(const std::shared_ptr<Attempt>& attempt, const v1::Finding& finding) {
-  if (attempt->log->has(finding)) return;
-  v1::JobEvent event;
-  *event.mutable_finding() = finding;
-  hear(attempt, std::move(event));
-}
-
-void Scheduler::hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event) {
-  const std::string error = Attempts::hear(*attempt, std::move(event));
-  if (error.empty()) return;
-  spdlog::error("job {}: {}; its worker is asked to stop", attempt->job_id, error);
-  const std::lock_guard lock(mutex_);
-  if (!attempt->settled) attempts_.order_stop(*attempt, true);
-  hold(error);
-  changed_.notify_all();
-}
-
-void Scheduler::detach(const std::shared_ptr<Attempt>& attempt) {
-  const std::lock_guard lock(mutex_);
-  attempts_.detach(attempt);
-  take_news();
 }
 
 }  // namespace dccast::jobs

@@ -6,13 +6,14 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
-#include "dccast/v1/worker.pb.h"
 #include "server/jobs/attempts.hpp"
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/executor.hpp"
@@ -37,7 +38,7 @@ struct FinishedRun {
   std::string id;                          ///< of the job it becomes
   std::filesystem::path folder;            ///< where its results are
   std::vector<v1::JobEvent> events;        ///< what it reported
-  v1::WorkerMessage::Finished finished{};  ///< succeeded or failed
+  v1::RunEnd end{};                        ///< succeeded or failed
   google::protobuf::Timestamp begun;
 };
 
@@ -75,8 +76,9 @@ struct Reply {
 /// What a job is stands in the Ledger, what its worker does in the Attempts.
 ///
 /// Safe to use from several threads. A request that throws has changed nothing: it throws
-/// StoreError or std::system_error when the disk refuses. Event logs are opened, and folders
-/// removed, outside of the mutex: both may take long.
+/// StoreError or std::system_error when the disk refuses. No thread waits for the disk while it
+/// holds the mutex: what changes a job holds the job instead (Exclusive), and readers see the job as
+/// it was until the change is on the disk.
 class Scheduler {
 public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
@@ -115,51 +117,51 @@ public:
   /// Why nothing is started now; empty when nothing holds the queue.
   std::string held();
 
-  /// A worker has called; it gets its order to start. @return its attempt; null for a wrong token
-  /// @throws std::exception  its case cannot be read: it is to be sent away
-  std::shared_ptr<Attempt> attach(const v1::WorkerMessage::Hello& hello,
-                                  std::shared_ptr<WorkerChannel> channel);
-  /// Takes what a worker says; never waits for watchers.
-  void report(const std::shared_ptr<Attempt>& attempt, const v1::WorkerMessage& message);
-  /// What the worker need not keep any more, when it is time to tell it.
-  /// @param beat  the worker has said that it is alive
-  std::optional<v1::WorkerOrder> acknowledgement(Attempt& attempt, bool beat) const {
-    return attempts_.acknowledgement(attempt, beat);
-  }
-  /// The link to a worker has ended.
-  void detach(const std::shared_ptr<Attempt>& attempt);
-
 private:
   using Clock = std::chrono::steady_clock;
+
+  /// Holds a job for one thread. Made and ended with the mutex; it may be released in between.
+  class Exclusive {
+  public:
+    Exclusive(Scheduler& scheduler, std::unique_lock<std::mutex>& lock, const std::string& id);
+    Exclusive(const Exclusive&) = delete;
+    ~Exclusive();
+
+  private:
+    Scheduler& scheduler_;
+    std::unique_lock<std::mutex>& lock_;
+    const std::string id_;
+  };
 
   void run();
 
   // The functions below expect mutex_ to be held.
-  void take_news();
   void hold(const std::string& reason);
   void notice_standstill();
   Clock::time_point next_deadline() const;
   v1::Job view(JobRecord record) const;
-  std::optional<JobRecord> record_of(const std::string& id);
-  Reply settle_idle(JobRecord& record, v1::JobState to, const std::string& cause);
-  bool may_start();
-  void refuse_start(const std::string& id, const std::exception& error);
-  void fail_waiting(const std::string& id, const std::string& why);
+  v1::Job view(const Attempt& attempt) const;
+  bool may_start() const;
 
   // These take mutex_ themselves, and wait for the disk without it.
+  void conclude_ended();
+  void conclude(const std::shared_ptr<Attempt>& attempt);
   void start_jobs();
   bool start_next();
+  std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
+  void refuse_start(const std::string& id, const std::exception& error);
   void look_whether_hold_has_passed();
   std::string storage_trouble();
-  void hear(const std::shared_ptr<Attempt>& attempt, v1::JobEvent event);
-  void note_validity_loss(const std::shared_ptr<Attempt>& attempt, const v1::ValidityLoss& loss);
-  void note_finding(const std::shared_ptr<Attempt>& attempt, const v1::Finding& finding);
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
   void write_history(const JobRecord& record, const FinishedRun& run);
   void forget(const std::string& id);
-  std::shared_ptr<EventLog> log_if_any(const std::string& id);
+
+  // These hold the job, and release `lock` while they wait for the disk.
+  Reply request(std::unique_lock<std::mutex>& lock, Attempt& attempt, const Request& request);
+  Reply settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
+                    const std::string& cause);
 
   const SchedulerOptions options_;
   const std::filesystem::path jobs_directory_;
@@ -173,6 +175,7 @@ private:
   Attempts attempts_;
   JobQueue queue_;
   QueueHold hold_;
+  std::set<std::string> held_jobs_;  ///< see Exclusive
   int submissions_under_way_ = 0;
   bool shutting_down_ = false;
   bool stopping_ = false;            ///< the thread's end

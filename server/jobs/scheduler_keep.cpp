@@ -16,8 +16,8 @@ void take_outcome(const FinishedRun& run, JobRecord& record) {
   v1::Job& job = record.job;
   job.set_attempts(1);
   *job.mutable_start_time() = timestamp(milliseconds(run.begun));
-  *job.mutable_artifacts() = run.finished.artifacts();
-  if (run.finished.has_failure()) *job.mutable_failure() = run.finished.failure();
+  *job.mutable_artifacts() = run.end.artifacts();
+  if (run.end.has_failure()) *job.mutable_failure() = run.end.failure();
   for (const v1::JobEvent& event : run.events) {
     if (event.has_validity_lost()) *job.mutable_validity_loss() = event.validity_lost();
     if (event.has_finding()) keep_finding(*job.mutable_findings(), event.finding());
@@ -25,7 +25,7 @@ void take_outcome(const FinishedRun& run, JobRecord& record) {
 }
 
 void move_results(const FinishedRun& run, const std::filesystem::path& folder) {
-  for (const v1::Artifact& artifact : run.finished.artifacts())
+  for (const v1::Artifact& artifact : run.end.artifacts())
     std::filesystem::rename(run.folder / artifact.name(), folder / artifact.name());
 }
 
@@ -64,12 +64,13 @@ v1::Job Scheduler::keep(const NewJob& new_job, const Attachments& attachments,
     throw;
   }
   take_outcome(run, record);
-  const bool succeeded = run.finished.outcome() == v1::WorkerMessage::Finished::SUCCEEDED;
+  const bool succeeded = run.end.outcome() == v1::RunEnd::SUCCEEDED;
   if (succeeded) record.solver = options_.attempts.solver;
-  const std::lock_guard lock(mutex_);
   ledger_.settle(record, succeeded ? v1::SUCCEEDED : v1::FAILED,
-                 succeeded ? "finished" : run.finished.failure().message());
-  take_news();
+                 succeeded ? "finished" : run.end.failure().message());
+  ledger_.announce(run.id);
+  const std::lock_guard lock(mutex_);
+  if (const std::string trouble = ledger_.trouble(); !trouble.empty()) hold(trouble);
   return view(std::move(record));
 }
 

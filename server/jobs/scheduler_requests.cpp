@@ -1,4 +1,5 @@
 // What clients ask of the scheduler: submit, look, cancel, pause, resume, delete.
+#include "server/jobs/log.hpp"
 
 #include <system_error>
 #include <utility>
@@ -7,7 +8,7 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
-#include "server/jobs/log.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/new_job.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
@@ -97,7 +98,8 @@ std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const N
                                                 const Attachments& attachments) {
   const auto folder = jobs_directory_ / record.job.id();
   create_job_folder(folder, attachments,
-                    {record.job, new_job.submitted_case, new_job.complete_case});
+                    {record.job, new_job.submitted_case, new_job.complete_case,
+                     new_job.answer_key});
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
@@ -125,43 +127,52 @@ v1::Job Scheduler::view(JobRecord record) const {
   return job;
 }
 
-std::optional<JobRecord> Scheduler::record_of(const std::string& id) {
-  if (const Attempt* attempt = attempts_.running(id)) return attempt->record;
-  if (const Attempt* attempt = attempts_.leaving(id)) return attempt->record;
-  return ledger_.find(id);
+v1::Job Scheduler::view(const Attempt& attempt) const {
+  v1::Job job = attempt.record.job;
+  attempt.log->complete(job);
+  return job;
 }
 
 std::optional<v1::Job> Scheduler::find(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  auto record = record_of(id);
+  auto record = ledger_.find(id);
   if (!record) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  // An end that is written counts, although its attempt may still be there.
+  const auto attempt = attempts_.find(id);
+  if (attempt && !is_terminal(record->job.state())) return view(*attempt);
   return view(std::move(*record));
 }
 
 std::shared_ptr<EventLog> Scheduler::log(const std::string& id) {
   auto log = logs_.open(id);
-  const std::lock_guard lock(mutex_);
-  if (log->terminal_event() || ledger_.pending(id) != nullptr) return log;
-  const auto record = store_.find(id);
-  if (!record || !is_terminal(record->job.state())) return log;
-  // The end was on the disk before the store knew of it: the file was damaged since. Watchers must
-  // see an end all the same.
-  v1::JobEvent event = state_event(record->job, "ended; part of the event log is lost");
+  const auto lacks_its_end = [&] {
+    if (log->terminal_event()) return false;
+    const auto record = store_.find(id);
+    return record && is_terminal(record->job.state()) && !log->terminal_event();
+  };
+  if (!lacks_its_end()) return log;
+  // Its end is being announced, or the file was damaged since: watchers must see an end all the
+  // same.
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  lock.unlock();
+  if (!lacks_its_end()) return log;
+  v1::JobEvent event = state_event(store_.find(id).value(), "ended; part of the event log is lost");
   log->append(event);
   return log;
 }
 
 std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
+  std::vector<JobRecord> records = store_.list(page);
   const std::lock_guard lock(mutex_);
   std::vector<v1::Job> jobs;
-  for (JobRecord& stored : store_.list(page)) {
-    const std::string id = stored.job.id();
-    const Attempt* attempt = attempts_.running(id);
-    const JobRecord* kept = attempt != nullptr ? &attempt->record : ledger_.pending(id);
-    v1::Job& job = jobs.emplace_back(kept != nullptr ? kept->job : std::move(stored.job));
-    if (job.state() != v1::QUEUED) continue;
-    job.set_held(hold_.reason());
-    job.set_queue_position(queue_.position(id));
+  for (JobRecord& record : records) {
+    const auto attempt = attempts_.find(record.job.id());
+    if (auto kept = ledger_.kept(record.job.id())) record = std::move(*kept);
+    if (attempt && !is_terminal(record.job.state()))
+      jobs.push_back(view(*attempt));
+    else
+      jobs.push_back(view(std::move(record)));
   }
   return jobs;
 }
@@ -181,104 +192,104 @@ std::string Scheduler::held() {
   return hold_.reason();
 }
 
-/// Brings a job that no worker runs into another state, out of the queue.
-Reply Scheduler::settle_idle(JobRecord& record, v1::JobState to, const std::string& cause) {
+/// Brings a job that no worker runs into another state.
+Reply Scheduler::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
+                             const std::string& cause) {
   const std::string id = record.job.id();
   ledger_.transition(record, to, cause);
-  queue_.erase(id);
-  if (Attempt* attempt = attempts_.leaving(id)) {
-    attempt->requeue = false;
-    attempt->record = record;
-  } else if (is_terminal(to)) {
-    remove_run_files(jobs_directory_ / id);
+  if (is_terminal(to)) remove_run_files(jobs_directory_ / id);
+  lock.lock();
+  if (to == v1::QUEUED)
+    queue_.push(record.job);
+  else
+    queue_.erase(id);
+  if (const std::string trouble = ledger_.trouble(); !trouble.empty()) hold(trouble);
+  Reply reply{Reply::Kind::done, view(record)};
+  lock.unlock();
+  ledger_.announce(id);
+  return reply;
+}
+
+/// Leaves a request for the worker of a running job.
+Reply Scheduler::request(std::unique_lock<std::mutex>& lock, Attempt& attempt,
+                         const Request& request) {
+  if (attempt.record.requested_action < request.action) {
+    lock.unlock();
+    write_request(jobs_directory_ / attempt.job_id, request);
+    lock.lock();
+    attempt.record.requested_action = request.action;
+    attempt.record.request_reason = request.reason;
+    attempts_.expect_stop(attempt);
+    spdlog::info("job {}: {} requested", attempt.job_id,
+                 request.action == RequestedAction::cancel ? "cancel" : "pause");
+    changed_.notify_all();
   }
-  take_news();
-  return {Reply::Kind::done, view(record)};
+  return {Reply::Kind::done, view(attempt)};
 }
 
 Reply Scheduler::cancel(const std::string& id, const std::string& reason) {
-  const auto held_open = log_if_any(id);
-  const std::lock_guard lock(mutex_);
-  if (Attempt* attempt = attempts_.running(id)) {
-    if (attempt->record.requested_action != RequestedAction::cancel) {
-      attempts_.request(*attempt, RequestedAction::cancel, reason);
-      spdlog::info("job {}: {}; its worker is asked to stop", id, cancel_cause(attempt->record));
-    }
-    changed_.notify_all();
-    return {Reply::Kind::done, view(attempt->record)};
-  }
-  auto record = record_of(id);
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (const auto attempt = attempts_.find(id))
+    return request(lock, *attempt, {RequestedAction::cancel, reason});
+  lock.unlock();
+  auto record = ledger_.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  if (is_terminal(record->job.state())) return {Reply::Kind::done, view(*record)};
+  if (is_terminal(record->job.state())) return {Reply::Kind::done, record->job};
   record->request_reason = reason;
-  return settle_idle(*record, v1::CANCELLED, cancel_cause(*record));
+  return settle_idle(lock, *record, v1::CANCELLED, cancel_cause(*record));
 }
 
 Reply Scheduler::pause(const std::string& id) {
-  const auto held_open = log_if_any(id);
-  const std::lock_guard lock(mutex_);
-  if (Attempt* attempt = attempts_.running(id)) {
-    if (attempt->record.requested_action == RequestedAction::none) {
-      attempts_.request(*attempt, RequestedAction::pause, "");
-      spdlog::info("job {}: pause asked for; its worker goes on to a checkpoint", id);
-    }
-    changed_.notify_all();
-    return {Reply::Kind::done, view(attempt->record)};
-  }
-  auto record = record_of(id);
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (const auto attempt = attempts_.find(id))
+    return request(lock, *attempt, {RequestedAction::pause, ""});
+  lock.unlock();
+  auto record = ledger_.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  if (is_terminal(record->job.state())) return {Reply::Kind::wrong_state, view(*record)};
-  if (record->job.state() == v1::PAUSED) return {Reply::Kind::done, view(*record)};
-  return settle_idle(*record, v1::PAUSED, "paused by request");
+  if (is_terminal(record->job.state())) return {Reply::Kind::wrong_state, record->job};
+  if (record->job.state() == v1::PAUSED) return {Reply::Kind::done, record->job};
+  return settle_idle(lock, *record, v1::PAUSED, "paused by request");
 }
 
 Reply Scheduler::resume(const std::string& id) {
-  const auto held_open = log_if_any(id);
-  const std::lock_guard lock(mutex_);
-  auto record = record_of(id);
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (const auto attempt = attempts_.find(id)) return {Reply::Kind::wrong_state, view(*attempt)};
+  lock.unlock();
+  auto record = ledger_.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  if (record->job.state() != v1::PAUSED) return {Reply::Kind::wrong_state, view(*record)};
+  if (record->job.state() != v1::PAUSED) return {Reply::Kind::wrong_state, record->job};
   record->requested_action = RequestedAction::none;
-  ledger_.transition(*record, v1::QUEUED, "resumed by request");
-  if (Attempt* attempt = attempts_.leaving(id)) {
-    attempt->requeue = true;
-    attempt->record = *record;
-  } else {
-    queue_.push(record->job);
-  }
-  take_news();
-  return {Reply::Kind::done, view(*record)};
+  return settle_idle(lock, *record, v1::QUEUED, "resumed by request");
 }
 
 Reply Scheduler::remove(const std::string& id) {
-  std::optional<std::filesystem::path> removed;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto record = record_of(id);
-    if (!record) return {Reply::Kind::not_found, {}};
-    if (record->requested_action == RequestedAction::cancel && !is_terminal(record->job.state()))
-      return {Reply::Kind::being_cancelled, view(*record)};
-    if (!is_terminal(record->job.state()) || ledger_.pending(id) != nullptr)
-      return {Reply::Kind::wrong_state, view(*record)};
-    removed = begin_removal(jobs_directory_, id);
-    try {
-      store_.erase(id);
-    } catch (const StoreError&) {
-      if (removed) undo_removal(*removed);
-      throw;
-    }
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (const auto attempt = attempts_.find(id)) {
+    const bool cancelled = attempt->record.requested_action == RequestedAction::cancel;
+    return {cancelled ? Reply::Kind::being_cancelled : Reply::Kind::wrong_state, view(*attempt)};
   }
-  // Without its row nobody asks for the folder any more; a large one takes its time.
+  lock.unlock();
+  const auto record = ledger_.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  if (!is_terminal(record->job.state()) || ledger_.kept(id))
+    return {Reply::Kind::wrong_state, record->job};
+  const auto removed = begin_removal(jobs_directory_, id);
+  try {
+    store_.erase(id);
+  } catch (const StoreError&) {
+    if (removed) undo_removal(*removed);
+    throw;
+  }
+  // Without its row nothing refers to the folder any more; a large one takes its time.
   std::error_code error;
   if (removed) std::filesystem::remove_all(*removed, error);
   if (error) spdlog::warn("job {}: part of its folder is left: {}", id, error.message());
   spdlog::info("job {}: deleted by request", id);
   return {Reply::Kind::done, {}};
-}
-
-/// Opens a job's log, which may mean to scan it, before the mutex is taken.
-std::shared_ptr<EventLog> Scheduler::log_if_any(const std::string& id) {
-  return store_.find(id) ? logs_.open(id) : nullptr;
 }
 
 }  // namespace dccast::jobs

@@ -9,13 +9,13 @@ namespace dccast::jobs {
 
 namespace {
 
-using Finished = v1::WorkerMessage::Finished;
+using v1::RunEnd;
 
 /// Attempts in a row that may end because something was not written, without getting any further.
 /// The queue was held between them until the daemon could write: it is this job that cannot.
 constexpr int most_storage_failures = 10;
 
-/// Something could not be written. That is the daemon's trouble as long as it may pass.
+/// Something could not be written. The queue is held for that as long as it may pass.
 Settlement settle_for_storage(JobRecord& record, const std::string& error,
                               const AttemptFacts& facts) {
   if (facts.storage_failures >= most_storage_failures) {
@@ -27,9 +27,9 @@ Settlement settle_for_storage(JobRecord& record, const std::string& error,
   return settlement;
 }
 
-Settlement settle_succeeded(JobRecord& record, const Finished& finished,
+Settlement settle_succeeded(JobRecord& record, const RunEnd& end,
                             const AttemptFacts& facts) {
-  *record.job.mutable_artifacts() = finished.artifacts();
+  *record.job.mutable_artifacts() = end.artifacts();
   if (facts.missing_artifact.empty()) return {v1::SUCCEEDED, "finished"};
   add_failure(record.job, v1::Failure::STORAGE, facts.missing_artifact);
   return {v1::FAILED, facts.missing_artifact};
@@ -43,22 +43,22 @@ std::string unwritten(const v1::Failure& failure) {
   return {};
 }
 
-Settlement settle_failed(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
-  const v1::Failure& failure = finished.failure();
+Settlement settle_failed(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
+  const v1::Failure& failure = end.failure();
   // The run comes to the same end once its results can be written.
   if (const std::string error = unwritten(failure);
       !error.empty() && facts.storage_failures < most_storage_failures)
     return settle_for_storage(record, error, facts);
   *record.job.mutable_failure() = failure;
-  *record.job.mutable_artifacts() = finished.artifacts();
+  *record.job.mutable_artifacts() = end.artifacts();
   return {v1::FAILED, failure.message()};
 }
 
-Settlement settle_other_version(JobRecord& record, const Finished& finished,
+Settlement settle_other_version(JobRecord& record, const RunEnd& end,
                                 const AttemptFacts& facts) {
-  const std::string& reason = finished.failure().message();
+  const std::string& reason = end.failure().message();
   if (facts.other_version == v1::FAIL) {
-    *record.job.mutable_failure() = finished.failure();
+    *record.job.mutable_failure() = end.failure();
     return {v1::FAILED, reason};
   }
   record.requested_action = RequestedAction::none;
@@ -86,32 +86,31 @@ Settlement settle_stopped(JobRecord& record, const std::string& cause) {
   return {v1::QUEUED, cause};
 }
 
-Settlement settle_finished(JobRecord& record, const Finished& finished, const AttemptFacts& facts) {
-  if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
-  switch (finished.outcome()) {
-    case Finished::SUCCEEDED:
-      return settle_succeeded(record, finished, facts);
-    case Finished::FAILED:
-      return settle_failed(record, finished, facts);
-    case Finished::OTHER_VERSION_FOUND:
-      return settle_other_version(record, finished, facts);
+Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
+  switch (end.outcome()) {
+    case RunEnd::SUCCEEDED:
+      return settle_succeeded(record, end, facts);
+    case RunEnd::FAILED:
+      return settle_failed(record, end, facts);
+    case RunEnd::OTHER_VERSION_FOUND:
+      return settle_other_version(record, end, facts);
     default:
       return settle_stopped(record, facts.shutting_down
                                         ? "dccastd is shutting down; stopped at a checkpoint"
-                                        : "its worker was told to leave; stopped at a checkpoint");
+                                        : "its worker was asked to stop; stopped at a checkpoint");
   }
 }
 
-Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts) {
+Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts) {
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
-  if (how == "exit code " + std::to_string(exit_out_of_memory)) {
+  if (exit.code == exit_out_of_memory) {
     add_failure(record.job, v1::Failure::OUT_OF_MEMORY, out_of_memory_text);
     return {v1::FAILED, out_of_memory_text};
   }
   const std::string loss =
-      "worker " + (facts.hung.empty() ? "died with " + how : facts.hung + " and was killed") +
+      "worker " + (facts.hung.empty() ? "died with " + exit.how : facts.hung + " and was killed") +
       " after step " + std::to_string(facts.reached_step);
   if (record.losses++ == 0) record.first_loss = loss;
   const bool same_step = record.lost_step == facts.reached_step;

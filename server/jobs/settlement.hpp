@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "dccast/v1/worker.pb.h"
+#include "dccast/v1/job.pb.h"
+#include "server/jobs/executor.hpp"
 #include "server/jobs/job_store.hpp"
 
 namespace dccast::jobs {
@@ -21,25 +22,23 @@ struct AttemptFacts {
   int worker_restarts = 2;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
   int storage_failures = 0;        ///< attempts in a row that were ended by it and got no further
-  std::string storage_error{};     ///< of the daemon: an event that could not be written
   std::int64_t reached_step = 0;   ///< last one reported, or that of the checkpoint it went on from
   double reached_time = 0.0;       ///< [s]
   std::string hung{};              ///< why the worker was taken to hang; empty: it was not
-  std::string missing_artifact{};  ///< a result that is not on the disk as the worker said
+  std::string missing_artifact{};  ///< a result that is not on the disk as the run's end says
+  std::string storage_error{};     ///< why the folder of the job takes nothing; empty: it does
 };
 
-/// The worker has said how its run ended. Fills in failure, artifacts and what was asked for.
-Settlement settle_finished(JobRecord& record, const v1::WorkerMessage::Finished& finished,
-                           const AttemptFacts& facts);
+/// The worker has left its run in good order. Fills in failure, artifacts and what was requested.
+Settlement settle_run_end(JobRecord& record, const v1::RunEnd& end, const AttemptFacts& facts);
 
 /// The attempt was stopped by order, or never began: what was requested decides; without a request
 /// the job waits again.
 /// @param cause  why it waits, for people
 Settlement settle_stopped(JobRecord& record, const std::string& cause);
 
-/// The worker died without a final report.
-/// @param how  "signal 9 (Killed)", "exit code 1"
-Settlement settle_lost(JobRecord& record, const std::string& how, const AttemptFacts& facts);
+/// The worker died in the middle of its run.
+Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts);
 
 /// Why a job was cancelled, for people.
 std::string cancel_cause(const JobRecord& record);

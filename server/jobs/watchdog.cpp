@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "server/jobs/worker_claim.hpp"
+
 namespace dccast::jobs {
 
 namespace {
@@ -12,25 +17,42 @@ double seconds(std::chrono::milliseconds time) {
 
 }  // namespace
 
-SilenceDeadline silence_deadline(Attempt& attempt, const WatchdogLimits& limits) {
-  const std::lock_guard lock(attempt.mutex);
-  if (!attempt.channel)
-    return {attempt.begun + limits.hello,
-            fmt::format("did not call within {:g} s of {}", seconds(limits.hello),
-                        attempt.adopted ? "the restart of dccastd" : "its start")};
+void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
+                    Attempt::Clock::time_point now) {
+  attempt.looked = now;
+  const auto sign = last_sign_of_life(folder);
+  if (std::exchange(attempt.sign, sign) != sign) {
+    if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
+    attempt.last_sign = now;
+  }
+  const std::int64_t sequence = attempt.log->last_sequence();
+  if (std::exchange(attempt.sequence, sequence) != sequence)
+    attempt.last_sign = attempt.last_progress = now;
+}
+
+SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
+  if (!attempt.begun)
+    return {attempt.last_sign + limits.hello,
+            fmt::format("did not begin within {:g} s of its start", seconds(limits.hello))};
   const SilenceDeadline heartbeat{
-      attempt.last_word + limits.heartbeat,
+      attempt.last_sign + limits.heartbeat,
       fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
   if (limits.stall.count() == 0) return heartbeat;
   const SilenceDeadline stall{
-      attempt.last_advance + limits.stall,
+      attempt.last_progress + limits.stall,
       fmt::format("was alive but made no step for {:g} s", seconds(limits.stall))};
   return heartbeat.at <= stall.at ? heartbeat : stall;
 }
 
+Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
+  auto shortest = std::min(limits.hello, limits.heartbeat);
+  if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
+  const auto interval = shortest / 4;
+  return attempt.looked + std::max<std::chrono::milliseconds>(interval, std::chrono::milliseconds(1));
+}
+
 void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {
-  const std::lock_guard lock(attempt.mutex);
-  attempt.begun = attempt.last_word = attempt.last_advance = now;
+  attempt.looked = attempt.last_sign = attempt.last_progress = now;
 }
 
 }  // namespace dccast::jobs

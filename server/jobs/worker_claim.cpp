@@ -79,6 +79,17 @@ bool FolderClaim::stands() const {
          held.st_dev == there.st_dev && held.st_ino == there.st_ino;
 }
 
+void FolderClaim::touch() const {
+  ::futimens(lock_.descriptor(), nullptr);
+}
+
+std::optional<std::filesystem::file_time_type> last_sign_of_life(
+    const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(folder / claim_file, error);
+  return error ? std::nullopt : std::optional(time);
+}
+
 std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder) {
   const auto path = folder / claim_file;
   if (!std::filesystem::exists(path)) return std::nullopt;

@@ -12,9 +12,10 @@
 
 namespace dccast::jobs {
 
-/// Version of what a worker and a daemon say to each other once the worker runs. A daemon leads on
-/// a worker of an earlier program only when this is equal.
-inline constexpr int worker_protocol = 1;
+/// Version of what a worker and a daemon agree on while the worker runs: who appends to which file of
+/// the folder, and what means what. A daemon leads on a worker of an earlier program only when this
+/// is equal. Version 1 reported over a socket.
+inline constexpr int worker_protocol = 2;
 
 /// What a worker says of itself in the folder of its job.
 struct WorkerClaim {
@@ -46,6 +47,8 @@ public:
   /// Whether the folder is still the one that was claimed: not removed, moved or put back from a
   /// backup.
   bool stands() const;
+  /// A sign of life: sets the time of the file to now.
+  void touch() const;
 
 private:
   storage::File lock_;
@@ -58,6 +61,10 @@ struct ClaimHolder {
   /// Nothing: it has not said who it is, or cannot be understood.
   std::optional<WorkerClaim> claim{};
 };
+
+/// The last sign of life of a worker in this folder, claim included; nothing without a file.
+std::optional<std::filesystem::file_time_type> last_sign_of_life(
+    const std::filesystem::path& folder);
 
 /// Who claims a folder. Not for the holder itself, see FolderClaim. @return nothing for nobody
 /// @throws std::system_error  it cannot be found out

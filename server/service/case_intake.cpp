@@ -120,7 +120,7 @@ v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Ca
                                               const jobs::Patience& patience) const {
   std::optional<jobs::CheckFolder> folder;
   if (!attachments.empty()) folder.emplace(check_directory_, attachments);
-  v1::WorkerOrder::Start question;
+  v1::WorkerOrder question;
   *question.mutable_case_() = complete;
   question.set_directory(folder ? folder->path() : check_directory_);
   *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};

@@ -18,9 +18,9 @@ public:
   static constexpr std::size_t waiting_bytes = 512'000'000;  ///< of requests, for each lane
   static constexpr WaitingBound many{.number = 10000, .bytes = waiting_bytes};
 
-  WorkPool status{4, many};     ///< one look into the store, or one order
+  WorkPool status{4, many};     ///< one look into the store
   WorkPool histories{2, many};  ///< reads event logs
-  WorkPool durable{4, many};    ///< syncs new jobs to disk
+  WorkPool durable{4, many};    ///< syncs new jobs and requests to disk
   WorkPool checks;              ///< asks a checker; one thread for each that may be at work
   WorkPool queries;             ///< from the check of a case to the end of its run; likewise
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "dccast/v1/worker.pb.h"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
@@ -17,7 +18,7 @@ namespace dccast::service {
 
 namespace {
 
-using Finished = v1::WorkerMessage::Finished;
+using v1::RunEnd;
 using Response = v1::QueryButtCurlResponse;
 
 constexpr std::chrono::hours longest_query{24};
@@ -32,9 +33,9 @@ Response accepted(const ExaminedCase& examined, bool from_store, const std::stri
   return response;
 }
 
-v1::JobState state_of(Finished::Outcome outcome) {
-  if (outcome == Finished::SUCCEEDED) return v1::SUCCEEDED;
-  return outcome == Finished::FAILED ? v1::FAILED : v1::CANCELLED;
+v1::JobState state_of(RunEnd::Outcome outcome) {
+  if (outcome == RunEnd::SUCCEEDED) return v1::SUCCEEDED;
+  return outcome == RunEnd::FAILED ? v1::FAILED : v1::CANCELLED;
 }
 
 /// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
@@ -95,8 +96,8 @@ public:
     for (const v1::Finding& finding : examined_.verdict.findings()) say(finding);
     const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
     const std::string last = context_.query_workers.ask(
-        question, start().SerializeAsString(), patience, [this](auto part) { take(part); });
-    if (!run_.finished.ParseFromString(last))
+        question, order().SerializeAsString(), patience, [this](auto part) { take(part); });
+    if (!run_.end.ParseFromString(last))
       throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                      "the end of a query's run cannot be read");
     return end();
@@ -109,16 +110,16 @@ private:
     return true;
   }
 
-  v1::WorkerOrder::Start start() const {
-    v1::WorkerOrder::Start start;
-    *start.mutable_case_() = examined_.complete;
-    start.set_directory(run_.folder);
-    start.set_threads(context_.query_threads);
-    if (request_.keep()) return start;
-    v1::CheckpointPolicy& checkpoint = *start.mutable_case_()->mutable_checkpoint();
+  v1::WorkerOrder order() const {
+    v1::WorkerOrder order;
+    *order.mutable_case_() = examined_.complete;
+    order.set_directory(run_.folder);
+    order.set_threads(context_.query_threads);
+    if (request_.keep()) return order;
+    v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // nobody resumes it
     checkpoint.set_every_s(0.0);
-    return start;
+    return order;
   }
 
   void say(Response response) {
@@ -135,45 +136,32 @@ private:
   }
 
   void take(std::string_view part) {
-    v1::WorkerMessage message;
-    if (!message.ParseFromString(std::string(part))) return;
-    if (request_.keep()) keep_event(message);
-    if (message.has_finding()) return say(message.finding());
+    v1::JobEvent event;
+    if (!event.ParseFromString(std::string(part))) return;
+    if (request_.keep()) {
+      *event.mutable_time() = jobs::now();
+      run_.events.push_back(event);
+    }
+    if (event.has_finding()) return say(event.finding());
     Response response;
-    if (message.has_step()) {
-      solver_s_ = message.step().solver_s();
-      *response.mutable_step() = std::move(*message.mutable_step());
-    } else if (message.has_validity_lost()) {
-      *response.mutable_validity_lost() = message.validity_lost();
+    if (event.has_step()) {
+      solver_s_ = event.step().solver_s();
+      *response.mutable_step() = std::move(*event.mutable_step());
+    } else if (event.has_validity_lost()) {
+      *response.mutable_validity_lost() = event.validity_lost();
     } else {
       return;
     }
     say(std::move(response));
   }
 
-  void keep_event(const v1::WorkerMessage& message) {
-    v1::JobEvent event;
-    if (message.has_step())
-      *event.mutable_step() = message.step();
-    else if (message.has_finding())
-      *event.mutable_finding() = message.finding();
-    else if (message.has_validity_lost())
-      *event.mutable_validity_lost() = message.validity_lost();
-    else if (message.has_message())
-      *event.mutable_message() = message.message();
-    else
-      return;
-    *event.mutable_time() = jobs::now();
-    run_.events.push_back(std::move(event));
-  }
-
   grpc::Status end() {
-    const bool succeeded = run_.finished.outcome() == Finished::SUCCEEDED;
+    const bool succeeded = run_.end.outcome() == RunEnd::SUCCEEDED;
     if (request_.keep()) keep_job();
     Response response;
-    response.mutable_ended()->set_state(state_of(run_.finished.outcome()));
-    if (run_.finished.has_failure())
-      *response.mutable_ended()->mutable_failure() = run_.finished.failure();
+    response.mutable_ended()->set_state(state_of(run_.end.outcome()));
+    if (run_.end.has_failure())
+      *response.mutable_ended()->mutable_failure() = run_.end.failure();
     response.mutable_ended()->set_solver_s(solver_s_);
     say(std::move(response));
     if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));

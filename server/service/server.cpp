@@ -4,19 +4,13 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 
-#include <cerrno>
 #include <chrono>
 #include <functional>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 #include <vector>
 
-#include "server/jobs/socket_path.hpp"
 #include "server/service/grpc_trouble.hpp"
 
 namespace dccast::service {
@@ -31,9 +25,6 @@ void permit_pings(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
 }
-
-/// Workers that may call: as many as the schema permits to run, with those that wait and leave.
-constexpr std::size_t most_workers = 3 * 4096;
 
 /// A connection that is silent from the start, or falls silent, is closed: a client that is alive
 /// reconnects without noticing.
@@ -59,49 +50,6 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
 }
 
 }  // namespace
-
-LinkAddress::LinkAddress(const std::filesystem::path& data_directory)
-    : socket_(std::filesystem::absolute(data_directory) / "worker.sock") {
-  std::filesystem::remove(socket_);  // of a daemon that was killed
-}
-
-LinkAddress::~LinkAddress() {
-  std::error_code ignored;
-  std::filesystem::remove(socket_, ignored);
-}
-
-storage::FileDescriptor LinkAddress::listen() const {
-  const jobs::SocketPath short_path(grpc_address());
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  short_path.path().string().copy(address.sun_path, sizeof address.sun_path - 1);
-  storage::FileDescriptor listening(
-      ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!listening ||
-      ::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::chmod(socket_.c_str(), S_IRUSR | S_IWUSR) != 0 || ::listen(listening.get(), SOMAXCONN) != 0)
-    throw std::system_error(errno, std::generic_category(),
-                            "cannot listen for workers on " + socket_.string());
-  return listening;
-}
-
-LinkServer::LinkServer(jobs::Scheduler& scheduler, const LinkAddress& address)
-    : listening_(address.listen()), link_(scheduler) {
-  grpc::ServerBuilder builder;
-  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      grpc::InsecureServerCredentials());
-  builder.RegisterService(&link_);
-  server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve workers");
-  door_ = std::make_unique<Door>(listening_.get(), most_workers, hand_over(std::move(acceptor)));
-}
-
-LinkServer::~LinkServer() {
-  door_.reset();
-  server_->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
-  server_->Wait();
-}
 
 PublicServer::PublicServer(Context& context, studies::Studies& studies, const std::string& listen)
     : socket_(listen), service_(context, studies, socket_.address()) {

@@ -2,7 +2,6 @@
 
 #include <grpcpp/server.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -11,40 +10,8 @@
 #include "server/service/door.hpp"
 #include "server/service/listening_socket.hpp"
 #include "server/service/simulation_service.hpp"
-#include "server/service/worker_link.hpp"
 
 namespace dccast::service {
-
-/// Where workers find the daemon, and every daemon after it: a Unix socket in the data directory,
-/// the owner's alone as the directory is.
-class LinkAddress {
-public:
-  explicit LinkAddress(const std::filesystem::path& data_directory);
-  LinkAddress(const LinkAddress&) = delete;
-  ~LinkAddress();
-  std::string grpc_address() const { return "unix:" + socket_.string(); }
-  /// A socket that listens there. @throws std::system_error
-  storage::FileDescriptor listen() const;
-
-private:
-  std::filesystem::path socket_;
-};
-
-/// The worker link, listening. Behind a Door too: gRPC 1.51 ends a listener of its own forever
-/// when a connection comes at a moment without a free descriptor, and no worker could call any
-/// more.
-class LinkServer {
-public:
-  /// @throws std::runtime_error  it cannot listen there
-  LinkServer(jobs::Scheduler& scheduler, const LinkAddress& address);
-  ~LinkServer();
-
-private:
-  storage::FileDescriptor listening_;
-  WorkerLink link_;
-  std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<Door> door_;
-};
 
 /// SimulationService, health and reflection, listening on TCP.
 class PublicServer {

@@ -83,25 +83,25 @@ grpc::ServerUnaryReactor* SimulationService::ListJobs(Wire* wire,
 grpc::ServerUnaryReactor* SimulationService::CancelJob(Wire* wire,
                                                        const v1::CancelJobRequest* request,
                                                        v1::Job* response) {
-  return answer(lanes_.status, wire, request, response, &cancel_job);
+  return answer(lanes_.durable, wire, request, response, &cancel_job);
 }
 
 grpc::ServerUnaryReactor* SimulationService::PauseJob(Wire* wire,
                                                       const v1::PauseJobRequest* request,
                                                       v1::Job* response) {
-  return answer(lanes_.status, wire, request, response, &pause_job);
+  return answer(lanes_.durable, wire, request, response, &pause_job);
 }
 
 grpc::ServerUnaryReactor* SimulationService::ResumeJob(Wire* wire,
                                                        const v1::ResumeJobRequest* request,
                                                        v1::Job* response) {
-  return answer(lanes_.status, wire, request, response, &resume_job);
+  return answer(lanes_.durable, wire, request, response, &resume_job);
 }
 
 grpc::ServerUnaryReactor* SimulationService::DeleteJob(Wire* wire,
                                                        const v1::DeleteJobRequest* request,
                                                        v1::DeleteJobResponse* response) {
-  return answer(lanes_.status, wire, request, response, &delete_job);
+  return answer(lanes_.durable, wire, request, response, &delete_job);
 }
 
 grpc::ServerUnaryReactor* SimulationService::QueryResult(Wire* wire,

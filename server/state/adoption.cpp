@@ -12,19 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void take_state(const v1::JobEvent& event, v1::Job& job) {
-  const auto& change = event.state_change();
-  job.set_state(change.state());
-  if (change.state() == v1::RUNNING) {
-    job.set_attempts(job.attempts() + 1);
-    if (!job.has_start_time()) *job.mutable_start_time() = event.time();
-  }
-  if (!change.terminal()) return;
-  *job.mutable_end_time() = event.time();
-  if (change.has_failure()) *job.mutable_failure() = change.failure();
-  *job.mutable_artifacts() = change.artifacts();
-}
-
 /// A log that is gone can be begun again only while nothing else says what became of the job.
 void require_log(const fs::path& folder) {
   if (fs::exists(folder / "events.log")) return;
@@ -45,17 +32,22 @@ std::int64_t bytes_of(const fs::path& folder, const jobs::JobDescription& descri
 
 void bring_up_to_log(jobs::JobRecord& record, const fs::path& path) {
   const jobs::EventLog log(path);
+  const jobs::EventLogContent content = log.content();
   v1::Job& job = record.job;
-  const int attempts = job.attempts();
-  job.set_attempts(0);
-  jobs::EventLog::Cursor cursor;
-  while (const auto event = log.read(cursor)) {
-    if (event->has_state_change()) take_state(*event, job);
-    if (event->has_validity_lost()) *job.mutable_validity_loss() = event->validity_lost();
-  }
-  job.set_attempts(
-      std::max(job.attempts(), attempts));  // a start may be among events that are lost
-  log.tell(job);
+  job.set_attempts(std::max(job.attempts(), content.attempts));
+  if (content.started && !job.has_start_time()) *job.mutable_start_time() = *content.started;
+  log.complete(job);
+  if (!content.last_state) return;
+  const v1::JobEvent::StateChange& change = *content.last_state;
+  job.set_state(change.state());
+  record.losses = change.losses().times();
+  record.lost_step = change.has_losses() ? change.losses().last_step() : -1;
+  record.first_loss = change.losses().first_cause();
+  record.solver = change.solver();
+  if (!change.terminal()) return;
+  if (content.terminal) *job.mutable_end_time() = content.terminal->time();
+  if (change.has_failure()) *job.mutable_failure() = change.failure();
+  *job.mutable_artifacts() = change.artifacts();
 }
 
 void adopt(jobs::JobStore& store, const fs::path& folder) {
@@ -66,19 +58,19 @@ void adopt(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record;
   record.job = description.job;
   record.job.set_state(v1::QUEUED);
+  record.answer_key = description.answer_key;
   record.bytes = bytes_of(folder, description);
   bring_up_to_log(record, folder / "events.log");
+  if (const auto request = jobs::read_request(folder)) {
+    record.requested_action = request->action;
+    record.request_reason = request->reason;
+  }
   if (const auto there =
           store.insert(record, description.submitted_case, description.complete_case))
     throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +
                              there->job.id());
   store.update(record, jobs::Durability::full);
   jobs::mark_accepted(folder);
-  if (jobs::is_terminal(record.job.state())) return;
-  jobs::EventLog log(folder / "events.log");
-  v1::JobEvent event = jobs::message_event("the job was taken back into the store from its folder",
-                                           v1::JobEvent::Message::WARNING);
-  log.append(event);
 }
 
 std::string contradiction(jobs::JobStore& store, const jobs::JobRecord& record,

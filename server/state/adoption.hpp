@@ -9,12 +9,11 @@
 namespace dccast::state {
 
 /// Brings a record to what the job's event log says: state, attempts, times, failure, artifacts. An
-/// event is always written before the store is, so the log is never behind. Cuts off a torn tail.
+/// event is always written before the store is, so the log is never behind. The log is only read.
 /// @throws std::runtime_error  the log cannot be read
 void bring_up_to_log(jobs::JobRecord& record, const std::filesystem::path& log);
 
-/// Takes a folder of `jobs/` back into the store, in the state its event log ends with. What cannot
-/// be known is lost: a requested action that was not carried out, and how often its worker died.
+/// Takes a folder of `jobs/` into the store, in the state its event log ends with.
 /// @throws std::runtime_error  it cannot be taken; the text is the reason
 void adopt(jobs::JobStore& store, const std::filesystem::path& folder);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "core/storage/durable_file.hpp"
@@ -26,6 +27,8 @@ public:
 
   int run() {
     check_store();
+    std::optional<jobs::JobStore::Bulk> bulk;
+    if (store_ && options_.index_only) bulk.emplace(*store_);
     if (store_ == nullptr) {
       list_without_store();
     } else {
@@ -37,8 +40,10 @@ public:
       check_studies(folder_, *store_, options_, report_);
       say_totals();
     }
-    list_removals();
-    list_quarantine();
+    if (!options_.index_only) {
+      list_removals();
+      list_quarantine();
+    }
     return report_.damages();
   }
 
@@ -202,6 +207,11 @@ void require_no_worker(const StateFolder& folder) {
 }
 
 }  // namespace
+
+void rebuild_index(const StateFolder& folder, std::ostream& out) {
+  const CheckOptions options{.repair = true, .deep = false, .adopt = {}, .index_only = true};
+  Check(folder, options, out).run();
+}
 
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out) {
   if (!fs::is_directory(folder.path()))

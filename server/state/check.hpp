@@ -30,12 +30,17 @@ struct CheckOptions {
   bool repair = false;             ///< put right what can be; nothing but leftovers is deleted
   bool deep = false;               ///< also hold results against their SHA-256
   std::vector<std::string> adopt;  ///< ids of quarantined jobs to take back
+  bool index_only = false;         ///< only the store is put right; workers may run
 };
 
 /// Inspects a state folder that no daemon uses and says what is wrong with it; with `repair` puts
 /// it right. docs/operations.md describes each line. @return damages that are left
 /// @throws std::runtime_error  there is no such folder, a daemon uses it, or it cannot be read
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out);
+
+/// Makes the store what the folders of jobs and studies say. The daemon holds the state folder.
+/// @throws jobs::StoreError, std::system_error
+void rebuild_index(const StateFolder& folder, std::ostream& out);
 
 /// Sums over all jobs, said once at the end.
 struct JobTotals {

@@ -9,6 +9,7 @@
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "server/state/adoption.hpp"
 #include "server/state/check.hpp"
 
@@ -37,6 +38,7 @@ public:
   void run() {
     if (!has_folder()) return;
     check_description();
+    if (options_.index_only) return check_running();
     check_log();
     for (const v1::Artifact& artifact : record_.job.artifacts()) check_artifact(artifact);
     if (record_.job.state() == v1::SUCCEEDED || record_.job.state() == v1::CANCELLED)
@@ -75,6 +77,17 @@ private:
     adopt(store_, folder_);
     record_ = store_.find(record_.job.id()).value();
     report_.repaired(what + "; the row is made again");
+  }
+
+  /// A row that has ended although the run in the folder has not.
+  void check_running() {
+    const fs::path path = folder_ / "events.log";
+    if (!jobs::is_terminal(record_.job.state()) || !jobs::last_sign_of_life(folder_)) return;
+    if (jobs::scan_event_log(path).terminal) return;
+    record_.job.clear_end_time();
+    bring_up_to_log(record_, path);
+    store_.update(record_, jobs::Durability::full);
+    report_.repaired(subject_ + "the store has the state of its folder now");
   }
 
   void describe_again(const std::string& reason) {
@@ -122,7 +135,7 @@ private:
   /// Opening a log for writing repairs its ends, which the daemon does too.
   void put_right(const std::string& what, const fs::path& log) {
     if (!options_.repair) return report_.note(what + "; the next start puts it right");
-    jobs::EventLog opened(log);
+    jobs::EventLog(log).take_over();
     report_.repaired(what);
   }
 

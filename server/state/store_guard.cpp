@@ -1,9 +1,16 @@
 #include "server/state/store_guard.hpp"
 
-#include "server/jobs/job_folder.hpp"
 #include "server/jobs/log.hpp"
+
+#include <sstream>
+
+#include "server/jobs/event_log_scan.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "server/state/adoption.hpp"
+#include "server/state/check.hpp"
 #include "server/state/wal_file.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
@@ -18,11 +25,7 @@ namespace fs = std::filesystem;
 /// starts soon. 10,000 jobs in 90 MB take 0.06 s of processor time.
 constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
 
-[[noreturn]] void refuse(const StateFolder& folder, const std::string& what) {
-  throw StoreLost(what + "; " + repair_remedy(folder));
-}
-
-/// A description that is damaged itself says nothing about the row; `dccastd check` tells it.
+/// What a row and the description in the job's folder do not agree on; empty for nothing.
 std::string described_otherwise(jobs::JobStore& store, const jobs::JobRecord& record,
                                 const fs::path& folder) {
   try {
@@ -31,35 +34,63 @@ std::string described_otherwise(jobs::JobStore& store, const jobs::JobRecord& re
     throw;
   } catch (const std::runtime_error& error) {
     spdlog::warn("job {}: {}", record.job.id(), error.what());
-    return {};
+    return "description";  // it is written again from the row
   }
 }
 
-/// A job that is yet to run must run the case it was submitted with.
-void require_case_as_submitted(const StateFolder& folder, jobs::JobStore& store,
-                               const jobs::JobRecord& record) {
-  const fs::path of_job = folder.jobs() / record.job.id();
-  if (!fs::exists(of_job / jobs::description_file)) return;
-  const std::string field = described_otherwise(store, record, of_job);
-  if (field.empty()) return;
-  refuse(folder, "the row of job " + record.job.id() + " in the job store is damaged: its " +
-                     field + " is not the one the job was submitted with");
-}
-
-/// A crash can come between the row and the mark, and who submitted it hear of the row on asking
-/// again.
+/// A crash can come between the row and the mark, and who submitted the job learn of the row by
+/// submitting it again.
 void mark_as_accepted(const StateFolder& folder, const jobs::JobRecord& record) {
   const fs::path of_job = folder.jobs() / record.job.id();
   if (fs::exists(of_job) && !jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
 }
 
-std::unique_ptr<jobs::JobStore> open_sound(const StateFolder& folder) {
-  auto store = std::make_unique<jobs::JobStore>(folder.store());
-  if (fs::file_size(folder.store()) > largest_store_to_check) return store;
-  const std::string fault = store->first_fault();
-  if (fault.empty()) return store;
-  spdlog::error("{}: {}", folder.store().string(), fault);
-  refuse(folder, "the job store " + folder.store().string() + " is damaged");
+/// A job whose row has ended while its folder is claimed as that of a run which has not. A claim goes
+/// when the end of a job has been written. @return its id; empty for none
+std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
+  for (const std::string& id : jobs::folder_ids(folder.jobs())) {
+    if (!jobs::last_sign_of_life(folder.jobs() / id)) continue;
+    const auto record = store.find(id);
+    if (record && jobs::is_terminal(record->job.state()) &&
+        !jobs::scan_event_log(folder.jobs() / id / "events.log").terminal)
+      return id;
+  }
+  return {};
+}
+
+/// Why the store cannot be the index of the folders; empty for none.
+std::string why_in_doubt(const StateFolder& folder, jobs::JobStore& store) {
+  if (const auto lost = lost_jobs(folder, store.ids()); !lost.empty())
+    return std::to_string(lost.size()) + " jobs that were acknowledged are missing, e.g. " +
+           *lost.begin();
+  if (const auto lost = lost_studies(folder); !lost.empty())
+    return std::to_string(lost.size()) + " studies are missing, e.g. " + *lost.begin();
+  if (const std::string id = contradicted_by_worker(folder, store); !id.empty())
+    return "it says that job " + id + " has ended, which its folder does not";
+  for (const jobs::JobRecord& record : store.unfinished()) {
+    const fs::path of_job = folder.jobs() / record.job.id();
+    if (!fs::exists(of_job)) continue;  // `dccastd check` reports it
+    if (const std::string field = described_otherwise(store, record, of_job); !field.empty())
+      return "the " + field + " of job " + record.job.id() +
+             " is not the one it was submitted with";
+  }
+  return {};
+}
+
+/// Opens the store and looks whether it can be the index. @return why not; empty for no reason
+std::string open_and_doubt(const StateFolder& folder, std::unique_ptr<jobs::JobStore>& store) {
+  if (std::string fault = store_file_fault(folder); !fault.empty()) return fault;
+  keep_damaged_wal(folder);
+  try {
+    store = std::make_unique<jobs::JobStore>(folder.store());
+    if (fs::file_size(folder.store()) <= largest_store_to_check)
+      if (const std::string fault = store->first_fault(); !fault.empty())
+        return "it is damaged: " + fault;
+    return why_in_doubt(folder, *store);
+  } catch (const jobs::StoreError& error) {
+    if (!jobs::is_damage(error)) throw;
+    return error.what();
+  }
 }
 
 }  // namespace
@@ -104,28 +135,18 @@ void keep_damaged_wal(const StateFolder& folder) {
 }
 
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
-  if (const std::string fault = store_file_fault(folder); !fault.empty()) refuse(folder, fault);
-  keep_damaged_wal(folder);
-  try {
-    auto store = open_sound(folder);
-    const auto lost = lost_jobs(folder, store->ids());
-    if (!lost.empty())
-      refuse(folder, "the job store " + folder.store().string() + " has lost " +
-                         std::to_string(lost.size()) + " jobs that were acknowledged, e.g. " +
-                         *lost.begin());
-    const auto studies = lost_studies(folder);
-    if (!studies.empty())
-      refuse(folder, "the job store " + folder.store().string() + " has lost " +
-                         std::to_string(studies.size()) + " studies, e.g. " + *studies.begin());
-    for (const jobs::JobRecord& record : store->unfinished()) {
-      require_case_as_submitted(folder, *store, record);
-      mark_as_accepted(folder, record);
-    }
-    return store;
-  } catch (const jobs::StoreError& error) {
-    if (!jobs::is_damage(error)) throw;
-    refuse(folder, std::string(error.what()) + " (" + folder.store().string() + ")");
+  std::unique_ptr<jobs::JobStore> store;
+  if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
+    store.reset();
+    spdlog::warn("{}: {}; it is built again from the folders of the jobs", folder.store().string(),
+                 doubt);
+    std::ostringstream report;
+    rebuild_index(folder, report);
+    spdlog::warn("what was done:\n{}", report.str());
+    store = std::make_unique<jobs::JobStore>(folder.store());
   }
+  for (const jobs::JobRecord& record : store->unfinished()) mark_as_accepted(folder, record);
+  return store;
 }
 
 }  // namespace dccast::state

@@ -2,19 +2,12 @@
 
 #include <memory>
 #include <set>
-#include <stdexcept>
 #include <string>
 
 #include "server/jobs/job_store.hpp"
 #include "server/state/state_folder.hpp"
 
 namespace dccast::state {
-
-/// The store is damaged, or has lost rows of jobs that were acknowledged. The text has the remedy.
-class StoreLost : public std::runtime_error {
-public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What is wrong with the files of the store, seen from outside: missing or empty beside job
 /// folders, or a write-ahead log that SQLite would drop without a word. Changes nothing. @return
@@ -33,9 +26,10 @@ std::set<std::string> lost_studies(const StateFolder& folder);
 /// log: SQLite will drop what comes after it and remove the file. @throws std::system_error
 void keep_damaged_wal(const StateFolder& folder);
 
-/// Opens the store of a daemon. A write-ahead log with a damaged record is kept first.
-/// @throws StoreLost         a file is damaged, or an acknowledged job has a folder and no row
-/// @throws jobs::StoreError  it cannot be read for another reason
+/// Opens the store of a daemon. One that is missing, damaged, or contradicts the folders of the jobs
+/// is built again from them; its files are kept in quarantine, and the log says why. A write-ahead
+/// log with a damaged record is kept first.
+/// @throws jobs::StoreError  it cannot be read or written
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder);
 
 }  // namespace dccast::state

@@ -54,7 +54,7 @@ bool send(int socket, std::string_view bytes) {
   return true;
 }
 
-v1::ValidateCaseResponse checked(const v1::WorkerOrder::Start& start, const casting::Case& c) {
+v1::ValidateCaseResponse checked(const v1::WorkerOrder& start, const casting::Case& c) {
   return translate::to_proto(
       casting::check(c, {start.faulty_keys().begin(), start.faulty_keys().end()}));
 }
@@ -66,13 +66,13 @@ bool send_piece(int socket, std::uint32_t kind, const std::string& text) {
   return send(socket, piece);
 }
 
-/// A query's run: every message is a part of the answer. Who wants no more of it kills this
+/// A query's run: every event is a part of the answer. Who wants no more of it kills this
 /// process.
 class PartsOfAnswer : public RunLink {
 public:
   explicit PartsOfAnswer(int socket) : socket_(socket) {}
-  void send(v1::WorkerMessage message) override {
-    if (!send_piece(socket_, jobs::answer_part, message.SerializeAsString()))
+  void send(v1::JobEvent event) override {
+    if (!send_piece(socket_, jobs::answer_part, event.SerializeAsString()))
       ::_exit(exit_link_broken);
   }
   casting::Order order() const override { return casting::Order::go_on; }
@@ -81,22 +81,22 @@ private:
   int socket_;
 };
 
-std::string run_query(int socket, const v1::WorkerOrder::Start& start, Results results) {
+std::string run_query(int socket, const v1::WorkerOrder& start, Results results) {
   PartsOfAnswer parts(socket);
   return run_job(start, parts, results).SerializeAsString();
 }
 
-casting::Case case_of(const v1::WorkerOrder::Start& start) {
+casting::Case case_of(const v1::WorkerOrder& start) {
   const std::filesystem::path folder = start.directory();
   return translate::to_core(start.case_(), folder / jobs::attachments_folder);
 }
 
-std::string check(const v1::WorkerOrder::Start& start) {
+std::string check(const v1::WorkerOrder& start) {
   return checked(start, case_of(start)).SerializeAsString();
 }
 
 /// Whether a case that can be run is one that a plant could run.
-std::string judge(const v1::WorkerOrder::Start& start) {
+std::string judge(const v1::WorkerOrder& start) {
   const casting::Case c = case_of(start);
   v1::ValidateCaseResponse verdict = checked(start, c);
   if (verdict.faults_size() > 0 || start.faulty_keys_size() > 0) return verdict.SerializeAsString();
@@ -135,7 +135,7 @@ std::string answer(int socket, jobs::Question question, const std::string& text)
   if (question == jobs::Question::solver) return casting::solver_identity();
   if (question == jobs::Question::frame) return stored_frame(text);
   if (question == jobs::Question::study_table) return write_table(text);
-  v1::WorkerOrder::Start start;
+  v1::WorkerOrder start;
   if (!start.ParseFromString(text)) throw std::runtime_error("the question cannot be read");
   switch (question) {
     case jobs::Question::check:

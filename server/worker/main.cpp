@@ -9,7 +9,9 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -17,10 +19,11 @@
 #include <system_error>
 
 #include "core/casting/solver_identity.hpp"
+#include "server/jobs/job_description.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/jobs/worker_exit.hpp"
 #include "server/worker/answers.hpp"
-#include "server/worker/link_client.hpp"
+#include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
 
@@ -61,9 +64,9 @@ void step_back_behind_queries() {
     std::cerr << "dccast-worker: runs at the priority of queries: " << ::strerror(errno) << '\n';
 }
 
-/// From now on what this process says belongs to a job. A log that cannot be opened is no reason
-/// not to run: what matters goes over the link.
-void speak_into(const std::string& log) {
+/// From now on the messages of this process belong to a job. A log that cannot be opened is no reason
+/// not to run.
+void write_messages_into(const std::filesystem::path& log) {
   const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (file < 0) return;
   ::dup2(file, STDOUT_FILENO);
@@ -71,40 +74,56 @@ void speak_into(const std::string& log) {
   ::close(file);
 }
 
-/// Waits for the job on the standard input: its id, the token, the file for what is said; a line
-/// each. @return nothing when the daemon has closed it without a job
-std::optional<v1::WorkerMessage::Hello> wait_for_job() {
-  v1::WorkerMessage::Hello hello;
-  std::string log;
-  if (!std::getline(std::cin, *hello.mutable_job_id()) ||
-      !std::getline(std::cin, *hello.mutable_token()) || !std::getline(std::cin, log))
-    return std::nullopt;
-  hello.set_process_id(::getpid());
-  hello.set_protocol(jobs::worker_protocol);
-  hello.set_solver(casting::solver_identity());
-  speak_into(log);
-  return hello;
+/// Waits for the job on the standard input: the length of the order, 4 bytes in the machine's order,
+/// then the order. @return nothing when the daemon has closed it without a job
+std::optional<v1::WorkerOrder> wait_for_order() {
+  std::uint32_t length = 0;
+  v1::WorkerOrder order;
+  if (!std::cin.read(reinterpret_cast<char*>(&length), sizeof length)) return std::nullopt;
+  std::string bytes(length, '\0');
+  if (!std::cin.read(bytes.data(), length) || !order.ParseFromString(bytes)) return std::nullopt;
+  return order;
 }
 
-/// Claims the folder of the job and, where the daemon asks for it, outlives the daemon from then
-/// on. Where the claim cannot be written the worker dies with its daemon, as one without a job
-/// does.
-/// @param claim  is empty; lives as long as the link
-/// @throws jobs::FolderTaken
-void settle_in(const std::string& job_id, const v1::WorkerOrder::Start& start, LinkClient& link,
-               std::optional<jobs::FolderClaim>& claim) {
-  constexpr std::chrono::seconds longest{5};  // for a worker that was killed a moment ago
+/// The case of a job, as the daemon has completed it. @throws std::runtime_error
+void read_case(v1::WorkerOrder& order) {
+  const auto description = jobs::read_job_description(order.directory());
+  if (!order.mutable_case_()->ParseFromString(description.complete_case))
+    throw std::runtime_error(std::string("the case in ") + jobs::description_file +
+                             " cannot be read");
+}
+
+v1::RunEnd unreadable_case(const std::exception& error) {
+  v1::RunEnd end;
+  end.set_outcome(v1::RunEnd::FAILED);
+  end.mutable_failure()->set_kind(v1::Failure::STORAGE);
+  end.mutable_failure()->set_message(std::string("the folder of the job is damaged: ") +
+                                     error.what());
+  return end;
+}
+
+v1::RunEnd end_of_run(v1::WorkerOrder& order, JobRun& run) {
   try {
-    claim.emplace(start.directory(), jobs::WorkerClaim{job_id, start.attempt()}, longest);
-  } catch (const std::system_error& error) {
-    std::cerr << "dccast-worker: ends with its dccastd: " << error.what() << std::endl;
-    return;
+    read_case(order);
+  } catch (const std::system_error&) {
+    throw;  // the disk
+  } catch (const std::runtime_error& error) {
+    return unreadable_case(error);
   }
-  if (start.daemon_patience_s() <= 0.0) return;
-  const std::chrono::duration<double> patience(start.daemon_patience_s());
-  link.outlive_daemon(std::chrono::duration_cast<LinkClient::Clock::duration>(patience),
-                      [&claim] { return claim->stands(); });
-  ::prctl(PR_SET_PDEATHSIG, 0);
+  return run_job(order, run);
+}
+
+/// @throws jobs::FolderTaken, std::system_error
+void run_in_folder(v1::WorkerOrder& order) {
+  constexpr std::chrono::seconds longest{5};  // for a worker that was killed a moment ago
+  const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()}, longest);
+  if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
+  JobRun run(order, claim);
+  v1::RunEnd end = end_of_run(order, run);
+  end.set_attempt(order.attempt());
+  end.set_solver(casting::solver_identity());
+  run.end(std::move(end));
+  ::_exit(0);  // nothing is left to do, and the next job waits for the end of this process
 }
 
 bool answers_questions(const char* option) {
@@ -112,22 +131,21 @@ bool answers_questions(const char* option) {
 }
 
 int run_job_of_daemon() {
-  const std::string address = take_variable("DCCAST_WORKER_LINK");
   const std::string parent = take_variable("DCCAST_WORKER_PARENT");
-  if (address.empty()) return refuse_to_run_alone();
+  if (parent.empty()) return refuse_to_run_alone();
   if (!tie_to_parent(parent)) return exit_daemon_gone;
   step_back_behind_queries();
-  std::optional<jobs::FolderClaim> claim;
-  LinkClient link(address);  // before there is a job: the library takes its time
-  const auto hello = wait_for_job();
-  if (!hello) return 0;
-  const auto start = link.begin(*hello);
-  if (!start) return exit_daemon_gone;
-  settle_in(hello->job_id(), *start, link, claim);
-  if (!link.finish(run_job(*start, link))) return exit_daemon_gone;
-  // The daemon has everything. Taking gRPC down in good order only keeps the next job waiting: half
-  // of the 9 ms between two jobs.
-  ::_exit(0);
+  JobRun::prepare_signals();
+  auto order = wait_for_order();
+  if (!order) return 0;
+  write_messages_into(std::filesystem::path(order->directory()) / "worker.log");
+  try {
+    run_in_folder(*order);
+    return 0;
+  } catch (const std::system_error& error) {
+    std::cerr << "dccast-worker: " << error.what() << '\n';
+    return jobs::exit_storage;
+  }
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace dccast::worker {
 
-/// Sends what the run reports to the daemon, and brings back its orders.
+/// Makes events of what the run reports, and brings it requests to stop.
 class ReportingObserver : public casting::StepObserver {
 public:
   ReportingObserver(RunLink& link, const std::vector<casting::Monitor>& monitors)

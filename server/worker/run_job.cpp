@@ -19,7 +19,7 @@ namespace dccast::worker {
 namespace {
 
 namespace fs = std::filesystem;
-using Finished = v1::WorkerMessage::Finished;
+using Finished = v1::RunEnd;
 
 Finished failed(v1::Failure::Kind kind, const std::string& message) {
   Finished finished;
@@ -87,28 +87,30 @@ casting::OtherVersion to_core(v1::OtherVersion what) {
   return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
 }
 
-casting::RunDirectory directory_of(const v1::WorkerOrder::Start& start, Results results) {
-  return {.path = start.directory(),
-          .resume = start.resume(),
-          .other_version = to_core(start.other_version()),
-          .last_reported_step = start.last_reported_step(),
+casting::RunDirectory directory_of(const v1::WorkerOrder& order, const RunLink& link,
+                                   Results results) {
+  return {.path = order.directory(),
+          .resume = order.resume(),
+          .other_version = to_core(order.other_version()),
+          .last_reported_step = link.reached_step(),
+          .leaves_run_files = true,
           .keeps_nothing = results == Results::discarded};
 }
 
-Finished run(const v1::WorkerOrder::Start& start, RunLink& link, Results results) {
-  const fs::path directory = start.directory();
-  const auto casting_case = translate::to_core(start.case_(), directory / jobs::attachments_folder);
+Finished run(const v1::WorkerOrder& order, RunLink& link, Results results) {
+  const fs::path directory = order.directory();
+  const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case.monitors);
-  const auto outcome = casting::run(casting_case, directory_of(start, results), observer,
-                                    std::max(start.threads(), 1));
+  const auto outcome = casting::run(casting_case, directory_of(order, link, results), observer,
+                                    std::max(order.threads(), 1));
   return to_finished(outcome, directory, results);
 }
 
 }  // namespace
 
-Finished run_job(const v1::WorkerOrder::Start& start, RunLink& link, Results results) {
+Finished run_job(const v1::WorkerOrder& order, RunLink& link, Results results) {
   try {
-    return run(start, link, results);
+    return run(order, link, results);
   } catch (const InvalidCase& error) {
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {

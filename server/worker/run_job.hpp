@@ -8,8 +8,7 @@ namespace dccast::worker {
 /// Whether what a run leaves in its directory is wanted.
 enum class Results { kept, discarded };
 
-/// Runs a job and says how it ended. Never throws: whatever goes wrong is a failure of the job.
-v1::WorkerMessage::Finished run_job(const v1::WorkerOrder::Start& start, RunLink& link,
-                                    Results results = Results::kept);
+/// Runs a case to its end. Never throws: whatever goes wrong is a failure of the job.
+v1::RunEnd run_job(const v1::WorkerOrder& order, RunLink& link, Results results = Results::kept);
 
 }  // namespace dccast::worker

@@ -1,16 +1,19 @@
 #pragma once
 
 #include "core/casting/step_observer.hpp"
-#include "dccast/v1/worker.pb.h"
+#include "dccast/v1/job.pb.h"
 
 namespace dccast::worker {
 
-/// Where a run sends what it has to say, and where its orders come from.
+/// Where the events of a run go, and where requests to stop it come from.
 class RunLink {
 public:
   virtual ~RunLink() = default;
-  virtual void send(v1::WorkerMessage message) = 0;
+  /// @throws std::system_error  the event cannot be kept: the run must not go on
+  virtual void send(v1::JobEvent event) = 0;
   virtual casting::Order order() const = 0;
+  /// The step up to which the history goes that has been sent by earlier attempts; 0: none.
+  virtual std::int64_t reached_step() const { return 0; }
 };
 
 }  // namespace dccast::worker

@@ -83,5 +83,5 @@ def without_pauses(case):
     """A casting with the same results that takes less time."""
     quick = type(case)()
     quick.CopyFrom(case)
-    quick.title = re.sub(r" ?sleep_ms=\d+", "", case.title)
+    quick.title = re.sub(r" ?(sleep_ms|wait_at)=\d+", "", case.title)
     return quick

@@ -6,6 +6,7 @@ import os
 import resource
 import subprocess
 import tempfile
+import time
 
 import grpc
 
@@ -107,6 +108,49 @@ class DiskFails(Refusal):
 class SyncFails(Refusal):
     """EIO from every fsync and nothing else while 1 job runs and 20 wait"""
     error, calls = errno.EIO, "s"
+
+
+class SlowDisk(Fault):
+    """Every fsync takes 2 s while a job ends, one is cancelled and one paused; who asks is answered in 50 ms"""
+    short, long = 1, 6
+    seconds = 60.0
+    patience = 60.0
+    slowest = 0.05
+
+    def scene(self, chance):
+        return FailingDisk(chance, workers=2)
+
+    def disturb(self, scene, count):
+        waiting = [scene.submit(fake(HOLDING), state) for state in (job_pb2.CANCELLED, None)]
+        for job_id in waiting:
+            scene.client.until_step(job_id, 1)
+        ends = scene.submit(fake("steps=3"), priority=job_pb2.HIGH)
+        idle = scene.submit(fake(WAITING), job_pb2.CANCELLED)
+        events = scene.connected().watch(waiting[1])
+        next(events)
+        scene.fail(0, "s")
+        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=waiting[0]))
+        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=idle))
+        calls = {
+            "GetJob": lambda: scene.client.job(ends),
+            "ListJobs": lambda: scene.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10),
+            "WatchJob": lambda: next(events),
+            "WatchJob of a job that ends": lambda: next(scene.client.watch(ends)),
+        }
+        slow = {}
+        end = time.monotonic() + 10
+        while time.monotonic() < end and not scene.ended(ends):
+            for name, call in calls.items():
+                begin = time.monotonic()
+                call()
+                slow[name] = max(slow.get(name, 0.0), time.monotonic() - begin)
+            time.sleep(0.01)
+        scene.heal()
+        for name, seconds in slow.items():
+            if seconds > self.slowest:
+                count.found("wrong", f"{name} took {seconds * 1e3:.0f} ms beside a slow disk")
+        if not slow:
+            count.found("wrong", "nothing was asked beside the slow disk")
 
 
 class SmallDisk(Fault):

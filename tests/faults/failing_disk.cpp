@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -18,7 +19,7 @@
 namespace {
 
 struct Order {
-  int error = 0;             // what the calls give
+  int error = 0;             // what the calls give; 0: they take 2 s and succeed
   char calls[16] = "";       // which ones, see README.md
   long times = -1;           // how often in each process; -1: always
   char part[PATH_MAX] = "";  // of the path; "-": any below the folder
@@ -66,6 +67,12 @@ bool fails(char call, const char* path) {
   errno = before;
   if (!ordered || ::strchr(order.calls, call) == nullptr) return false;
   if (!below_the_folder(path, order) || !some_left(order.times, inode)) return false;
+  if (order.error == 0) {  // a slow disk: the call takes its time and succeeds
+    constexpr timespec delay{.tv_sec = 2, .tv_nsec = 0};
+    ::nanosleep(&delay, nullptr);
+    errno = before;
+    return false;
+  }
   errno = order.error;
   return true;
 }

@@ -6,8 +6,8 @@ from cases import FAKE, REAL, coarse, failing_check, fake
 from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import Scene, alive, at_some_step, signal_process
-from support import BIN
+from scene import Scene, alive, at_some_step, pause, signal_process
+from support import BIN, until
 
 # Short times, and still long against a machine that does other things too.
 WATCHFUL = {"heartbeat_interval": "0.2 s", "heartbeat_timeout": "2 s",
@@ -75,6 +75,61 @@ class StalledWorker(Fault):
         stalled = scene.submit(fake("steps=5 sleep_ms=100000"), job_pb2.FAILED)
         scene.submit(fake("steps=20"))
         must(count, lambda: scene.ended(stalled), "a worker without a step keeps its slot", PATIENCE)
+
+
+class RunsThatEnd(Fault):
+    """Runs end while no daemon follows them, and their workers are killed after that."""
+    short, long = 1, 10
+    settings = {"worker_restarts": 0}
+    case = "steps=30 checkpoint=7 sleep_ms=5 wait_at=20"
+
+    def begin(self, scene):
+        self.jobs = [scene.submit(fake(self.case)) for _ in range(2)]
+        for job_id in self.jobs:
+            scene.client.until_step(job_id, 20)
+
+    def disturb(self, scene, count):
+        self.interrupt(scene)
+        workers = scene.job_workers()
+        for job_id in self.jobs:
+            with open(scene.data("jobs", job_id, "go"), "wb"):
+                pass
+        until(lambda: all(os.path.exists(scene.data("jobs", job_id, "results.h5"))
+                          for job_id in self.jobs), 10)
+        pause(scene.chance, 1.0)
+        for worker in workers:
+            signal_process(worker, signal.SIGKILL)
+        self.go_on(scene)
+
+    def look_back(self, scene, count):
+        for job_id in self.jobs:
+            if scene.client.job(job_id).attempts != 1:
+                count.found("wrong", f"job {job_id} had ended and was computed again")
+
+
+class StopDaemonWhileRunsEnd(RunsThatEnd):
+    """SIGSTOP of the daemon while runs end, and kill -9 of their workers: nothing is computed again"""
+
+    @staticmethod
+    def interrupt(scene):
+        scene.daemon.process.send_signal(signal.SIGSTOP)
+
+    @staticmethod
+    def go_on(scene):
+        scene.daemon.process.send_signal(signal.SIGCONT)
+
+
+class KillDaemonWhileRunsEnd(RunsThatEnd):
+    """kill -9 of the daemon before runs end, and of their workers after: the next one settles them"""
+    options = ("--worker-patience", "60")
+
+    @staticmethod
+    def interrupt(scene):
+        scene.tell_daemon(signal.SIGKILL)
+
+    @staticmethod
+    def go_on(scene):
+        scene.come_back()
 
 
 class StopWorkerAndLeave(TwoCastings):

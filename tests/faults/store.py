@@ -83,6 +83,41 @@ class FolderRestored(Fault):
         scene.come_back()
 
 
+class StoreRemovedFromWorkingDaemon(Fault):
+    """jobs.sqlite removed while the daemon works, which is killed later; started again"""
+    short, long = 1, 10
+
+    def begin(self, scene):
+        for _ in range(8):
+            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
+        pause(scene.chance, 0.5)
+
+    def disturb(self, scene, count):
+        remove_store(scene)
+        pause(scene.chance, 0.5)
+        scene.kill_daemon()
+        remove_store(scene)
+        scene.come_back()
+
+
+class FolderMoved(Fault):
+    """The folder moved to another path, without the store; the daemon started there"""
+    short, long = 1, 10
+
+    def begin(self, scene):
+        for _ in range(8):
+            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
+        pause(scene.chance, 0.5)
+
+    def disturb(self, scene, count):
+        scene.kill_daemon()
+        remove_store(scene)
+        moved = os.path.join(scene.folder, "moved")
+        os.rename(scene.data(), moved)
+        scene.daemon.settings["data_directory"] = moved
+        scene.come_back()
+
+
 class TwoDaemons(Fault):
     """A second daemon on the folder of a running one: it must leave, with a reason"""
     short, long = 1, 10

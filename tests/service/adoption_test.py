@@ -20,7 +20,7 @@ class KilledDaemon(AdoptionTest):
         time.sleep(0.2)  # in which it makes steps that nobody hears
         self.restart()
         self.assertEqual(self.client.job(job_id).state, job_pb2.RUNNING)
-        self.client.until_step(job_id, 20, seconds=4)  # it calls soon
+        self.client.until_step(job_id, 20, seconds=4)
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
         self.assertEqual(curve(self.client.steps(job_id)), expected)
@@ -106,7 +106,7 @@ class KilledDaemon(AdoptionTest):
         self.resumed_once(job_id, expected)
 
     def test_a_worker_that_hangs_meanwhile_is_replaced(self):
-        self.daemon.settings.update(worker_hello_timeout="1 s")
+        self.daemon.settings.update(heartbeat_timeout="1 s", heartbeat_interval="0.2 s")
         expected = self.expected_curve()
         job_id, worker = self.running_job()
         self.daemon.kill()
@@ -124,12 +124,13 @@ class KilledDaemon(AdoptionTest):
         self.ends(worker)
         self.sound_events(list(self.client.watch(job_id)))
 
-    def test_a_worker_that_the_store_does_not_know_ends_itself(self):
-        job_id, worker = self.running_job("steps=10000 sleep_ms=5")
+    def test_a_store_that_says_otherwise_is_corrected_from_the_folder(self):
+        job_id, worker = self.running_job()
         self.daemon.kill()
         self.change_store(f"state = {job_pb2.CANCELLED}")
         self.restart()
-        self.ends(worker, 10)
+        self.assertEqual(self.daemon.worker_processes(), [worker])
+        self.ended_untouched(job_id, 60)
 
     def test_a_worker_of_another_attempt_is_ended(self):
         job_id, worker = self.running_job()
@@ -145,12 +146,12 @@ class KilledDaemon(AdoptionTest):
         job_id, worker = self.running_job()
         self.daemon.kill()
         with open(self.job_file(job_id, "worker.lock"), "w", encoding="ascii") as file:
-            file.write(f"2 1 {job_id}\n")
+            file.write(f"3 1 {job_id}\n")
         self.restart()
         self.assertFalse(start_ticks(worker))
         self.resumed_once(job_id, expected)
 
-    def test_a_damaged_history_is_not_gone_on_with(self):
+    def test_a_damaged_history_costs_the_events_that_were_hit(self):
         expected = self.expected_curve()
         job_id, worker = self.running_job()
         self.daemon.kill()
@@ -159,9 +160,11 @@ class KilledDaemon(AdoptionTest):
             file.seek(os.path.getsize(log) // 2)
             file.write(b"\xff\x00\xff\x00")
         self.restart()
+        self.assertEqual(self.daemon.worker_processes(), [worker])
         self.let_go(job_id)
-        self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 2)
-        self.assertFalse(start_ticks(worker))
+        self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 1)
+        events = self.sound_events(list(self.client.watch(job_id)))
+        self.assertTrue([event for event in events if "lost" in event.message.text])
         self.assertEqual(curve(self.client.steps(job_id))[-1], expected[-1])
 
     def test_nothing_is_repaired_under_a_worker(self):
@@ -177,9 +180,8 @@ class KilledDaemon(AdoptionTest):
 
     def test_its_files_are_the_owners_alone(self):
         job_id, _ = self.running_job()
-        for path in (self.job_file(job_id, "worker.lock"),
-                     os.path.join(self.folder, "data", "worker.sock")):
-            self.assertEqual(os.stat(path).st_mode & 0o777, 0o600, path)
+        for name in ("worker.lock", "events.log"):
+            self.assertEqual(os.stat(self.job_file(job_id, name)).st_mode & 0o777, 0o600, name)
         for path in (self.job_file(job_id, ""), os.path.join(self.folder, "data")):
             self.assertEqual(os.stat(path).st_mode & 0o777, 0o700, path)
         self.let_go(job_id)

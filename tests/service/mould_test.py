@@ -159,11 +159,6 @@ class Mould(StudyTest):
         self.daemon.kill()
         for end in ("", "-wal", "-shm"):
             os.remove(os.path.join(self.folder, "data", "jobs.sqlite" + end))
-        repaired = subprocess.run(
-            [os.path.join(BIN, "dccastd"), "check", "--repair", "--set",
-             "data_directory=" + os.path.join(self.folder, "data")],
-            capture_output=True, text=True, timeout=60, check=False)
-        self.assertIn("its row is made again", repaired.stdout + repaired.stderr)
         self.restart()
         again = self.until_ended(study.id)
         self.assertEqual((again.state, again.runs), (ended.state, ended.runs))

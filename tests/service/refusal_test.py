@@ -181,16 +181,6 @@ class Refusal(ServiceTest):
                                  b"\xff\xff\xff\x07nonsense", timeout=10)
             self.assertIn("cannot be read", error.details())
 
-    def test_the_worker_link_is_not_public(self):
-        call = self.client.channel.stream_stream("/dccast.v1.WorkerLink/Run")
-        self.refused(grpc.StatusCode.UNIMPLEMENTED, call, iter([b""]), timeout=10)
-        socket_address = "unix:" + os.path.join(self.folder, "data", "worker.sock")
-        with grpc.insecure_channel(socket_address) as channel:
-            call = channel.stream_stream("/dccast.v1.WorkerLink/Run")
-            # Hello {job_id: "a", token: "b"}, by hand: a caller who knows no token.
-            hello = b"\x0a\x06\x0a\x01a\x12\x01b"
-            self.refused(grpc.StatusCode.PERMISSION_DENIED, call, iter([hello]), timeout=10)
-
 
 class RealWorker(ServiceTest):
     """Faults of the machine and of files that only the real worker reads."""
@@ -237,6 +227,7 @@ class LittleMemory(ServiceTest):
                   encoding="utf-8") as file:
             self.assertEqual(ended.failure.kind, job_pb2.Failure.OUT_OF_MEMORY, file.read())
         self.assertIn("memory", ended.failure.message)
+        self.assertEqual(ended.attempts, 1)
 
 
 class Checks(ServiceTest):
@@ -378,17 +369,10 @@ class OldStore(ServiceTest):
                 if b"\x0a\x06corner" in content[page:page + 4096]:
                     file.seek(page)
                     file.write(b"\xff" * 64)
-        try:
-            self.restart()
-        except RuntimeError as error:  # found when it was opened
-            self.assertIn("dccastd check", str(error))
-            return
-        error = self.refused(grpc.StatusCode.DATA_LOSS, self.client.stub.QueryResult,
-                             service_pb2.QueryResultRequest(id=job_id), timeout=10)
-        self.assertIn("dccastd check --repair", error.details())
-        self.assertIn("jobs.sqlite", error.details())
-        self.assertNotIn("SELECT", error.details())
-        self.assertIn("SELECT", self.daemon.said())
+        self.restart()
+        self.assertIn("built again from the folders", self.daemon.said())
+        answer = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id), timeout=10)
+        self.assertEqual(answer.case.monitor[0].name, "corner")
 
 
 class CommandLine(ServiceTest):

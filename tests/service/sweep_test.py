@@ -245,13 +245,8 @@ class Killed(StudyTest):
         self.daemon.terminate()
         for file in glob.glob(os.path.join(self.folder, "data", "jobs.sqlite*")):
             os.remove(file)
-        with self.assertRaises(RuntimeError):
-            self.daemon.start()
-        check = [os.path.join(BIN, "dccastd"), "check", "--repair", "--set",
-                 "data_directory=" + os.path.join(self.folder, "data")]
-        repaired = subprocess.run(check, capture_output=True, text=True, check=True)
-        self.assertIn(f"study {study.id}: its row is made again", repaired.stdout)
         self.restart()
+        self.assertIn(f"study {study.id}: its row is made again", self.daemon.said())
         after = self.study(study.id)
         self.assertEqual((after.state, after.succeeded, after.request_id),
                          (before.state, 3, "mine"))

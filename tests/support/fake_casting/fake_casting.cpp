@@ -305,14 +305,12 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
   while (fake.state.step < fake.steps) {
     const auto end = fake.step();
     if (!end) continue;
-    if (end->end != RunEnd::stopped) std::filesystem::remove(directory.path / "checkpoint.bin");
     return *end;
   }
   if (const auto per_mille = script.number("mould", 0); per_mille > 0)
     write_slab(directory.path, casting_case, static_cast<double>(per_mille));
   else
     write_results(directory.path, script, fake.steps);
-  std::filesystem::remove(directory.path / "checkpoint.bin");
   return {};
 }
 

@@ -203,7 +203,7 @@ TEST_F(EventLogTest, ADamagedEndIsKeptAsideAndATornOneIsNot) {
     append_steps(log, 1, 3);
   }
   overwrite(path(), fs::file_size(path()) - 1, "\x7f");
-  const EventLog log(path());
+  EventLog(path()).take_over();
   const auto aside = path().string() + ".damaged-" + std::to_string(fs::file_size(path()));
   EXPECT_TRUE(fs::exists(aside));
   fs::remove(aside);
@@ -269,76 +269,69 @@ v1::JobEvent running_event() {
   return event;
 }
 
-TEST_F(EventLogTest, CountsTheReportsOfThePresentAttempt) {
-  {
-    EventLog log(path());
-    append_steps(log, 1, 2);
-    EXPECT_FALSE(log.attempt_reports()) << "nothing has been started";
-    auto event = running_event();
-    log.append(event);
-    append_steps(log, 3, 7);
-    event = running_event();
-    log.append(event);
-    EXPECT_EQ(log.attempt_reports(), 0);
-    event = message_event("from the worker", v1::JobEvent::Message::INFO);
-    log.append(event);
-    event = message_event("from the daemon", v1::JobEvent::Message::WARNING);
-    log.append(event);
-    event = {};
-    event.mutable_resumed()->set_step(2);
-    log.append(event);
-    event = {};
-    event.mutable_finding()->set_code("cold shut");
-    log.append(event);
-    append_steps(log, 3, 5);
-    EXPECT_EQ(log.attempt_reports(), 5);
-  }
-  EXPECT_EQ(EventLog(path()).attempt_reports(), 5);
-}
-
-/// A finding comes again with its worst exceedance: the job has the last one of each code.
-TEST_F(EventLogTest, KeepsTheLastFindingOfEachCode) {
+v1::JobEvent run_end_event(int attempt) {
   v1::JobEvent event;
-  event.mutable_finding()->set_code("cold shut");
-  const v1::Finding first = event.finding();
-  v1::Finding worse = first;
-  worse.mutable_worst()->set_value(3.0);
-  {
-    EventLog log(path());
-    log.append(event);
-    EXPECT_TRUE(log.has(first));
-    EXPECT_FALSE(log.has(worse));
-    *event.mutable_finding() = worse;
-    log.append(event);
-  }
-  v1::Job job;
-  const EventLog log(path());
-  log.tell(job);
-  ASSERT_EQ(job.findings_size(), 1);
-  EXPECT_EQ(job.findings(0).worst().value(), 3.0);
-  EXPECT_TRUE(log.has(worse));
-  EXPECT_FALSE(log.has(first));
+  event.mutable_run_ended()->set_outcome(v1::RunEnd::SUCCEEDED);
+  event.mutable_run_ended()->set_attempt(attempt);
+  return event;
 }
 
-TEST_F(EventLogTest, DoesNotKnowTheReportsThatDamageMayHaveTaken) {
-  std::uintmax_t damage = 0;
-  {
-    EventLog log(path());
-    auto event = running_event();
-    log.append(event);
-    append_steps(log, 1, 3);
-    damage = fs::file_size(path()) - 2;
-    append_steps(log, 4, 5);
-  }
-  overwrite(path(), damage, "\xff");
-  EXPECT_FALSE(EventLog(path()).attempt_reports());
-  {
-    EventLog log(path());
-    auto event = running_event();
-    log.append(event);
-    append_steps(log, 4, 4);
-  }
-  EXPECT_EQ(EventLog(path()).attempt_reports(), 1) << "the damage is of an earlier attempt";
+TEST_F(EventLogTest, AReaderTakesWhatAnotherProcessAppends) {
+  EventLog reader(path());
+  append_steps(reader, 1, 2);
+  reader.hand_over();
+  EXPECT_FALSE(reader.refresh());
+  EventLog writer(path());
+  append_steps(writer, 3, 400);
+  EXPECT_TRUE(reader.refresh());
+  EXPECT_EQ(reader.reached_step(), 400);
+  EXPECT_EQ(all_events(reader).size(), 400u);
+  append_steps(reader, 401, 401);  // takes over
+  EXPECT_EQ(EventLog(path()).last_sequence(), 401);
+}
+
+// The writer was killed in the middle of a record: a reader waits for the rest of it, and the next
+// writer cuts it off.
+TEST_F(EventLogTest, WhatAKilledWriterLeftIsCutOffByTheNextOne) {
+  EventLog reader(path());
+  append_steps(reader, 1, 1);
+  reader.hand_over();
+  append_steps(*std::make_unique<EventLog>(path()), 2, 3);
+  fs::resize_file(path(), fs::file_size(path()) - 1);
+  const auto torn = fs::file_size(path());
+  EXPECT_TRUE(reader.refresh());
+  EXPECT_EQ(reader.last_sequence(), 2);
+  EXPECT_EQ(fs::file_size(path()), torn) << "a reader changes nothing";
+  append_steps(reader, 3, 3);
+  EXPECT_EQ(all_events(EventLog(path())).size(), 3u);
+}
+
+TEST_F(EventLogTest, KnowsHowTheLastAttemptHasEnded) {
+  EventLog log(path());
+  auto event = running_event();
+  log.append(event);
+  EXPECT_FALSE(log.run_end());
+  event = run_end_event(1);
+  log.append(event);
+  EXPECT_EQ(EventLog(path()).run_end()->attempt(), 1);
+  event = running_event();
+  log.append(event);
+  EXPECT_FALSE(log.run_end()) << "of an attempt before";
+  EXPECT_EQ(EventLog(path()).content().attempts, 2);
+}
+
+TEST_F(EventLogTest, APreparedEventIsInTheFileAndNotYetSeen) {
+  EventLog log(path());
+  append_steps(log, 1, 1);
+  auto event = running_event();
+  log.prepare(event);
+  EXPECT_EQ(log.last_sequence(), 1);
+  EXPECT_EQ(EventLog(path()).last_sequence(), 2);
+  log.announce();
+  EXPECT_EQ(log.last_sequence(), 2);
+  log.prepare(event);
+  log.hand_over();  // it is not to be
+  EXPECT_EQ(EventLog(path()).last_sequence(), 2);
 }
 
 TEST_F(EventLogTest, TellsAJobThatItsModelHasStoppedBeingValid) {
@@ -351,7 +344,7 @@ TEST_F(EventLogTest, TellsAJobThatItsModelHasStoppedBeingValid) {
   const EventLog log(path());
   EXPECT_TRUE(log.has_validity_loss());
   v1::Job job;
-  log.tell(job);
+  log.complete(job);
   EXPECT_EQ(job.validity_loss().time_s(), 7.0);
 }
 

@@ -60,8 +60,6 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   record.losses = 2;
   record.lost_step = 16;
   record.first_loss = "signal 9";
-  record.worker_handle = "1234 567890";
-  record.worker_token_sha256 = "af01";
   store_.update(record, Durability::full);
   JobStore again(folder_.path() / "jobs.sqlite");
   const auto found = again.find(record.job.id());
@@ -72,8 +70,6 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   EXPECT_EQ(found->losses, 2);
   EXPECT_EQ(found->lost_step, 16);
   EXPECT_EQ(found->first_loss, "signal 9");
-  EXPECT_EQ(found->worker_handle, "1234 567890");
-  EXPECT_EQ(found->worker_token_sha256, "af01");
 }
 
 TEST_F(JobStoreTest, TakesARequestIdOnceAndNoneAnyNumberOfTimes) {
@@ -206,7 +202,6 @@ TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
     EXPECT_EQ(found->job.title(), "old");
     EXPECT_EQ(found->job.state(), v1::CANCELLED);
     EXPECT_EQ(milliseconds(found->job.end_time()), 1700000000200);
-    EXPECT_EQ(found->worker_handle, "");  // of a daemon that is gone, and its workers with it
     EXPECT_EQ(found->job.owner(), "");
     EXPECT_EQ(store.complete_case(old), "\2");
     store.update(*found, Durability::full);

@@ -7,30 +7,24 @@
 #include <mutex>
 #include <vector>
 
-#include "server/jobs/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/jobs/claiming_process.hpp"
 
 namespace dccast::jobs {
 namespace {
 
-std::string handle_of(pid_t process) {
-  return std::to_string(process) + " " + std::to_string(identify(process)->start_ticks);
-}
-
-/// What the executor says of the ends of workers.
+/// What the executor reports of the ends of workers.
 struct Ends {
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<std::string> ended;
 
   Executor::Calls calls() {
-    return {.started = [](auto&&...) {},
-            .not_started = [](auto&&...) {},
+    return {.not_started = [](auto&&...) {},
             .ended =
-                [this](const std::string& job_id, int attempt, const std::string& how) {
+                [this](const std::string& job_id, int attempt, const WorkerExit& exit) {
                   const std::lock_guard lock(mutex);
-                  ended.push_back(job_id + " " + std::to_string(attempt) + ": " + how);
+                  ended.push_back(job_id + " " + std::to_string(attempt) + ": " + exit.how);
                   changed.notify_all();
                 }};
   }
@@ -43,30 +37,23 @@ struct Ends {
 
 class LocalExecutorAdoption : public testing::Test {
 protected:
-  Adoption adopt(const std::string& handle, int attempt = 1, const std::string& job_id = "a-job") {
-    return executor_.adopt(handle,
-                           {.job_id = job_id, .attempt = attempt, .folder = folder_.path()});
+  Adoption adopt(int attempt = 1, bool wanted = true) {
+    return executor_.adopt({.job_id = "a-job", .attempt = attempt, .folder = folder_.path()},
+                           wanted);
   }
 
   TemporaryFolder folder_;
   Ends ends_;
-  LocalExecutor executor_{"/bin/true", "", 1};
+  LocalExecutor executor_{"/bin/true", 1};
 };
 
 TEST_F(LocalExecutorAdoption, LeadsOnAWorkerThatClaimsTheFolder) {
   executor_.set_calls(ends_.calls());
   ClaimingProcess worker(folder_.path(), {.job_id = "a-job", .attempt = 1});
-  EXPECT_EQ(adopt(handle_of(worker.id())), Adoption::found);
+  EXPECT_EQ(adopt(), Adoption::found);
   executor_.kill("a-job", 1);
-  EXPECT_EQ(ends_.wait_for_one(), "a-job 1: an end nobody saw");
+  EXPECT_EQ(ends_.wait_for_one(), "a-job 1: an unknown exit code");
   EXPECT_FALSE(holder_of(folder_.path()));
-}
-
-// The daemon died before it had stored the handle.
-TEST_F(LocalExecutorAdoption, FindsAWorkerWithoutItsHandle) {
-  executor_.set_calls(ends_.calls());
-  ClaimingProcess worker(folder_.path(), {.job_id = "a-job", .attempt = 1});
-  EXPECT_EQ(adopt(""), Adoption::found);
 }
 
 TEST_F(LocalExecutorAdoption, EndsAWorkerThatItCannotLeadOn) {
@@ -77,43 +64,29 @@ TEST_F(LocalExecutorAdoption, EndsAWorkerThatItCannotLeadOn) {
   other_protocol.protocol = worker_protocol + 1;
   for (const WorkerClaim& claim : {other_job, other_attempt, other_protocol}) {
     ClaimingProcess worker(folder_.path(), claim);
-    EXPECT_EQ(adopt(handle_of(worker.id()), 2), Adoption::gone);
+    EXPECT_EQ(adopt(2), Adoption::gone);
     EXPECT_FALSE(holder_of(folder_.path()));
   }
   ClaimingProcess worker(folder_.path(), right);
-  EXPECT_EQ(adopt(handle_of(::getpid()) + "1", 2), Adoption::gone) << "the handle is of another";
+  EXPECT_EQ(adopt(2, false), Adoption::gone) << "its job does not run";
   EXPECT_FALSE(holder_of(folder_.path()));
 }
 
 TEST_F(LocalExecutorAdoption, LeavesItToTheNextDaemonWhenTold) {
   executor_.set_calls(ends_.calls());
   ClaimingProcess worker(folder_.path(), {.job_id = "a-job", .attempt = 1});
-  EXPECT_EQ(adopt(""), Adoption::found);
+  EXPECT_EQ(adopt(), Adoption::found);
   executor_.let_workers_run();
   EXPECT_TRUE(holder_of(folder_.path()));
   EXPECT_TRUE(ends_.ended.empty());
 }
 
-// Without a claim a worker has not outlived its daemon: it could only hang.
-TEST(LocalExecutor, EndsAWorkerOfAnEarlierDaemon) {
-  LocalExecutor executor("/bin/true", "", 1);
-  const pid_t worker = ::fork();
-  if (worker == 0) {
-    ::pause();
-    ::_exit(0);
-  }
-  const std::string handle = handle_of(worker);
-  EXPECT_EQ(executor.adopt(handle, {.job_id = "a job", .attempt = 1}), Adoption::gone);
-  EXPECT_FALSE(identify(worker));
-  EXPECT_EQ(executor.adopt(handle, {.job_id = "a job", .attempt = 1}), Adoption::gone);
-}
-
-TEST(LocalExecutor, LeavesOthersAloneThatHaveTheNumberOfAWorker) {
-  LocalExecutor executor("/bin/true", "", 1);
-  const WorkerLaunch launch{.job_id = "a job", .attempt = 1};
-  const std::string reused = std::to_string(::getpid()) + " 1";
-  for (const std::string& handle : {reused, std::string(), std::string("node7 of a cluster")})
-    EXPECT_EQ(executor.adopt(handle, launch), Adoption::gone);
+TEST_F(LocalExecutorAdoption, PassesARequestToStopOn) {
+  executor_.set_calls(ends_.calls());
+  ClaimingProcess worker(folder_.path(), {.job_id = "a-job", .attempt = 1});
+  EXPECT_EQ(adopt(), Adoption::found);
+  executor_.stop("a-job", 1);  // SIGTERM, for which this process has no handler
+  EXPECT_EQ(ends_.wait_for_one(), "a-job 1: an unknown exit code");
 }
 
 }  // namespace

@@ -25,17 +25,6 @@ TEST(Process, IsIdentifiedByIdAndStartTime) {
   EXPECT_EQ(identify(::getpid())->start_ticks, self->start_ticks);
 }
 
-TEST(Process, AStrayIsKilledOnlyWhenItIsTheOneRecorded) {
-  const pid_t child = sleeping_child();
-  const auto identity = identify(child);
-  ASSERT_TRUE(identity);
-  EXPECT_FALSE(kill_stray({child, identity->start_ticks + 1}));  // the id came again
-  EXPECT_EQ(::waitpid(child, nullptr, WNOHANG), 0);
-  EXPECT_TRUE(kill_stray(*identity));
-  EXPECT_FALSE(kill_stray(*identity));
-  EXPECT_FALSE(kill_stray({}));
-}
-
 TEST(Process, AnEndIsDescribedInWords) {
   const pid_t child = sleeping_child();
   ::kill(child, SIGKILL);

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "server/jobs/step_index.hpp"
+#include "server/jobs/worker_exit.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 namespace dccast::jobs {
@@ -16,28 +17,24 @@ protected:
   void run_a_job(Daemon& daemon) {
     daemon.scheduler.start();
     id_ = daemon.scheduler.submit(new_job(), {}).id();
-    launch_ = daemon.executor.wait_for_launch(1);
-    attempt_ = attach(daemon, launch_);
-    for (int number = 1; number <= 3; ++number) daemon.scheduler.report(attempt_, step(number));
+    worker_.emplace(daemon.executor.wait_for_launch(1));
+    for (int number = 1; number <= 3; ++number) worker_->step(number);
   }
-  void end_worker(Daemon& daemon, const std::string& how) {
-    daemon.scheduler.detach(attempt_);
-    daemon.executor.end(launch_, how);
+  void end_worker(Daemon& daemon, const std::string& how, std::optional<int> code = {}) {
+    daemon.executor.end(worker_->launch(), how, code);
   }
   /// The second attempt goes on from step 3 and succeeds.
   void succeed_at_last(Daemon& daemon, std::size_t launch_number = 2) {
-    launch_ = daemon.executor.wait_for_launch(launch_number);
-    attempt_ = attach(daemon, launch_);
-    daemon.scheduler.report(attempt_, step(4));
-    daemon.scheduler.report(attempt_, finished(Finished::SUCCEEDED));
-    end_worker(daemon, "exit code 0");
-    EXPECT_EQ(state(daemon, id_), v1::SUCCEEDED);
+    worker_.emplace(daemon.executor.wait_for_launch(launch_number));
+    worker_->step(4);
+    worker_->end(RunEnd::SUCCEEDED);
+    end_worker(daemon, "exit code 0", 0);
+    EXPECT_TRUE(becomes(daemon, id_, v1::SUCCEEDED));
     EXPECT_EQ(steps_of(*daemon.scheduler.log(id_)).size(), 4u);
   }
 
   std::string id_;
-  WorkerLaunch launch_;
-  std::shared_ptr<Attempt> attempt_;
+  std::optional<FakeWorker> worker_;
 };
 
 TEST_F(SchedulerFaults, AFullDiskHoldsTheQueueAndFailsNoJob) {
@@ -46,60 +43,58 @@ TEST_F(SchedulerFaults, AFullDiskHoldsTheQueueAndFailsNoJob) {
   const auto waiting = daemon.scheduler.submit(new_job(), {});
   {
     const FullDisk full;
-    daemon.scheduler.report(attempt_, step(4));
-    EXPECT_TRUE(channel_->orders.back().has_stop());
-    daemon.scheduler.report(attempt_, step(5));
-    daemon.scheduler.report(attempt_, finished(Finished::STOPPED));
-    end_worker(daemon, "exit code 0");
-    EXPECT_EQ(state(daemon, id_), v1::QUEUED);
-    EXPECT_NE(daemon.scheduler.held(), "");
+    EXPECT_THROW(worker_->step(4), std::system_error);
+    end_worker(daemon, "exit code 74", exit_storage);
+    EXPECT_TRUE(eventually([&] { return !daemon.scheduler.held().empty(); }));
+    EXPECT_EQ(state(daemon, id_), v1::RUNNING) << "nothing else is on the disk";
     EXPECT_NE(daemon.scheduler.find(waiting.id())->held(), "");
     EXPECT_EQ(daemon.scheduler.list({}).size(), 2u);
     EXPECT_THROW(daemon.scheduler.submit(new_job(), {}), StorageHeld);
   }
   succeed_at_last(daemon);
+  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
   EXPECT_EQ(daemon.scheduler.held(), "");
   EXPECT_EQ(daemon.executor.wait_for_launch(3).job_id, waiting.id());
 }
 
-// No step is written after one that was lost: the history would have a hole.
-TEST_F(SchedulerFaults, NothingIsWrittenAfterAHole) {
-  Daemon daemon(folder_.path());
-  run_a_job(daemon);
+TEST_F(SchedulerFaults, ShuttingDownDoesNotWaitForAFullDisk) {
   {
+    Daemon daemon(folder_.path());
+    run_a_job(daemon);
     const FullDisk full;
-    daemon.scheduler.report(attempt_, step(4));
+    daemon.scheduler.shut_down();
   }
-  daemon.scheduler.report(attempt_, step(5));
-  EXPECT_EQ(steps_of(*daemon.scheduler.log(id_)).size(), 3u);
+  Daemon again(folder_.path());
+  EXPECT_EQ(state(again, id_), v1::QUEUED);
 }
 
 TEST_F(SchedulerFaults, AWorkerThatCannotWriteIsNotToBlame) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
-  auto full = finished(Finished::FAILED);
-  full.mutable_finished()->mutable_failure()->set_kind(v1::Failure::STORAGE);
-  full.mutable_finished()->mutable_failure()->set_message("No space left on device");
-  daemon.scheduler.report(attempt_, full);
-  EXPECT_EQ(state(daemon, id_), v1::QUEUED);
-  EXPECT_NE(daemon.scheduler.held().find("No space left"), std::string::npos);
-  end_worker(daemon, "exit code 0");
+  worker_->end(RunEnd::FAILED, [](RunEnd& end) {
+    end.mutable_failure()->set_kind(v1::Failure::STORAGE);
+    end.mutable_failure()->set_message("No space left on device");
+  });
+  end_worker(daemon, "exit code 0", 0);
   succeed_at_last(daemon);
 }
 
-TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeAskedAgain) {
+TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeRequestedAgain) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
-  daemon.store.refuses_updates = true;
-  EXPECT_THROW(daemon.scheduler.cancel(id_, "why"), StoreError);
-  EXPECT_THROW(daemon.scheduler.pause(id_), StoreError);
-  EXPECT_FALSE(channel_->orders.back().has_stop());
-  daemon.store.refuses_updates = false;
+  const auto folder = folder_.path() / id_;
+  {
+    const FullDisk full;
+    EXPECT_THROW(daemon.scheduler.cancel(id_, "why"), std::system_error);
+    EXPECT_THROW(daemon.scheduler.pause(id_), std::system_error);
+    EXPECT_FALSE(read_request(folder));
+  }
   EXPECT_EQ(daemon.scheduler.cancel(id_, "why").kind, Reply::Kind::done);
-  ASSERT_TRUE(channel_->orders.back().has_stop());
-  EXPECT_FALSE(channel_->orders.back().stop().checkpoint());
-  end_worker(daemon, "exit code 0");
-  EXPECT_EQ(state(daemon, id_), v1::CANCELLED);
+  ASSERT_TRUE(read_request(folder));
+  EXPECT_EQ(read_request(folder)->action, RequestedAction::cancel);
+  end_worker(daemon, "signal 9 (Killed)");
+  EXPECT_TRUE(becomes(daemon, id_, v1::CANCELLED));
+  EXPECT_FALSE(read_request(folder));
 }
 
 TEST_F(SchedulerFaults, AQueuedJobStaysInTheQueueWhenItsCancelFails) {
@@ -117,10 +112,10 @@ TEST_F(SchedulerFaults, AStoreThatRefusesIsWrittenLater) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
   daemon.store.refuses_updates = true;
-  daemon.scheduler.report(attempt_, finished(Finished::SUCCEEDED));
-  EXPECT_EQ(state(daemon, id_), v1::SUCCEEDED);
-  EXPECT_NE(daemon.scheduler.held(), "");
-  end_worker(daemon, "exit code 0");
+  worker_->end(RunEnd::SUCCEEDED);
+  end_worker(daemon, "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, id_, v1::SUCCEEDED));
+  EXPECT_TRUE(eventually([&] { return !daemon.scheduler.held().empty(); }));
   EXPECT_EQ(daemon.store.find(id_)->job.state(), v1::RUNNING);
   daemon.store.refuses_updates = false;
   EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->job.state() == v1::SUCCEEDED; }));
@@ -154,21 +149,6 @@ TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
   EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Failure::STORAGE);
 }
 
-TEST_F(SchedulerFaults, ACaseThatCannotBeReadNowIsReadLater) {
-  Daemon daemon(folder_.path());
-  daemon.scheduler.start();
-  id_ = daemon.scheduler.submit(new_job(), {}).id();
-  launch_ = daemon.executor.wait_for_launch(1);
-  daemon.store.refuses_cases = true;
-  EXPECT_THROW(attach(daemon, launch_), StoreError);
-  daemon.executor.end(launch_, "exit code 70");  // it was sent away
-  EXPECT_EQ(state(daemon, id_), v1::QUEUED);
-  daemon.store.refuses_cases = false;
-  launch_ = daemon.executor.wait_for_launch(2);
-  EXPECT_TRUE(attach(daemon, launch_));
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
-}
-
 TEST_F(SchedulerFaults, AnExecutorThatThrowsLeavesNoPhantom) {
   Daemon daemon(folder_.path());
   daemon.executor.lacks_something = true;
@@ -193,7 +173,7 @@ TEST_F(SchedulerFaults, AWorkerThatCannotBeStartedCostsItsJobNothing) {
   EXPECT_EQ(daemon.store.find(id_)->losses, 0);
 }
 
-TEST_F(SchedulerFaults, AWorkerThatNeverCallsIsKilled) {
+TEST_F(SchedulerFaults, AWorkerThatNeverBeginsIsKilled) {
   Daemon daemon(folder_.path(), {.hello = std::chrono::milliseconds(30)});
   daemon.scheduler.start();
   id_ = daemon.scheduler.submit(new_job(), {}).id();
@@ -201,33 +181,29 @@ TEST_F(SchedulerFaults, AWorkerThatNeverCallsIsKilled) {
   EXPECT_TRUE(eventually([&] { return state(daemon, id_) == v1::FAILED; }));
   const auto failure = daemon.scheduler.find(id_)->failure();
   EXPECT_EQ(failure.kind(), v1::Failure::WORKER_HUNG);
-  EXPECT_NE(failure.message().find("did not call within 0.03 s"), std::string::npos)
+  EXPECT_NE(failure.message().find("did not begin within 0.03 s"), std::string::npos)
       << failure.message();
 }
 
 TEST_F(SchedulerFaults, AWorkerWithoutASignOfLifeIsKilledAndItsJobGoesOn) {
-  Daemon daemon(folder_.path(), {.heartbeat = std::chrono::milliseconds(100)});
+  Daemon daemon(folder_.path(), {.heartbeat = std::chrono::milliseconds(200)});
   run_a_job(daemon);
-  v1::WorkerMessage alive;
-  alive.mutable_heartbeat();
   for (int i = 0; i < 20; ++i) {  // three times as long as it may be silent
-    std::this_thread::sleep_for(std::chrono::milliseconds(15));
-    daemon.scheduler.report(attempt_, alive);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    worker_->sign();
   }
   EXPECT_EQ(state(daemon, id_), v1::RUNNING);
   daemon.executor.wait_for_launch(2);
   EXPECT_EQ(daemon.store.find(id_)->losses, 1);
-  EXPECT_NE(daemon.store.find(id_)->first_loss.find("no sign of life for 0.1 s"),
+  EXPECT_NE(daemon.store.find(id_)->first_loss.find("no sign of life for 0.2 s"),
             std::string::npos);
 }
 
 TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {
   Daemon daemon(folder_.path(), {.stall = std::chrono::milliseconds(60)});
   run_a_job(daemon);
-  v1::WorkerMessage alive;
-  alive.mutable_heartbeat();
   EXPECT_TRUE(eventually([&] {
-    daemon.scheduler.report(attempt_, alive);
+    worker_->sign();
     return daemon.store.find(id_)->losses == 1;
   }));
   EXPECT_NE(daemon.store.find(id_)->first_loss.find("no step"), std::string::npos);
@@ -237,48 +213,25 @@ TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
   end_worker(daemon, "signal 9 (Killed)");
-  launch_ = daemon.executor.wait_for_launch(2);
-  attempt_ = attach(daemon, launch_);
-  v1::WorkerMessage resumed;
-  resumed.mutable_resumed()->set_step(2);
-  daemon.scheduler.report(attempt_, resumed);
+  worker_.emplace(daemon.executor.wait_for_launch(2));
+  v1::WorkerOrder order;
+  ASSERT_TRUE(order.ParseFromString(worker_->launch().order));
+  EXPECT_TRUE(order.resume());
+  worker_->resume(2);
   end_worker(daemon, "signal 9 (Killed)");
-  EXPECT_EQ(daemon.store.find(id_)->lost_step, 2);
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->lost_step == 2; }));
 }
 
-// It died between the resumption and its next step: what the log has is not sent a second time.
-TEST_F(SchedulerFaults, AfterAResumptionTheDaemonHasTheStepsUpToIt) {
-  Daemon daemon(folder_.path());
-  run_a_job(daemon);
-  v1::WorkerMessage resumed;
-  resumed.mutable_resumed()->set_step(2);
-  daemon.scheduler.report(attempt_, resumed);
-  end_worker(daemon, "signal 9 (Killed)");
-  launch_ = daemon.executor.wait_for_launch(2);
-  attempt_ = attach(daemon, launch_);
-  EXPECT_EQ(channel_->orders.back().start().last_reported_step(), 2);
-  end_worker(daemon, "signal 9 (Killed)");
-}
-
-TEST_F(SchedulerFaults, TheWorkerIsToldWhichStepTheDaemonHas) {
-  Daemon daemon(folder_.path());
-  run_a_job(daemon);
-  end_worker(daemon, "signal 9 (Killed)");
-  attach(daemon, daemon.executor.wait_for_launch(2));
-  EXPECT_TRUE(channel_->orders.back().start().resume());
-  EXPECT_EQ(channel_->orders.back().start().last_reported_step(), 3);
-}
-
-TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsAsked) {
+TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsSet) {
   Daemon daemon(folder_.path(), {}, v1::PAUSE);
   run_a_job(daemon);
   const auto checkpoint = folder_.path() / id_ / "checkpoint.bin";
   std::ofstream(checkpoint) << "of yesterday";
-  auto other = finished(Finished::OTHER_VERSION_FOUND);
-  other.mutable_finished()->mutable_failure()->set_message("written by dccast 0.0.9");
-  daemon.scheduler.report(attempt_, other);
-  end_worker(daemon, "exit code 0");
-  EXPECT_EQ(state(daemon, id_), v1::PAUSED);
+  worker_->end(RunEnd::OTHER_VERSION_FOUND, [](RunEnd& end) {
+    end.mutable_failure()->set_message("written by dccast 0.0.9");
+  });
+  end_worker(daemon, "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, id_, v1::PAUSED));
   EXPECT_FALSE(fs::exists(checkpoint));  // so that it starts over
   EXPECT_EQ(daemon.scheduler.resume(id_).job.state(), v1::QUEUED);
 }
@@ -286,13 +239,14 @@ TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsAsked)
 TEST_F(SchedulerFaults, ALossOfValidityIsKept) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
-  v1::WorkerMessage lost;
+  v1::JobEvent lost;
   lost.mutable_validity_lost()->set_message("the slab slides");
   lost.mutable_validity_lost()->set_time_s(165.0);
-  daemon.scheduler.report(attempt_, lost);
-  daemon.scheduler.report(attempt_, finished(Finished::SUCCEEDED));
+  worker_->append(lost);
+  worker_->end(RunEnd::SUCCEEDED);
+  end_worker(daemon, "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, id_, v1::SUCCEEDED));
   EXPECT_EQ(daemon.store.find(id_)->job.validity_loss().time_s(), 165.0);
-  end_worker(daemon, "exit code 0");
 }
 
 TEST_F(SchedulerFaults, WhatWaitingJobsMayTakeIsBounded) {

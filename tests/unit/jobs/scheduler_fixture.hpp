@@ -8,9 +8,12 @@
 #include <atomic>
 #include <cerrno>
 #include <functional>
+#include <optional>
 #include <system_error>
 #include <thread>
 
+#include "core/storage/file.hpp"
+#include "dccast/v1/worker.pb.h"
 #include "server/jobs/events.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -18,7 +21,7 @@
 namespace dccast::jobs {
 
 namespace fs = std::filesystem;
-using Finished = v1::WorkerMessage::Finished;
+using v1::RunEnd;
 
 /// Starts nothing; the test says what becomes of the workers.
 class ScriptedExecutor : public Executor {
@@ -32,15 +35,17 @@ public:
     changed_.notify_all();
   }
   int capacity() const override { return workers_; }
-  void kill(const std::string& job_id, int attempt) override {
-    // Not from here: the scheduler calls with its lock held, as executors have threads of their
-    // own.
-    ++kills_;
-    killer_ = std::jthread([this, job_id, attempt] { calls_.ended(job_id, attempt, "signal 9"); });
+  void stop(const std::string& job_id, int attempt) override {
+    ++stops_;
+    end_later(job_id, attempt, "signal 15 (Terminated)");
   }
-  Adoption adopt(const std::string& handle, const WorkerLaunch& launch) override {
-    asked_for.push_back(handle + " of attempt " + std::to_string(launch.attempt));
-    return workers_survive ? Adoption::found : Adoption::gone;
+  void kill(const std::string& job_id, int attempt) override {
+    ++kills_;
+    end_later(job_id, attempt, "signal 9 (Killed)");
+  }
+  Adoption adopt(const WorkerLaunch& launch, bool wanted) override {
+    asked_for.push_back("attempt " + std::to_string(launch.attempt) + (wanted ? "" : " to end it"));
+    return workers_survive && wanted ? Adoption::found : Adoption::gone;
   }
   WorkerLaunch wait_for_launch(std::size_t number) {
     std::unique_lock lock(mutex_);
@@ -48,8 +53,8 @@ public:
                                   [&] { return launches_.size() >= number; }));
     return launches_.at(number - 1);
   }
-  void end(const WorkerLaunch& launch, const std::string& how) {
-    calls_.ended(launch.job_id, launch.attempt, how);
+  void end(const WorkerLaunch& launch, const std::string& how, std::optional<int> code = {}) {
+    calls_.ended(launch.job_id, launch.attempt, {how, code});
   }
   void not_started(const WorkerLaunch& launch, const std::string& why) {
     calls_.not_started(launch.job_id, launch.attempt, why);
@@ -58,28 +63,63 @@ public:
   bool workers_survive = false;  ///< a restart of the daemon
   std::vector<std::string> asked_for;
   int kills() const { return kills_; }
+  int stops() const { return stops_; }
   std::size_t launches() {
     const std::lock_guard lock(mutex_);
     return launches_.size();
   }
-  void started(const WorkerLaunch& launch, const std::string& handle) {
-    calls_.started(launch.job_id, launch.attempt, handle);
-  }
 
 private:
+  /// Not at once: the scheduler calls with its lock held, as executors have threads of their own.
+  void end_later(const std::string& job_id, int attempt, const std::string& how) {
+    const std::lock_guard lock(mutex_);
+    enders_.emplace_back([this, job_id, attempt, how] {
+      calls_.ended(job_id, attempt, {how});
+    });
+  }
+
   const int workers_;
   Calls calls_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<WorkerLaunch> launches_;
   std::atomic<int> kills_ = 0;
-  std::jthread killer_;
+  std::atomic<int> stops_ = 0;
+  std::vector<std::jthread> enders_;
 };
 
-class RecordingChannel : public WorkerChannel {
+/// What a worker does in the folder of its job.
+class FakeWorker {
 public:
-  void send(const v1::WorkerOrder& order) override { orders.push_back(order); }
-  std::vector<v1::WorkerOrder> orders;
+  explicit FakeWorker(WorkerLaunch launch)
+      : launch_(std::move(launch)), log_(launch_.folder / "events.log") {
+    sign();
+  }
+  const WorkerLaunch& launch() const { return launch_; }
+  /// A sign of life.
+  void sign() const { storage::write_file(launch_.folder / "worker.lock", "a claim"); }
+  void step(std::int64_t number) {
+    v1::JobEvent event;
+    event.mutable_step()->set_step(number);
+    log_.append(event);
+  }
+  void resume(std::int64_t step) {
+    v1::JobEvent event;
+    event.mutable_resumed()->set_step(step);
+    log_.append(event);
+  }
+  void append(v1::JobEvent event) { log_.append(event); }
+  void end(RunEnd::Outcome outcome, const std::function<void(RunEnd&)>& change = {}) {
+    v1::JobEvent event;
+    event.mutable_run_ended()->set_outcome(outcome);
+    event.mutable_run_ended()->set_attempt(launch_.attempt);
+    if (change) change(*event.mutable_run_ended());
+    log_.append(event);
+  }
+
+private:
+  WorkerLaunch launch_;
+  EventLog log_;
 };
 
 /// A store whose file refuses what the test says.
@@ -94,13 +134,8 @@ public:
     refuse(refuses_reads);
     return JobStore::find(id);
   }
-  std::optional<std::string> complete_case(const std::string& id) override {
-    refuse(refuses_cases);
-    return JobStore::complete_case(id);
-  }
   std::atomic<bool> refuses_updates = false;
   std::atomic<bool> refuses_reads = false;
-  std::atomic<bool> refuses_cases = false;
 
 private:
   static void refuse(bool refuses) {
@@ -159,22 +194,6 @@ protected:
             .submitted_case = "",
             .complete_case = ""};
   }
-  std::shared_ptr<Attempt> attach(Daemon& daemon, const WorkerLaunch& launch) {
-    v1::WorkerMessage::Hello hello;
-    hello.set_job_id(launch.job_id);
-    hello.set_token(launch.token);
-    return daemon.scheduler.attach(hello, channel_);
-  }
-  static v1::WorkerMessage step(std::int64_t number) {
-    v1::WorkerMessage message;
-    message.mutable_step()->set_step(number);
-    return message;
-  }
-  static v1::WorkerMessage finished(Finished::Outcome outcome) {
-    v1::WorkerMessage message;
-    message.mutable_finished()->set_outcome(outcome);
-    return message;
-  }
   static bool eventually(const std::function<bool()>& condition) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (!condition()) {
@@ -187,8 +206,11 @@ protected:
     return daemon.scheduler.find(id)->state();
   }
 
+  static bool becomes(Daemon& daemon, const std::string& id, v1::JobState wanted) {
+    return eventually([&] { return state(daemon, id) == wanted; });
+  }
+
   TemporaryFolder folder_;
-  std::shared_ptr<RecordingChannel> channel_ = std::make_shared<RecordingChannel>();
 };
 
 }  // namespace dccast::jobs

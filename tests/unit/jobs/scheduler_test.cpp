@@ -11,44 +11,62 @@ TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   Daemon daemon(folder_.path());
   daemon.scheduler.start();
   const auto job = daemon.scheduler.submit(new_job(), {});
-  const auto launch = daemon.executor.wait_for_launch(1);
-  const auto run = attach(daemon, launch);
-  ASSERT_TRUE(run);
-  ASSERT_EQ(channel_->orders.size(), 1u);
-  EXPECT_EQ(channel_->orders[0].start().directory(), folder_.path() / job.id());
-  EXPECT_FALSE(channel_->orders[0].start().resume());
-  daemon.scheduler.report(run, step(1));
-  daemon.scheduler.report(run, finished(Finished::SUCCEEDED));
-  EXPECT_TRUE(channel_->orders.back().has_acknowledged());
-  daemon.scheduler.report(run, step(2));  // too late to count
-  daemon.scheduler.detach(run);
-  daemon.executor.end(launch, "exit code 0");
-  EXPECT_EQ(state(daemon, job.id()), v1::SUCCEEDED);
+  FakeWorker worker(daemon.executor.wait_for_launch(1));
+  v1::WorkerOrder order;
+  ASSERT_TRUE(order.ParseFromString(worker.launch().order));
+  EXPECT_EQ(order.directory(), folder_.path() / job.id());
+  EXPECT_EQ(order.job_id(), job.id());
+  EXPECT_EQ(order.attempt(), 1);
+  EXPECT_FALSE(order.resume());
+  worker.step(1);
+  EXPECT_TRUE(eventually([&] { return daemon.scheduler.find(job.id())->last_step().step() == 1; }));
+  worker.end(RunEnd::SUCCEEDED);
+  EXPECT_EQ(state(daemon, job.id()), v1::RUNNING) << "its process is still there";
+  daemon.executor.end(worker.launch(), "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, job.id(), v1::SUCCEEDED));
   EXPECT_EQ(daemon.scheduler.find(job.id())->last_step().step(), 1);
-  EXPECT_EQ(daemon.scheduler.log(job.id())->last_sequence(), 4);  // queued, running, step, end
+  // queued, running, step, end of the run, end of the job
+  EXPECT_TRUE(eventually([&] { return daemon.scheduler.log(job.id())->last_sequence() == 5; }));
   EXPECT_EQ(daemon.scheduler.running(), 0);
 }
 
-TEST_F(SchedulerTest, KnowsItsWorkersByTheirToken) {
+// However the process ended after that: killed while the daemon stood still, say.
+TEST_F(SchedulerTest, ARunThatHasEndedIsNoDeath) {
   Daemon daemon(folder_.path());
   daemon.scheduler.start();
-  daemon.scheduler.submit(new_job(), {});
-  auto launch = daemon.executor.wait_for_launch(1);
-  auto foreign = launch;
-  foreign.token.back() = foreign.token.back() == '0' ? '1' : '0';
-  EXPECT_FALSE(attach(daemon, foreign));
-  EXPECT_TRUE(attach(daemon, launch));
-  EXPECT_FALSE(attach(daemon, launch));  // a second one with the same token
+  const auto job = daemon.scheduler.submit(new_job(), {});
+  FakeWorker worker(daemon.executor.wait_for_launch(1));
+  storage::write_file(folder_.path() / job.id() / "checkpoint.bin", "c");
+  worker.end(RunEnd::SUCCEEDED);
+  daemon.executor.end(worker.launch(), "signal 9 (Killed)");
+  EXPECT_TRUE(becomes(daemon, job.id(), v1::SUCCEEDED));
+  EXPECT_EQ(daemon.store.find(job.id())->losses, 0);
+  EXPECT_EQ(daemon.scheduler.find(job.id())->attempts(), 1);
+  EXPECT_TRUE(eventually([&] { return !fs::exists(folder_.path() / job.id() / "checkpoint.bin"); }));
+}
+
+TEST_F(SchedulerTest, TheEndOfAnAttemptBeforeIsNotThatOfThisOne) {
+  Daemon daemon(folder_.path());
+  daemon.scheduler.start();
+  const auto job = daemon.scheduler.submit(new_job(), {});
+  {
+    FakeWorker worker(daemon.executor.wait_for_launch(1));
+    worker.end(RunEnd::STOPPED);
+    daemon.executor.end(worker.launch(), "exit code 0", 0);
+  }
+  daemon.executor.end(daemon.executor.wait_for_launch(2), "signal 9 (Killed)");
+  daemon.executor.wait_for_launch(3);
+  EXPECT_EQ(daemon.store.find(job.id())->losses, 1);
 }
 
 TEST_F(SchedulerTest, AResultThatIsNotThereIsNoSuccess) {
   Daemon daemon(folder_.path());
   daemon.scheduler.start();
   const auto job = daemon.scheduler.submit(new_job(), {});
-  const auto run = attach(daemon, daemon.executor.wait_for_launch(1));
-  auto message = finished(Finished::SUCCEEDED);
-  message.mutable_finished()->add_artifacts()->set_name("results.h5");
-  daemon.scheduler.report(run, message);
+  FakeWorker worker(daemon.executor.wait_for_launch(1));
+  worker.end(RunEnd::SUCCEEDED, [](RunEnd& end) { end.add_artifacts()->set_name("results.h5"); });
+  daemon.executor.end(worker.launch(), "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, job.id(), v1::FAILED));
   EXPECT_EQ(daemon.scheduler.find(job.id())->failure().kind(), v1::Failure::STORAGE);
 }
 
@@ -57,9 +75,9 @@ TEST_F(SchedulerTest, KeepsTheFirstCauseOfALoss) {
   daemon.scheduler.start();
   const auto job = daemon.scheduler.submit(new_job(), {});
   daemon.executor.end(daemon.executor.wait_for_launch(1), "signal 11 (Segmentation fault)");
-  daemon.executor.end(daemon.executor.wait_for_launch(2), "exit code 1");
+  daemon.executor.end(daemon.executor.wait_for_launch(2), "exit code 1", 1);
+  EXPECT_TRUE(becomes(daemon, job.id(), v1::FAILED));
   const auto failed = *daemon.scheduler.find(job.id());
-  EXPECT_EQ(failed.state(), v1::FAILED);
   EXPECT_EQ(failed.failure().kind(), v1::Failure::WORKER_LOST);
   EXPECT_NE(failed.failure().message().find("signal 11"), std::string::npos);
   EXPECT_NE(failed.failure().message().find("twice in the step after 0"), std::string::npos);

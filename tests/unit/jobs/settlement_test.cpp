@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "server/jobs/worker_exit.hpp"
+
 namespace dccast::jobs {
 namespace {
 
-using Finished = v1::WorkerMessage::Finished;
+using v1::RunEnd;
 
 JobRecord running() {
   JobRecord record;
@@ -13,19 +15,19 @@ JobRecord running() {
   return record;
 }
 
-Finished failed(v1::Failure::Kind kind, const std::string& message) {
-  Finished finished;
-  finished.set_outcome(Finished::FAILED);
-  finished.mutable_failure()->set_kind(kind);
-  finished.mutable_failure()->set_message(message);
-  return finished;
+RunEnd failed(v1::Failure::Kind kind, const std::string& message) {
+  RunEnd end;
+  end.set_outcome(RunEnd::FAILED);
+  end.mutable_failure()->set_kind(kind);
+  end.mutable_failure()->set_message(message);
+  return end;
 }
 
 TEST(Settlement, AFailedSolveKeepsItsCausesInOrder) {
   JobRecord record = running();
-  auto finished = failed(v1::Failure::CHECK_FAILED, "weight");
-  finished.mutable_failure()->add_further_causes("did not converge");
-  const auto settlement = settle_finished(record, finished, {});
+  auto end = failed(v1::Failure::CHECK_FAILED, "weight");
+  end.mutable_failure()->add_further_causes("did not converge");
+  const auto settlement = settle_run_end(record, end, {});
   EXPECT_EQ(settlement.state, v1::FAILED);
   EXPECT_EQ(settlement.cause, "weight");
   EXPECT_EQ(record.job.failure().further_causes(0), "did not converge");
@@ -33,24 +35,24 @@ TEST(Settlement, AFailedSolveKeepsItsCausesInOrder) {
 
 TEST(Settlement, StorageTroubleIsTheDaemonsUntilAJobGetsNoFurther) {
   JobRecord record = running();
-  const auto finished = failed(v1::Failure::STORAGE, "No space left on device");
-  const auto first = settle_finished(record, finished, {});
+  const auto end = failed(v1::Failure::STORAGE, "No space left on device");
+  const auto first = settle_run_end(record, end, {});
   EXPECT_EQ(first.state, v1::QUEUED);
   EXPECT_EQ(first.daemon_lacks, "No space left on device");
   EXPECT_FALSE(record.job.has_failure());
-  const auto last = settle_finished(record, finished, {.storage_failures = 10});
+  const auto last = settle_run_end(record, end, {.storage_failures = 10});
   EXPECT_EQ(last.state, v1::FAILED);
   EXPECT_EQ(record.job.failure().kind(), v1::Failure::STORAGE);
 }
 
 TEST(Settlement, AFailedCheckWhoseResultsWereNotWrittenIsRunToItsEndAgain) {
   JobRecord record = running();
-  auto finished = failed(v1::Failure::CHECK_FAILED, "weight");
-  finished.mutable_failure()->add_further_causes("STORAGE: No space left on device");
-  const auto settlement = settle_finished(record, finished, {});
+  auto end = failed(v1::Failure::CHECK_FAILED, "weight");
+  end.mutable_failure()->add_further_causes("STORAGE: No space left on device");
+  const auto settlement = settle_run_end(record, end, {});
   EXPECT_EQ(settlement.state, v1::QUEUED);
   EXPECT_EQ(settlement.daemon_lacks, "No space left on device");
-  const auto last = settle_finished(record, finished, {.storage_failures = 10});
+  const auto last = settle_run_end(record, end, {.storage_failures = 10});
   EXPECT_EQ(last.state, v1::FAILED);
   EXPECT_EQ(record.job.failure().kind(), v1::Failure::CHECK_FAILED);
 }
@@ -59,28 +61,37 @@ TEST(Settlement, WhatWasAskedForComesAboutAlsoWhenStorageFails) {
   JobRecord record = running();
   record.requested_action = RequestedAction::cancel;
   record.request_reason = "wrong alloy";
-  const auto settlement = settle_lost(record, "signal 9", {.storage_error = "disk full"});
+  const auto settlement = settle_lost(record, {"signal 9"}, {.storage_error = "disk full"});
   EXPECT_EQ(settlement.state, v1::CANCELLED);
   EXPECT_EQ(settlement.cause, "cancelled: wrong alloy");
 }
 
 TEST(Settlement, AnotherVersionFollowsTheSetting) {
-  Finished finished;
-  finished.set_outcome(Finished::OTHER_VERSION_FOUND);
-  finished.mutable_failure()->set_kind(v1::Failure::OTHER_VERSION);
-  finished.mutable_failure()->set_message("written by 0.0.9");
+  RunEnd end;
+  end.set_outcome(RunEnd::OTHER_VERSION_FOUND);
+  end.mutable_failure()->set_kind(v1::Failure::OTHER_VERSION);
+  end.mutable_failure()->set_message("written by 0.0.9");
   JobRecord record = running();
-  EXPECT_EQ(settle_finished(record, finished, {.other_version = v1::PAUSE}).state, v1::PAUSED);
+  EXPECT_EQ(settle_run_end(record, end, {.other_version = v1::PAUSE}).state, v1::PAUSED);
   EXPECT_FALSE(record.job.has_failure());
-  EXPECT_EQ(settle_finished(record, finished, {.other_version = v1::FAIL}).state, v1::FAILED);
+  EXPECT_EQ(settle_run_end(record, end, {.other_version = v1::FAIL}).state, v1::FAILED);
   EXPECT_EQ(record.job.failure().kind(), v1::Failure::OTHER_VERSION);
+}
+
+TEST(Settlement, AWorkerThatRanOutOfMemoryFailsAtOnceWithThatKind) {
+  JobRecord record = running();
+  const auto settlement =
+      settle_lost(record, {"exit code 71", exit_out_of_memory}, {.worker_restarts = 2});
+  EXPECT_EQ(settlement.state, v1::FAILED);
+  EXPECT_EQ(record.job.failure().kind(), v1::Failure::OUT_OF_MEMORY);
+  EXPECT_NE(settlement.cause.find("memory"), std::string::npos);
 }
 
 TEST(Settlement, ALossNamesTheFirstDeathAndTheStep) {
   JobRecord record = running();
-  EXPECT_EQ(settle_lost(record, "signal 11", {.worker_restarts = 1, .reached_step = 7}).state,
+  EXPECT_EQ(settle_lost(record, {"signal 11"}, {.worker_restarts = 1, .reached_step = 7}).state,
             v1::QUEUED);
-  const auto last = settle_lost(record, "exit code 1", {.worker_restarts = 1, .reached_step = 7});
+  const auto last = settle_lost(record, {"exit code 1", 1}, {.worker_restarts = 1, .reached_step = 7});
   EXPECT_EQ(last.state, v1::FAILED);
   EXPECT_EQ(last.cause,
             "worker died with signal 11 after step 7; in all it died 2 times, twice in the step "

@@ -33,7 +33,7 @@ TEST_F(StoreGuardTest, TellsALostJobFromOneThatWasNeverAcknowledged) {
   append_state(other, v1::RUNNING);
   EXPECT_EQ(lost_jobs(folder_, jobs::JobStore(folder_.store()).ids()),
             std::set<std::string>{other});
-  EXPECT_THROW(open_store(folder_), StoreLost);
+  EXPECT_TRUE(open_store(folder_)->find(other));
 }
 
 // A crash between the row and the mark: who asks again with the same request_id is told of the job.
@@ -45,23 +45,34 @@ TEST_F(StoreGuardTest, MarksWaitingJobsAsAccepted) {
   EXPECT_TRUE(jobs::was_accepted(folder_.jobs() / id));
 }
 
-TEST_F(StoreGuardTest, RefusesADamagedPageWithTheRemedy) {
+// The folders are the truth, the store is an index of them.
+TEST_F(StoreGuardTest, AStoreThatIsMissingIsBuiltAgain) {
+  const std::string id = add_job("mine");
+  append_state(id, v1::RUNNING);
+  append_state(id, v1::SUCCEEDED);
+  const std::string waiting = add_job();
+  store_.reset();
+  fs::remove(folder_.store());
+  const auto store = open_store(folder_);
+  EXPECT_EQ(store->ids(), (std::set<std::string>{id, waiting}));
+  EXPECT_EQ(store->find_request("mine")->job.state(), v1::SUCCEEDED);
+  EXPECT_EQ(store->find(id)->job.artifacts(0).name(), "results.h5");
+  EXPECT_EQ(store->complete_case(waiting), std::string(9000, 'c'));
+}
+
+TEST_F(StoreGuardTest, AStoreWithADamagedPageIsBuiltAgainAndKeptAside) {
   for (int i = 0; i < 20; ++i) add_job();
+  const auto ids = store_->ids();
   store_.reset();
   std::string bytes = storage::read_file(folder_.store());
   for (std::size_t at = 8192; at < 8192 + 512; ++at) bytes[at] = 'x';
   storage::replace_file(folder_.store(), bytes);
-  try {
-    open_store(folder_);
-    FAIL() << "it was taken";
-  } catch (const StoreLost& error) {
-    EXPECT_NE(std::string(error.what()).find("dccastd check --repair"), std::string::npos);
-    EXPECT_EQ(std::string(error.what()).find("SELECT"), std::string::npos) << error.what();
-  }
+  EXPECT_EQ(open_store(folder_)->ids(), ids);
+  EXPECT_TRUE(fs::exists(folder_.quarantine() / "store" / "jobs.sqlite"));
 }
 
 // SQLite has no checksum over what a row holds: a flipped bit there would run another case.
-TEST_F(StoreGuardTest, RefusesARowThatHoldsAnotherCase) {
+TEST_F(StoreGuardTest, ARowThatHoldsAnotherCaseIsMadeAgain) {
   const std::string id = add_job();
   store_.reset();
   std::string bytes = storage::read_file(folder_.store());
@@ -69,11 +80,38 @@ TEST_F(StoreGuardTest, RefusesARowThatHoldsAnotherCase) {
   ASSERT_NE(at, std::string::npos);
   bytes[at + 20] ^= 1;
   storage::replace_file(folder_.store(), bytes);
-  EXPECT_THROW(open_store(folder_), StoreLost);
   std::ostringstream said;
   EXPECT_EQ(check(folder_, {}, said), 1) << said.str();
-  EXPECT_EQ(check(folder_, {.repair = true, .deep = false, .adopt = {}}, said), 0) << said.str();
   EXPECT_EQ(open_store(folder_)->complete_case(id), std::string(9000, 'c'));
+}
+
+// A worker reads its case there.
+TEST_F(StoreGuardTest, ADescriptionThatCannotBeReadIsWrittenAgain) {
+  const std::string id = add_job();
+  store_.reset();
+  storage::replace_file(folder_.jobs() / id / jobs::description_file, "damaged");
+  open_store(folder_);
+  EXPECT_EQ(jobs::read_job_description(folder_.jobs() / id).complete_case, std::string(9000, 'c'));
+}
+
+// A run that goes on in its folder, whatever the store says.
+TEST_F(StoreGuardTest, ARowThatHasEndedFollowsAClaimedFolder) {
+  const std::string id = add_job();
+  append_state(id, v1::RUNNING);
+  storage::write_file(folder_.jobs() / id / "worker.lock", "2 1 " + id + "\n");
+  auto record = *store_->find(id);
+  record.job.set_state(v1::CANCELLED);
+  store_->update(record, jobs::Durability::full);
+  store_.reset();
+  EXPECT_EQ(open_store(folder_)->find(id)->job.state(), v1::RUNNING);
+}
+
+TEST_F(StoreGuardTest, HundredsOfJobsAreFoundAgain) {
+  constexpr int count = 300;
+  for (int i = 0; i < count; ++i) add_job("", false);
+  store_.reset();
+  fs::remove(folder_.store());
+  EXPECT_EQ(open_store(folder_)->ids().size(), std::size_t{count});
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "dccast/v1/worker.pb.h"
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/job_folder.hpp"
+#include "server/jobs/worker_claim.hpp"
+#include "server/worker/run_link.hpp"
+
+namespace dccast::worker {
+
+/// The run of a job, in the folder of the job: appends to its event log, gives signs of life, and
+/// looks for requests. It needs no daemon; the daemons that come and go read the same files.
+class JobRun final : public RunLink {
+public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Makes SIGTERM a request to stop at a checkpoint, from now on.
+  static void prepare_signals();
+
+  /// @param claim  on the folder of the job; outlives this
+  /// @throws std::system_error  the log cannot be written
+  JobRun(const v1::WorkerOrder& order, const jobs::FolderClaim& claim);
+  ~JobRun() override;
+
+  /// Findings and the loss of validity stand in the log once, however often the run goes on from a
+  /// checkpoint.
+  void send(v1::JobEvent event) override;
+  casting::Order order() const override;
+  std::int64_t reached_step() const override { return log_.reached_step(); }
+  /// The last record, on the disk when this returns. @throws std::system_error
+  void end(v1::RunEnd end);
+
+private:
+  void keep(const std::stop_token& stop);
+  void look_for_daemon(Clock::time_point now);
+
+  const std::filesystem::path folder_;
+  const jobs::FolderClaim& claim_;
+  const Clock::duration heartbeat_;  ///< zero: none
+  const Clock::duration patience_;   ///< zero: the process ends with its daemon
+  jobs::EventLog log_;
+  std::atomic<bool> gave_up_ = false;  ///< no daemon came in time
+
+  // Of the thread that keeps.
+  std::filesystem::file_time_type daemon_sign_;
+  Clock::time_point daemon_seen_;
+  std::jthread keeper_;
+};
+
+}  // namespace dccast::worker
