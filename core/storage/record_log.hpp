@@ -22,11 +22,12 @@ public:
   /// is unchanged. @return the byte at which they begin
   std::int64_t append(std::string_view records);
 
-  /// Truncates the file to `end` bytes.
+  /// Truncates the file to `end` bytes. The next sync() syncs all of it, and a failure before is
+  /// over: what was in doubt is cut off and written again.
   void cut(std::int64_t end);
 
   /// Waits until all appended records are on disk; cheap if there are no new ones. After a failure
-  /// the log accepts no more records.
+  /// the log accepts no more records until cut().
   void sync();
 
 private:

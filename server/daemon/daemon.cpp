@@ -205,7 +205,7 @@ struct Serving {
   jobs::LocalExecutor& executor;
 };
 
-void say_where(const v1::DaemonConfig& config, const service::PublicServer& server,
+void log_address(const v1::DaemonConfig& config, const service::PublicServer& server,
                const DataDirectory& directory) {
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), server.address() + "\n");
@@ -235,11 +235,11 @@ void stop_serving(const Serving& of, bool left_running) {
   stop_jobs(of, left_running);
   of.context.leaving = true;
   of.studies.notifier().wake_all();
-  of.logs.wake_all();  // watchers are told that the daemon leaves, and from where to watch again
+  of.logs.wake_all();  // watchers learn that the daemon leaves, and from where to watch again
   of.server.shut_down();
 }
 
-void serve_until_told(const Serving& serving, const WorkerPolicy& workers) {
+void serve_until_signal(const Serving& serving, const WorkerPolicy& workers) {
   const int signal = wait_for_signal();
   const bool left_running = workers.left_running && workers.patience_s > 0.0;
   spdlog::info("{}: running jobs {}", ::strsignal(signal),
@@ -300,8 +300,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   query_workers.warm_up();
   scheduler.start();
   studies.start();
-  say_where(config, server, directory);
-  serve_until_told({server, studies, scheduler, context, logs, executor}, workers);
+  log_address(config, server, directory);
+  serve_until_signal({server, studies, scheduler, context, logs, executor}, workers);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   spdlog::info("dccastd has stopped");
   return 0;

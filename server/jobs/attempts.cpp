@@ -24,7 +24,7 @@ double seconds(std::chrono::milliseconds time) {
   return std::chrono::duration<double>(time).count();
 }
 
-/// A result that is not there as the end of a run says; empty for none.
+/// A result that is not there as the end of a run names it; empty for none.
 std::string missing_artifact(const std::filesystem::path& folder, const v1::RunEnd& end) {
   if (end.outcome() != v1::RunEnd::SUCCEEDED) return {};
   for (const v1::Artifact& artifact : end.artifacts()) {
@@ -45,7 +45,7 @@ std::string storage_error_of(const std::filesystem::path& folder, const WorkerEx
     if (daemon_lacks(error)) return error.what();
   }
   if (exit.code != exit_storage) return {};
-  return "its worker could not write into " + folder.string() + " (worker.log there says more)";
+  return "its worker could not write into " + folder.string() + " (see worker.log there)";
 }
 
 }  // namespace

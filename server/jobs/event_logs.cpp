@@ -40,7 +40,7 @@ EventLogs::~EventLogs() = default;
 std::shared_ptr<EventLogs::Slot> EventLogs::slot_of(const std::string& job_id) {
   const std::lock_guard lock(logs_mutex_);
   if (const auto found = logs_.find(job_id); found != logs_.end()) return found->second;
-  // A slot that only the map holds is of a log that nobody has open or is about to open.
+  // A slot that only the map holds is of a log that no one has open or is about to open.
   std::erase_if(logs_, [](const auto& entry) {
     return entry.second.use_count() == 1 && entry.second->log.expired();
   });
@@ -179,7 +179,7 @@ void EventLogs::run_syncer(const std::stop_token& stop) {
       jobs.swap(to_sync_);
     }
     for (const std::string& job_id : jobs) {
-      // A log that nobody holds any more has ended (and was synced then) or its job was requeued;
+      // A log that no one holds any more has ended (and was synced then) or its job was requeued;
       // opening it again would be for the disk's sake only.
       const std::shared_ptr<EventLog> log = open_now(job_id);
       try {

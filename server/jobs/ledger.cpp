@@ -52,7 +52,7 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
     const std::lock_guard lock(mutex_);
     kept_.erase(job.id());
   } catch (const std::exception& error) {
-    spdlog::error("job {}: {}; its event log says what it is, the store follows", job.id(),
+    spdlog::error("job {}: {}; its event log has what it is, the store follows", job.id(),
                   error.what());
     keep(record, error.what());
   }
@@ -92,7 +92,7 @@ void Ledger::announce(const std::string& job_id) {
   try {
     logs_.open(job_id)->announce();
   } catch (const std::exception& error) {
-    spdlog::error("job {}: {}", job_id, error.what());  // damaged: settle() has said so
+    spdlog::error("job {}: {}", job_id, error.what());  // damaged: settle() has logged it
   }
 }
 

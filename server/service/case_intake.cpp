@@ -28,8 +28,8 @@ Message parsed(const std::string& bytes) {
   return message;
 }
 
-/// What the core would say is not known until the first fault is fixed.
-void say_that_checks_wait(v1::ValidateCaseResponse& verdict) {
+/// What the core would find is not known until the first fault is fixed.
+void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
   v1::Fault& waiting = *verdict.add_warnings();
   waiting.set_field(verdict.faults(0).field());
   waiting.set_message("further checks wait until this is fixed");
@@ -83,14 +83,14 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
   for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
   for (const v1::Fault& fault : verdict.faults()) faulty_keys.push_back(fault.field());
   if (!can_be_stored) {
-    say_that_checks_wait(verdict);
+    note_that_checks_wait(verdict);
     return examined;
   }
   try {
     merge(ask_core(question, examined.complete, attachments, faulty_keys, patience), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
-    say_that_checks_wait(verdict);
+    note_that_checks_wait(verdict);
   }
   hold_against(ceilings_, verdict);
   return examined;

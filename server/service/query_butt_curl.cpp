@@ -13,7 +13,7 @@ namespace dccast::service {
 
 namespace {
 
-/// One query: what the thread of its run has said and gRPC has not sent yet. It lives until gRPC
+/// One query: what the thread of its run has passed on and gRPC has not sent yet. It lives until gRPC
 /// has done with it and that thread has let go of it.
 class QueryStream final : public grpc::ServerWriteReactor<v1::QueryButtCurlResponse>,
                           public std::enable_shared_from_this<QueryStream> {
@@ -46,7 +46,7 @@ private:
     call.cancelled = [this] { return unwanted_ || context_.leaving; };
     const grpc::Status status = guarded([&] {
       if (const auto unwanted = no_longer_wanted(call)) return *unwanted;
-      return answer_query(context_, call, request, [this](auto said) { send(std::move(said)); });
+      return answer_query(context_, call, request, [this](auto response) { send(std::move(response)); });
     });
     end(status.error_code() == grpc::StatusCode::CANCELLED && context_.leaving ? leaving()
                                                                                : status);
@@ -56,10 +56,10 @@ private:
     return {grpc::StatusCode::UNAVAILABLE, "dccastd is shutting down; ask again later"};
   }
 
-  void send(v1::QueryButtCurlResponse said) {
+  void send(v1::QueryButtCurlResponse response) {
     {
       const std::lock_guard lock(mutex_);
-      said_.push_back(std::move(said));
+      waiting_.push_back(std::move(response));
     }
     go_on();
   }
@@ -72,17 +72,17 @@ private:
     go_on();
   }
 
-  /// Sends what was said next, or ends the call once all of it is sent or nobody wants it.
+  /// Sends what waits next, or ends the call once all of it is sent or no one wants it.
   void go_on() {
     bool more = false;
     {
       const std::lock_guard lock(mutex_);
       if (writing_ || ended_) return;
-      more = !said_.empty() && !unwanted_;
+      more = !waiting_.empty() && !unwanted_;
       if (!more && !end_) return;
       if (more) {
-        sending_ = std::move(said_.front());
-        said_.pop_front();
+        sending_ = std::move(waiting_.front());
+        waiting_.pop_front();
       }
       writing_ = more;
       ended_ = !more;
@@ -97,7 +97,7 @@ private:
   std::shared_ptr<QueryStream> self_;
   std::atomic<bool> unwanted_ = false;
   std::mutex mutex_;  ///< of all below
-  std::deque<v1::QueryButtCurlResponse> said_;
+  std::deque<v1::QueryButtCurlResponse> waiting_;
   v1::QueryButtCurlResponse sending_;
   std::optional<grpc::Status> end_;
   bool writing_ = false;

@@ -93,7 +93,7 @@ public:
     run_.begun = jobs::now();
     if (request_.keep()) run_.id = values::random_uuid();
     send_(accepted(examined_, false, run_.id));
-    for (const v1::Finding& finding : examined_.verdict.findings()) say(finding);
+    for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
     const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
     const std::string last = context_.query_workers.ask(
         question, order().SerializeAsString(), patience, [this](auto part) { take(part); });
@@ -117,22 +117,22 @@ private:
     order.set_threads(context_.query_threads);
     if (request_.keep()) return order;
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
-    checkpoint.set_every_steps(0);  // nobody resumes it
+    checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);
     return order;
   }
 
-  void say(Response response) {
+  void pass_on(Response response) {
     answer_.push_back(response);
     send_(std::move(response));
   }
 
-  void say(const v1::Finding& finding) {
+  void pass_on(const v1::Finding& finding) {
     const std::string content = finding.SerializeAsString();
     if (std::exchange(reported_[finding.code()], content) == content) return;
     Response response;
     *response.mutable_finding() = finding;
-    say(std::move(response));
+    pass_on(std::move(response));
   }
 
   void take(std::string_view part) {
@@ -142,7 +142,7 @@ private:
       *event.mutable_time() = jobs::now();
       run_.events.push_back(event);
     }
-    if (event.has_finding()) return say(event.finding());
+    if (event.has_finding()) return pass_on(event.finding());
     Response response;
     if (event.has_step()) {
       solver_s_ = event.step().solver_s();
@@ -152,7 +152,7 @@ private:
     } else {
       return;
     }
-    say(std::move(response));
+    pass_on(std::move(response));
   }
 
   grpc::Status end() {
@@ -163,7 +163,7 @@ private:
     if (run_.end.has_failure())
       *response.mutable_ended()->mutable_failure() = run_.end.failure();
     response.mutable_ended()->set_solver_s(solver_s_);
-    say(std::move(response));
+    pass_on(std::move(response));
     if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));
     return grpc::Status::OK;
   }

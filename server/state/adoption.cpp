@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A log that is gone can be begun again only while nothing else says what became of the job.
+/// A log that is gone can be begun again only while nothing else shows what became of the job.
 void require_log(const fs::path& folder) {
   if (fs::exists(folder / "events.log")) return;
   if (fs::exists(folder / "results.h5"))
@@ -76,15 +76,15 @@ void adopt(jobs::JobStore& store, const fs::path& folder) {
 std::string contradiction(jobs::JobStore& store, const jobs::JobRecord& record,
                           const jobs::JobDescription& description) {
   const v1::Job& row = record.job;
-  const v1::Job& said = description.job;
-  if (row.id() != said.id()) return "id";
-  if (row.title() != said.title()) return "title";
-  if (row.request_id() != said.request_id()) return "request_id";
-  if (row.study() != said.study()) return "study";
-  if (row.owner() != said.owner()) return "owner";
-  if (row.priority() != said.priority()) return "priority";
-  if (row.case_sha256() != said.case_sha256()) return "case_sha256";
-  if (jobs::milliseconds(row.create_time()) != jobs::milliseconds(said.create_time()))
+  const v1::Job& described = description.job;
+  if (row.id() != described.id()) return "id";
+  if (row.title() != described.title()) return "title";
+  if (row.request_id() != described.request_id()) return "request_id";
+  if (row.study() != described.study()) return "study";
+  if (row.owner() != described.owner()) return "owner";
+  if (row.priority() != described.priority()) return "priority";
+  if (row.case_sha256() != described.case_sha256()) return "case_sha256";
+  if (jobs::milliseconds(row.create_time()) != jobs::milliseconds(described.create_time()))
     return "create_time";
   if (store.complete_case(row.id()) != description.complete_case) return "complete case";
   if (store.submitted_case(row.id()) != description.submitted_case) return "submitted case";

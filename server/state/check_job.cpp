@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a worker needs to go on, and nobody once the job has ended well.
+/// What a worker needs to go on, and no one once the job has ended well.
 constexpr std::array leftover_names{"checkpoint.bin", "journal.bin"};
 
 class JobCheck {
@@ -139,7 +139,7 @@ private:
     report_.repaired(what);
   }
 
-  /// Any file there is moves aside; the row says how the job stands.
+  /// Any file there is moves aside; the row has how the job stands.
   void begin_log_again(const fs::path& path) {
     const std::string what = subject_ + "its events.log is lost";
     if (!options_.repair) return report_.damage(what + "; --repair begins it again");

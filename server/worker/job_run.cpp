@@ -59,7 +59,7 @@ JobRun::JobRun(const v1::WorkerOrder& order, const jobs::FolderClaim& claim)
 JobRun::~JobRun() = default;
 
 void JobRun::send(v1::JobEvent event) {
-  if (event.has_finding() && log_.has_finding(event.finding().code())) return;
+  if (event.has_finding() && log_.has(event.finding())) return;
   if (event.has_validity_lost() && log_.has_validity_loss()) return;
   log_.append(event);
 }

@@ -144,7 +144,7 @@ int run_job_of_daemon() {
     return 0;
   } catch (const std::system_error& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
-    return jobs::exit_storage;
+    return jobs::is_memory_fault(error.code()) ? jobs::exit_out_of_memory : jobs::exit_storage;
   }
 }
 

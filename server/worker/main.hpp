@@ -4,18 +4,14 @@ namespace dccast::worker {
 
 /// The worker program.
 ///
-/// With `--wait` it runs one job: dccastd starts it, tells it in the environment where to call
-/// (DCCAST_WORKER_LINK) and whose child it is (_PARENT), and, once there is a job for it, on the
-/// standard input its id, its token and the file for what it says, a line each.
-///   0  the daemon has what the run ended with
-///   1  it could not begin: another worker writes into the folder of the job, say
-///  70  the daemon is gone, or refuses this worker
-/// Once it has claimed the folder of the job it outlives the daemon, as long as the daemon has said
-/// that it should, and goes on with the next one: docs/operations.md.
-/// With `--serve-checks` or `--serve-queries` it answers questions about cases and results on the
-/// socket that is its standard input, see server/jobs/checker.hpp.
-///   0  the daemon has closed the socket              1  the socket broke in the middle of a
-///   question
+/// With `--wait` it runs one job: dccastd starts it, with its own process id in the environment, and
+/// hands it a WorkerOrder on its standard input, behind its length. Exit codes then:
+///   0  the end of the run is in the event log of the job, or there never was a job
+///   1  it could not begin: another worker writes into the folder of the job, for example
+///  70  the folder of the job is gone, or no daemon came in time and the run did not stop
+///  71, 74  jobs::exit_out_of_memory, jobs::exit_storage
+/// Once it has claimed the folder of the job it outlives the daemon, as long as the order permits.
+/// With `--serve-checks` or `--serve-queries` it answers questions: server/jobs/checker.hpp.
 int main(int argc, char** argv);
 
 }  // namespace dccast::worker

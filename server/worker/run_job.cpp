@@ -114,6 +114,8 @@ Finished run_job(const v1::WorkerOrder& order, RunLink& link, Results results) {
   } catch (const InvalidCase& error) {
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {
+    if (jobs::is_memory_fault(error.code()))
+      return failed(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
     return failed(v1::Failure::STORAGE, error.what());
   } catch (const std::bad_alloc&) {
     return failed(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);

@@ -65,14 +65,18 @@ class StoreFromOldBackup(StoreDamage):
         return True
 
 
-class FolderRestored(Fault):
-    """The whole folder lost; restored from a backup that was made while jobs ended, ran and waited"""
-    short, long = 1, 20
+class EightCastings(Fault):
+    """Short ones and long ones, of which some have ended."""
 
     def begin(self, scene):
         for _ in range(8):
             scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
         pause(scene.chance, 0.5)
+
+
+class FolderRestored(EightCastings):
+    """The whole folder lost; restored from a backup that was made while jobs ended, ran and waited"""
+    short, long = 1, 20
 
     def disturb(self, scene, count):
         backup = os.path.join(scene.folder, "backup")
@@ -83,14 +87,9 @@ class FolderRestored(Fault):
         scene.come_back()
 
 
-class StoreRemovedFromWorkingDaemon(Fault):
+class StoreRemovedFromWorkingDaemon(EightCastings):
     """jobs.sqlite removed while the daemon works, which is killed later; started again"""
     short, long = 1, 10
-
-    def begin(self, scene):
-        for _ in range(8):
-            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
-        pause(scene.chance, 0.5)
 
     def disturb(self, scene, count):
         remove_store(scene)
@@ -100,14 +99,9 @@ class StoreRemovedFromWorkingDaemon(Fault):
         scene.come_back()
 
 
-class FolderMoved(Fault):
+class FolderMoved(EightCastings):
     """The folder moved to another path, without the store; the daemon started there"""
     short, long = 1, 10
-
-    def begin(self, scene):
-        for _ in range(8):
-            scene.submit(fake(scene.chance.choice(("steps=20", "steps=60 checkpoint=7 sleep_ms=10"))))
-        pause(scene.chance, 0.5)
 
     def disturb(self, scene, count):
         scene.kill_daemon()
