@@ -9,6 +9,8 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+# Everywhere, because it defines a macro: a precompiled header is taken only with the same macros.
+add_compile_options(-pthread)
 
 # ccache, where there is one, makes a second build tree cheap. Without these permissions it refuses
 # every file that is compiled with a precompiled header.

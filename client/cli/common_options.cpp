@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "client/session/failure.hpp"
+#include "client/text/study_text.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -36,6 +37,17 @@ void add_study_options(const cli::Command& command, StudyOptions& options,
   command.option("--plot", options.plot, texts.plot);
   add_force_flag(command, options.force);
   command.json(options.json, texts.json);
+}
+
+void follow_with_progress(Connection& connection, const std::string& id,
+                          const std::string& come_back) {
+  try {
+    render::StudyProgress progress(std::cerr, render::terminal_of(2));
+    follow_study(
+        connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
+  } catch (const Interrupted&) {
+    throw Interrupted("the study goes on. Come back: " + come_back);
+  }
 }
 
 double metres_of(const std::string& text, const char* option) {

@@ -37,6 +37,11 @@ struct StudyOptionTexts {
 void add_study_options(const cli::Command& command, StudyOptions& options,
                        const StudyOptionTexts& texts);
 
+/// Follows a study to its end and shows its progress on stderr.
+/// @param come_back  command that continues to follow it, for the message of Interrupted
+void follow_with_progress(Connection& connection, const std::string& id,
+                          const std::string& come_back);
+
 /// The length in an option's value such as "285 mm" [m]. Throws CommandFailed, naming the option.
 double metres_of(const std::string& text, const char* option);
 

@@ -46,9 +46,10 @@ void add_schema(cli::CommandLine& line, Program& program);
 void add_alloys(cli::CommandLine& line, Program& program);
 void add_info(cli::CommandLine& line, Program& program);
 
-/// Follows a job as `watch` does and reports how it ended; results on stdout unless `talk_only`.
+/// Follows a job as `watch` does and reports how it ended; results on stdout unless
+/// `messages_only`.
 /// @param strict  findings beyond notes give ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool talk_only, bool strict = false);
+                   bool messages_only, bool strict = false);
 
 }  // namespace dccast::client::commands

@@ -163,7 +163,7 @@ v1::StudyResult as_it_is(Connection& connection, const std::string& id) {
   return result;
 }
 
-void say_what_is_paused(Connection& connection, const std::string& id) {
+void print_paused_jobs(Connection& connection, const std::string& id) {
   for (const v1::Job& job : jobs_of_study(connection, id))
     if (job.state() == v1::PAUSED)
       std::cerr << "waiting for job " << job.id() << ", which is paused: dccast resume " << job.id()
@@ -177,8 +177,8 @@ bool waits_for_its_job(const v1::StudyRun& run) {
 /// Prints the jobs of all levels; the server queues them shortly, unless its disk is full.
 void name_jobs(Connection& connection, const std::string& id, LevelNames& names) {
   constexpr std::chrono::milliseconds pause{50};
-  constexpr int most_looks = 100;
-  for (int looks = 0; looks < most_looks; ++looks) {
+  constexpr int most_attempts = 100;
+  for (int made = 0; made < most_attempts; ++made) {
     const v1::StudyResult now = evaluate_study(connection, id);
     names.name(now);
     if (std::none_of(now.runs().begin(), now.runs().end(), waits_for_its_job)) return;
@@ -191,7 +191,7 @@ void name_jobs(Connection& connection, const std::string& id, LevelNames& names)
 Study finished_study(Connection& connection, const std::string& id, LevelNames& names) {
   try {
     name_jobs(connection, id, names);
-    say_what_is_paused(connection, id);
+    print_paused_jobs(connection, id);
     follow_study(
         connection, id, [](const v1::Study&) {}, std::cerr);
     return read_study(connection, id);

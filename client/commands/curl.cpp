@@ -22,8 +22,6 @@ struct CurlOptions {
   bool json = false;
 };
 
-using render::CurlHistory;
-
 std::string csv_name(const std::string& name) {
   if (name.find_first_of(",\"\n") == std::string::npos) return name;
   std::string quoted = "\"";
@@ -44,10 +42,10 @@ struct Error {
 };
 
 Error error_of(const CurlHistory& history, const std::string& monitor, const Study& study) {
-  const MonitorStudy* said = study.monitor(monitor);
-  if (said == nullptr) return {};
-  return {values::at_instants(history.time_s, study.time_s, said->limit.value_m),
-          values::at_instants(history.time_s, study.time_s, said->limit.uncertainty_m)};
+  const MonitorStudy* found = study.monitor(monitor);
+  if (found == nullptr) return {};
+  return {values::at_instants(history.time_s, study.time_s, found->limit.value_m),
+          values::at_instants(history.time_s, study.time_s, found->limit.uncertainty_m)};
 }
 
 /// Columns of the CSV after time and cast length, by name.
@@ -83,7 +81,7 @@ void print_csv(const JobCurl& curl) {
 }
 
 /// One number a time in a section, [x, y] in a quarter slab.
-Json horizontal_json(const render::CurlHistory::Series& series) {
+Json horizontal_json(const CurlHistory::Series& series) {
   Json json = Json::array();
   for (const auto& u : series.horizontal_m) json.push_back(u.size() == 1 ? Json(u[0]) : Json(u));
   return json;
@@ -141,7 +139,7 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
   JobCurl curl;
   curl.job = connection.call(&Stub::GetJob, request);
   const auto result = query_result(connection, id);
-  curl.history = render::curl_history(curl.job, result);
+  curl.history = curl_history(curl.job, result);
   if (with_study) curl.study = study_around(connection, curl.job);
   return curl;
 }

@@ -30,7 +30,7 @@ v1::MouldPlan plan_of(const Options& options) {
 
 Json run_json(const MouldDesign& design, const MouldRun& run) {
   Json json{{"job", run.job}, {"state", v1::JobState_Name(run.state)}};
-  if (!run.trouble.empty()) json["trouble"] = run.trouble;
+  if (!run.reason.empty()) json["trouble"] = run.reason;
   if (!run.cast) return json;
   const v1::Curve& opening = run.cast->section.half_thickness_m();
   const frames::SteadyFace& face = run.cast->face;

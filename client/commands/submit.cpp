@@ -79,7 +79,7 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& opti
                               Connection& connection) {
   const v1::SubmitJobRequest request = request_of(checked, options);
   v1::Job job;
-  const grpc::Status status = submit_patiently(connection, request, job);
+  const grpc::Status status = submit_with_retries(connection, request, job);
   checked.faults = faults_of(status);
   if (!checked.faults.empty()) {
     refuse(checked, options.json);
@@ -121,7 +121,7 @@ struct WatchOptions {
   bool strict = false;
 };
 
-void print_curl(const render::CurlHistory& history) {
+void print_curl(const CurlHistory& history) {
   if (history.monitors.empty()) return;
   std::vector<std::string> headings{"monitor", ">curl mm", ">x mm"};
   if (history.monitors.front().horizontal_m.back().size() == 2) headings.push_back(">y mm");
@@ -148,9 +148,9 @@ v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::s
 }
 
 v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
-                                           std::int64_t from, bool talk_only) {
-  render::Progress progress(talk_only ? std::cerr : std::cout,
-                            render::terminal_of(talk_only ? 2 : 1));
+                                           std::int64_t from, bool messages_only) {
+  render::Progress progress(messages_only ? std::cerr : std::cout,
+                            render::terminal_of(messages_only ? 2 : 1));
   const auto end = follow_job(
       connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
   progress.finish();
@@ -159,7 +159,7 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
 }
 
 /// Reports why a job waits, if it is held; errors are left to the watch.
-void say_if_held(Connection& connection, const std::string& id) {
+void print_if_held(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
@@ -211,10 +211,10 @@ void add_submit(cli::CommandLine& line, Program& program) {
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool talk_only, bool strict) {
-  say_if_held(connection, id);
+                   bool messages_only, bool strict) {
+  print_if_held(connection, id);
   const auto end = json ? watch_for_scripts(connection, id, from)
-                        : watch_for_people(connection, id, from, talk_only);
+                        : watch_for_people(connection, id, from, messages_only);
   if (end.has_failure())
     std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());

@@ -7,9 +7,9 @@
 #include "client/html/sweep_page.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/json.hpp"
-#include "client/model/sweep_request.hpp"
 #include "client/session/download.hpp"
 #include "client/session/studies.hpp"
+#include "client/session/sweep_request.hpp"
 #include "client/text/sweep_table.hpp"
 #include "client/text/table.hpp"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "client/html/report_style.hpp"
-#include "client/model/discretisation_error.hpp"
+#include "client/model/answer.hpp"
 #include "client/text/answer_text.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client/text/findings.hpp"

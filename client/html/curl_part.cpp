@@ -7,7 +7,7 @@
 #include "client/html/html_parts.hpp"
 #include "client/html/study_part.hpp"
 #include "client/html/svg_chart.hpp"
-#include "client/model/discretisation_error.hpp"
+#include "client/model/answer.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
@@ -79,7 +79,7 @@ std::string tile(const std::string& name, const std::string& value, const std::s
          "</strong> " + unit + (note.empty() ? "" : "<small>" + note + "</small>") + "</div>";
 }
 
-/// The curl at the end, with its error where a study or the quality tells it.
+/// The curl at the end, with its error where a study or the quality gives it.
 std::string curl_tile(const CurlHistory& history, const v1::QueryResultResponse& result,
                       const CurlHistory::Series& series, const Study& study) {
   const double curl = series.curl_m.back();

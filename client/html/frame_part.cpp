@@ -16,7 +16,7 @@ namespace {
 std::string frame_mark(const v1::Frame& frame, const CurlHistory& history) {
   const auto first = history.first_beyond();
   const bool valid = !first || frame.time_s() < history.time_s[*first];
-  return valid ? "" : "<strong>Beyond validity, not an answer.</strong> ";
+  return valid ? "" : "<strong>Beyond validity.</strong> ";
 }
 
 /// The same where the slider may show another frame.

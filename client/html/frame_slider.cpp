@@ -87,7 +87,7 @@ std::set<std::vector<int>> inherited(const Faces& last, int nodes) {
   return faces;
 }
 
-/// Says which faces a frame has: those of the last frame that fit into it and some more, where the
+/// Adds the faces of a frame: those of the last frame that fit into it and some more, where the
 /// mesh has only grown since; else all of its own.
 void add_faces(const SeenFrame& seen, const Faces& last, Json& json) {
   const auto common = inherited(last, seen.frame->temperature_c_size());

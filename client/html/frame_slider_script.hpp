@@ -2,13 +2,13 @@
 
 namespace dccast::client::render {
 
-/// Draws the frame that the slider says into the pictures before it, as section_picture and
+/// Draws the frame chosen by the slider into the pictures before it, as section_picture and
 /// slab_picture draw the last one: colour bands cut out of triangles, fronts, outlines. Reads the
 /// JSON of frame_slider.cpp.
 inline constexpr const char* slider_script = R"js(
 addEventListener('DOMContentLoaded', () => {  // the caption stands below this script
 const box = document.querySelector('.slider'), data = JSON.parse(document.querySelector('.frames').textContent);
-const range = box.querySelector('input'), said = box.querySelector('output');
+const range = box.querySelector('input'), output = box.querySelector('output');
 const groups = [...document.querySelectorAll('svg g.now')].slice(0, data.views.length);
 const last = groups.map(g => g.innerHTML), whens = [...document.querySelectorAll('.when')];
 const lastWhen = whens.length ? whens[0].textContent : '', beyond = [...document.querySelectorAll('.beyond-now')];
@@ -96,8 +96,8 @@ function show(number) {
   const stored = data.frames[number], frame = stored && read(stored);
   groups.forEach((g, i) => { g.innerHTML = frame ? (dim === 2 ? section : slab)(frame, data.views[i]) : last[i]; });
   whens.forEach(w => { w.textContent = stored ? stored.when : lastWhen; });
-  beyond.forEach(b => { b.textContent = stored ? (stored.beyond ? 'Beyond validity, not an answer. ' : '') : lastBeyond; });
-  said.textContent = stored ? stored.when : lastWhen;
+  beyond.forEach(b => { b.textContent = stored ? (stored.beyond ? 'Beyond validity. ' : '') : lastBeyond; });
+  output.textContent = stored ? stored.when : lastWhen;
 }
 let asked = 0;
 range.addEventListener('input', () => { cancelAnimationFrame(asked); asked = requestAnimationFrame(() => show(+range.value)); });

@@ -9,8 +9,8 @@
 #include "client/html/run_part.hpp"
 #include "client/html/study_part.hpp"
 #include "client/html/svg_chart.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/curl_history.hpp"
-#include "client/model/discretisation_error.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
@@ -22,10 +22,10 @@ namespace {
 std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
   const auto first = history.first_beyond();
   if (!first && !job.has_validity_loss()) return {};
-  const std::string said = job.has_validity_loss() ? validity_text(job.validity_loss())
+  const std::string loss = job.has_validity_loss() ? validity_text(job.validity_loss())
                                                    : std::string(beyond_validity) + " from " +
                                                          fixed(history.time_s[*first], 2) + " s on";
-  return "<p class='invalid'>This run is " + html_escaped(said) +
+  return "<p class='invalid'>This run is " + html_escaped(loss) +
          ". Figures after that time are marked; they are not valid.</p>";
 }
 
@@ -49,7 +49,7 @@ std::string discretisation_part(const v1::Job& job, const v1::QueryResultRespons
                                 const Study& study) {
   if (study.monitors.empty() && discretisation_error(result.case_(), 1.0))
     return "<p class='note'>The ± beside a curl is the band of the case's quality "
-           "(docs/error-bars.md). <code>dccast convergence CASE</code> tells it of this case.</p>";
+           "(docs/error-bars.md). <code>dccast convergence CASE</code> shows it for this case.</p>";
   return study_part(study, job);
 }
 

@@ -93,37 +93,37 @@ constexpr const char* explanation =
 std::string no_error_known(const Study& study, const v1::Job& job) {
   const std::string begin = "<p class='note'>How much of the curl is discretisation is not known: ";
   if (study.id.empty())
-    return begin + "this run stands alone. <code>dccast convergence CASE</code> tells it.</p>";
+    return begin + "this run stands alone. <code>dccast convergence CASE</code> shows it.</p>";
   return begin + "of the runs of its study " + std::to_string(study.succeeded().size()) +
          " succeeded, two are needed. <code>dccast convergence --study " +
-         html_escaped(job.study()) + "</code> tells it.</p>";
+         html_escaped(job.study()) + "</code> shows it.</p>";
 }
 
 }  // namespace
 
 std::optional<CurlError> curl_error(const Study& study, const std::string& monitor, double time_s,
                                     double curl_m) {
-  const MonitorStudy* said = study.monitor(monitor);
-  if (said == nullptr) return std::nullopt;
+  const MonitorStudy* found = study.monitor(monitor);
+  if (found == nullptr) return std::nullopt;
   CurlError error;
-  error.limit_m = values::at_instants({time_s}, study.time_s, said->limit.value_m).front();
+  error.limit_m = values::at_instants({time_s}, study.time_s, found->limit.value_m).front();
   error.uncertainty_m =
-      values::at_instants({time_s}, study.time_s, said->limit.uncertainty_m).front();
+      values::at_instants({time_s}, study.time_s, found->limit.uncertainty_m).front();
   error.this_run_m = std::abs(curl_m - error.limit_m) + error.uncertainty_m;
-  error.extrapolated = said->limit.order.has_value();
+  error.extrapolated = found->limit.order.has_value();
   if (!std::isfinite(error.this_run_m)) return std::nullopt;
   return error;
 }
 
 ChartBand curl_band(const Study& study, const std::string& monitor, bool against_length) {
   ChartBand band;
-  const MonitorStudy* said = study.monitor(monitor);
-  if (said == nullptr) return band;
+  const MonitorStudy* found = study.monitor(monitor);
+  if (found == nullptr) return band;
   const std::size_t count = study.time_s.size();
   const std::size_t stride = (count + band_instants - 1) / band_instants;
   for (std::size_t from = 0; from < count; from += stride) {
     const std::size_t to = std::min(from + stride, count);
-    add_point(band, said->limit, from, to,
+    add_point(band, found->limit, from, to,
               against_length ? 1e3 * study.cast_length_m[to - 1] : study.time_s[to - 1]);
   }
   return band;

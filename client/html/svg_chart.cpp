@@ -54,7 +54,7 @@ Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
   }
   std::vector<double> ticks = round_ticks(low, high, count);
   if (with_zero && low < high && ticks.size() > 2) {
-    // A little below zero, the edge of a band say, must not cost a whole step of the axis.
+    // A little below zero, such as the edge of a band, must not cost a whole step of the axis.
     const double from = std::max(ticks.front(), low - 0.03 * (high - low));
     std::erase_if(ticks, [&](double tick) { return tick < from; });
     return {ticks, from, ticks.back()};

@@ -161,7 +161,7 @@ private:
 
   double left(double x) const { return 70.0 + 460.0 * share(x, x_); }
   double top(double y) const { return 310.0 - 270.0 * share(y, y_); }
-  /// A thousand dots are to be told apart too.
+  /// A thousand dots must be distinguishable too.
   double radius() const { return std::clamp(50.0 / std::sqrt(double(dots_.size())), 2.0, 7.0); }
 
   static std::string label(double x, double y, const std::string& anchor, const std::string& text) {

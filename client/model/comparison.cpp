@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "client/model/discretisation_error.hpp"
+#include "client/model/answer.hpp"
 #include "proto/case_file/case_file.hpp"
 
 namespace dccast::client {
 namespace {
 
-using Series = render::CurlHistory::Series;
+using Series = CurlHistory::Series;
 
 const Series* series_of(const Answer& answer, const std::string& monitor) {
   const auto& all = answer.history.monitors;

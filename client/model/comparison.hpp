@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/session/queries.hpp"
+#include "client/model/answer.hpp"
 
 namespace dccast::client {
 

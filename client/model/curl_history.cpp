@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 }
@@ -89,4 +89,4 @@ const CurlHistory::Series* CurlHistory::largest() const {
   return best;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -8,7 +8,7 @@
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/service.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Curl of every monitor against time and cast length. Curl is the vertical displacement.
 struct CurlHistory {
@@ -46,4 +46,4 @@ CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& resu
 /// displacement.
 double curl_of(const v1::MonitorValue& monitor);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

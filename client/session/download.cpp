@@ -78,21 +78,22 @@ bool of_another(const Attempt& attempt) {
 }
 
 Download download(Connection& connection, const Source& source, const fs::path& file,
-                  std::ostream& talk) {
+                  std::ostream& messages) {
   const fs::path part = file.string() + ".part";
   constexpr int attempts = 6;
   Download result;
   std::string sha256;
   result.resumed_at = size_of(part);
   if (result.resumed_at > 0)
-    talk << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
-         << std::endl;
+    messages << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
+             << std::endl;
   for (int count = 1; count <= attempts; ++count) {
     const Attempt attempt = append_rest(connection, source, sha256, part);
     if (attempt.total >= 0) sha256 = attempt.sha256;
     if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
     if (cut(attempt, part) && count < attempts) {
-      talk << "fetch: the stream was cut at byte " << size_of(part) << ", going on" << std::endl;
+      messages << "fetch: the stream was cut at byte " << size_of(part) << ", going on"
+               << std::endl;
       connection.interruption().sleep(std::chrono::milliseconds(200 * count));
       continue;
     }
@@ -106,8 +107,8 @@ Download download(Connection& connection, const Source& source, const fs::path& 
         return result;
       }
     }
-    talk << "fetch: " << part.string() << " is not the beginning of this file; beginning again"
-         << std::endl;
+    messages << "fetch: " << part.string() << " is not the beginning of this file; beginning again"
+             << std::endl;
     fs::remove(part);
     sha256.clear();
     result.resumed_at = 0;
@@ -120,7 +121,7 @@ Download download(Connection& connection, const Source& source, const fs::path& 
 }  // namespace
 
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
-                  const fs::path& file, std::ostream& talk) {
+                  const fs::path& file, std::ostream& messages) {
   v1::FetchResultRequest request;
   request.set_id(id);
   request.set_artifact(artifact);
@@ -128,11 +129,11 @@ Download download(Connection& connection, const std::string& id, const std::stri
     request.set_offset(offset);
     return connection.stub().FetchResult(&context, request);
   };
-  return download(connection, {artifact, open}, file, talk);
+  return download(connection, {artifact, open}, file, messages);
 }
 
 Download download_study(Connection& connection, const std::string& id, const fs::path& file,
-                        std::ostream& talk) {
+                        std::ostream& messages) {
   v1::FetchStudyRequest request;
   request.set_id(id);
   const auto open = [&](grpc::ClientContext& context, std::int64_t offset,
@@ -141,7 +142,7 @@ Download download_study(Connection& connection, const std::string& id, const fs:
     request.set_sha256(sha256);
     return connection.stub().FetchStudy(&context, request);
   };
-  return download(connection, {"study " + id, open}, file, talk);
+  return download(connection, {"study " + id, open}, file, messages);
 }
 
 }  // namespace dccast::client

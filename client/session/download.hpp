@@ -20,11 +20,11 @@ struct Download {
 /// stream is continued a few times. Throws CommandFailed (server not reachable, no such job or
 /// artifact, disk error) and Interrupted; the part file then holds the data received so far.
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
-                  const std::filesystem::path& file, std::ostream& talk);
+                  const std::filesystem::path& file, std::ostream& messages);
 
 /// Downloads the table of a study in the same way; from the beginning if the study has changed
 /// meanwhile.
 Download download_study(Connection& connection, const std::string& id,
-                        const std::filesystem::path& file, std::ostream& talk);
+                        const std::filesystem::path& file, std::ostream& messages);
 
 }  // namespace dccast::client

@@ -27,7 +27,7 @@ ExitCode exit_code_of(grpc::StatusCode code) {
 
 /// Connection errors reported by gRPC and their meaning; the first match is used.
 struct Wording {
-  std::string_view said, meaning;
+  std::string_view sent, meaning;
 };
 constexpr std::array wordings{
     Wording{"Connection refused", "connection refused"},
@@ -59,7 +59,7 @@ constexpr std::size_t longest_reason = 500;
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
   for (const Wording& wording : wordings)
-    if (message.find(wording.said) != std::string::npos) return std::string(wording.meaning);
+    if (message.find(wording.sent) != std::string::npos) return std::string(wording.meaning);
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return "it does not know this call: not dccastd, or another version of it";
   if (message.empty()) return "no reason given; the server's log may have one";

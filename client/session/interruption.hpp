@@ -12,7 +12,7 @@
 
 namespace dccast::client {
 
-/// The command was interrupted; the message says what happened to its work.
+/// The command was interrupted; the message states what happened to its work.
 class Interrupted : public CommandFailed {
 public:
   explicit Interrupted(const std::string& rest)

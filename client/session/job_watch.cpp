@@ -50,7 +50,7 @@ std::string way_back(const std::string& id, std::int64_t next) {
 /// `next` is left at the sequence number that is due.
 v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, std::int64_t& next,
                                  const std::function<void(const v1::JobEvent&)>& on_event,
-                                 std::ostream& talk, const RetryPolicy& policy) {
+                                 std::ostream& messages, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
   for (int attempt = 0; attempt < policy.attempts;) {
     const Stream stream = read_stream(connection, id, next, on_event);
@@ -61,10 +61,10 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
-    talk << "watch: the stream from " << connection.server() << " ended"
-         << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
-         << " but the job has not; taking it up again at event " << next << " (attempt " << attempt
-         << " of " << policy.attempts - 1 << ")" << std::endl;
+    messages << "watch: the stream from " << connection.server() << " ended"
+             << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
+             << " but the job has not; taking it up again at event " << next << " (attempt "
+             << attempt << " of " << policy.attempts - 1 << ")" << std::endl;
     connection.interruption().sleep(pause);
     pause = std::min(2 * pause, policy.longest_pause);
   }
@@ -78,10 +78,10 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
 v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
                                      std::int64_t from_sequence,
                                      const std::function<void(const v1::JobEvent&)>& on_event,
-                                     std::ostream& talk, const RetryPolicy& policy) {
+                                     std::ostream& messages, const RetryPolicy& policy) {
   std::int64_t next = std::max<std::int64_t>(from_sequence, 1);
   try {
-    return follow(connection, id, next, on_event, talk, policy);
+    return follow(connection, id, next, on_event, messages, policy);
   } catch (const Interrupted&) {
     throw Interrupted("job " + id + " goes on. Come back: " + way_back(id, next));
   }

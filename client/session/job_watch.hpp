@@ -17,14 +17,14 @@ struct RetryPolicy {
 };
 
 /// Passes every event of a job from `from_sequence` on to `on_event`, once and in order, and
-/// returns the terminal one. If the stream ends before, a message is written to `talk` and the
+/// returns the terminal one. If the stream ends before, a message is written to `messages` and the
 /// watch continues after the last event received. Throws CommandFailed if the server stays
 /// unreachable (the job continues) or does not know the job, and Interrupted with the command that
 /// continues the watch.
 v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
                                      std::int64_t from_sequence,
                                      const std::function<void(const v1::JobEvent&)>& on_event,
-                                     std::ostream& talk, const RetryPolicy& policy = {});
+                                     std::ostream& messages, const RetryPolicy& policy = {});
 
 /// Whether a stream that ended with this status can be reconnected.
 bool is_passing(grpc::StatusCode code);

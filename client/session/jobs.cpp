@@ -134,8 +134,8 @@ v1::QueryResultResponse query_result(Connection& connection, const std::string& 
   return result;
 }
 
-grpc::Status submit_patiently(Connection& connection, const v1::SubmitJobRequest& request,
-                              v1::Job& job) {
+grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequest& request,
+                                 v1::Job& job) {
   try {
     return connection.try_call(&Stub::SubmitJob, request, job);
   } catch (const Interrupted&) {

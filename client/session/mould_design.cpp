@@ -13,7 +13,7 @@ void read_cast(Connection& connection, MouldRun& run) {
   v1::QueryResultResponse result;
   const grpc::Status status = try_query_result(connection, run.job, true, result);
   if (!status.ok()) {
-    run.trouble = status.error_message();
+    run.reason = status.error_message();
     return;
   }
   try {
@@ -21,11 +21,11 @@ void read_cast(Connection& connection, MouldRun& run) {
         CastMould{result.case_().section(),
                   frames::steady_face(frames::contraction_of(result.case_(), result.frame()))};
   } catch (const frames::NoContraction& reason) {
-    run.trouble = reason.what();
+    run.reason = reason.what();
   }
 }
 
-/// What the plan says, or the opening at the narrow face of the mould that the first run had.
+/// The value of the plan, or the opening at the narrow face of the mould that the first run had.
 double wanted_of(const v1::MouldPlan& plan, const std::vector<MouldRun>& runs) {
   if (plan.wanted_half_thickness_m() > 0.0) return plan.wanted_half_thickness_m();
   if (runs.empty() || !runs.front().cast) return 0.0;
@@ -59,7 +59,7 @@ MouldDesign read_mould_design(Connection& connection, const std::string& study) 
     MouldRun& read = design.runs.emplace_back();
     read.job = run.job();
     read.state = run.state();
-    read.trouble = run.failure().message();
+    read.reason = run.failure().message();
     if (run.state() == v1::SUCCEEDED) read_cast(connection, read);
   }
   design.wanted_m = wanted_of(design.result.study().mould(), design.runs);

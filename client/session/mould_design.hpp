@@ -22,7 +22,7 @@ struct MouldRun {
   std::string job;  ///< empty until it is queued
   v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
   std::optional<CastMould> cast;  ///< set if the run succeeded
-  std::string trouble;            ///< why the run failed or its results cannot be read
+  std::string reason;             ///< why the run failed or its results cannot be read
 };
 
 /// A study that searches for the opening of a mould, with the results of its runs.

@@ -126,7 +126,7 @@ Answer answer_of_job(Connection& connection, const std::string& id) {
   answer.from_store = true;
   answer.description = result.case_();
   answer.changes.assign(job.changes().begin(), job.changes().end());
-  answer.history = render::curl_history(job, result);
+  answer.history = curl_history(job, result);
   answer.findings.assign(job.findings().begin(), job.findings().end());
   if (job.has_validity_loss()) answer.validity_loss = job.validity_loss();
   answer.state = job.state();

@@ -4,27 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "client/model/curl_history.hpp"
+#include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 
 namespace dccast::client {
-
-/// Answer of a query or result of a job: a case with its curl.
-struct Answer {
-  std::string name;         ///< name of the file or job, for tables
-  std::string job;          ///< id of the job; empty if it is not stored
-  bool from_store = false;  ///< no solver ran
-  v1::Case description;     ///< complete
-  std::vector<v1::CaseChange> changes;
-  render::CurlHistory history;
-  std::vector<v1::Finding> findings;
-  std::optional<v1::ValidityLoss> validity_loss;
-  v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
-  std::optional<v1::Failure> failure;
-  double solver_s = 0.0;
-  double first_point_s = 0.0;  ///< from the call to the first step, measured by the client [s]
-  double elapsed_s = 0.0;      ///< from the call to its end [s]
-};
 
 /// Calls QueryButtCurl. Throws CommandFailed, Interrupted; the run ends with the call.
 /// @param on_response  called with every response as it arrives

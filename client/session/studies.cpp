@@ -8,7 +8,6 @@
 #include "client/model/case_changes.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
-#include "client/text/study_text.hpp"
 #include "proto/values/uuid.hpp"
 
 namespace dccast::client {
@@ -90,20 +89,9 @@ std::optional<v1::Study> create_study(
   return study;
 }
 
-void follow_with_progress(Connection& connection, const std::string& id,
-                          const std::string& come_back) {
-  try {
-    render::StudyProgress progress(std::cerr, render::terminal_of(2));
-    follow_study(
-        connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
-  } catch (const Interrupted&) {
-    throw Interrupted("the study goes on. Come back: " + come_back);
-  }
-}
-
 v1::Study follow_study(Connection& connection, const std::string& id,
-                       const std::function<void(const v1::Study&)>& on_study, std::ostream& talk,
-                       const RetryPolicy& policy) {
+                       const std::function<void(const v1::Study&)>& on_study,
+                       std::ostream& messages, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
   for (int attempt = 1; attempt < policy.attempts; ++attempt) {
     const Stream stream = read_stream(connection, id, on_study);
@@ -112,9 +100,9 @@ v1::Study follow_study(Connection& connection, const std::string& id,
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
     if (stream.last) attempt = 1, pause = policy.first_pause;
-    talk << "watch: the stream from " << connection.server()
-         << " ended but the study has not; taking it up again (attempt " << attempt << " of "
-         << policy.attempts - 1 << ")" << std::endl;
+    messages << "watch: the stream from " << connection.server()
+             << " ended but the study has not; taking it up again (attempt " << attempt << " of "
+             << policy.attempts - 1 << ")" << std::endl;
     connection.interruption().sleep(pause);
     pause = std::min(2 * pause, policy.longest_pause);
   }

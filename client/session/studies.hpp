@@ -26,16 +26,11 @@ struct StudyCase {
 std::optional<v1::Study> create_study(Connection& connection, const StudyCase& base,
                                       const std::function<void(v1::CreateStudyRequest&)>& add_plan);
 
-/// Follows a study to its end and shows its progress on stderr.
-/// @param come_back  command that continues to follow it, for the message of Interrupted
-void follow_with_progress(Connection& connection, const std::string& id,
-                          const std::string& come_back);
-
 /// Passes a study to `on_study` whenever it has changed, until it has ended; returns it. A stream
 /// that ends before is reconnected as in follow_job. Throws CommandFailed, Interrupted.
 v1::Study follow_study(Connection& connection, const std::string& id,
-                       const std::function<void(const v1::Study&)>& on_study, std::ostream& talk,
-                       const RetryPolicy& policy = {});
+                       const std::function<void(const v1::Study&)>& on_study,
+                       std::ostream& messages, const RetryPolicy& policy = {});
 
 /// Exit code for the final state of a study.
 ExitCode exit_code_of(v1::StudyState state);

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "client/model/answer.hpp"
 #include "client/model/case_changes.hpp"
-#include "client/model/discretisation_error.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"

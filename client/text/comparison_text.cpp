@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "client/model/answer.hpp"
 #include "client/model/case_changes.hpp"
-#include "client/model/discretisation_error.hpp"
 #include "client/text/answer_text.hpp"
 #include "client/text/braille.hpp"
 #include "client/text/findings.hpp"

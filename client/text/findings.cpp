@@ -133,7 +133,7 @@ std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {
 std::string validity_text(const v1::ValidityLoss& loss) {
   const std::string begin =
       std::string(beyond_validity) + " from " + fixed(loss.time_s(), 2) + " s on: ";
-  if (!loss.message().empty()) return begin + loss.message();  // says where and by how much
+  if (!loss.message().empty()) return begin + loss.message();  // has place and amount
   std::string text = begin + failure_kind_text(loss.kind());
   if (loss.limit() != 0.0 || loss.value() != 0.0)
     text += " (" + figure_text(loss.value(), loss.unit()) + ", limit " +

@@ -36,7 +36,7 @@ std::string figure_text(double value, const std::string& unit);
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m);
 
 /// "beyond validity from 166.20 s on: at t = 166.2 s the butt ... has slid 63.1 mm ...": the
-/// message of the run, which says where and by how much, or what stands beside it where there is
+/// message of the run, which has place and amount, or what stands beside it where there is
 /// none.
 std::string validity_text(const v1::ValidityLoss& loss);
 

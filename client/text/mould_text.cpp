@@ -85,7 +85,7 @@ std::string mould_runs_table(const MouldDesign& design) {
   number = 0;
   for (const MouldRun& run : design.runs) {
     ++number;
-    if (!run.trouble.empty()) text += "run " + std::to_string(number) + ": " + run.trouble + "\n";
+    if (!run.reason.empty()) text += "run " + std::to_string(number) + ": " + run.reason + "\n";
   }
   return text;
 }

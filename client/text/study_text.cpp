@@ -142,8 +142,8 @@ Rows limit_rows(const Study& study) {
 
 std::string validity_note(const Study& study) {
   if (!study.valid_until_s) return {};
-  return std::string("! ") + beyond_validity + ", not an answer: from " +
-         fixed(*study.valid_until_s, 2) + " s on the model of at least one level is not valid";
+  return std::string("! ") + beyond_validity + ": from " + fixed(*study.valid_until_s, 2) +
+         " s on the model of at least one level is not valid";
 }
 
 std::string study_table(const Study& study) {

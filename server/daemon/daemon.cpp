@@ -1,7 +1,6 @@
 #include "server/daemon/daemon.hpp"
 
 #include <signal.h>
-#include <spdlog/spdlog.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include "core/storage/durable_file.hpp"
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
+#include "server/jobs/log.hpp"
 #include "server/service/answer_key.hpp"
 #include "server/service/grpc_trouble.hpp"
 #include "server/service/server.hpp"

@@ -1,7 +1,5 @@
 #include "server/jobs/attempts.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <system_error>
 #include <utility>
@@ -10,6 +8,7 @@
 #include "proto/values/sha256.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

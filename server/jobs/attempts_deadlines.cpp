@@ -1,9 +1,9 @@
 // Until when the workers of the attempts must have left, or said something.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 
 #include "server/jobs/attempts.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

@@ -1,12 +1,12 @@
 // What the attempts say to their workers and hear of them over the link.
 #include <openssl/crypto.h>
-#include <spdlog/spdlog.h>
 
 #include <stdexcept>
 #include <utility>
 
 #include "proto/values/sha256.hpp"
 #include "server/jobs/attempts.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {

@@ -2,7 +2,6 @@
 #include "server/jobs/event_log.hpp"
 
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include "core/storage/durable_file.hpp"
 #include "core/storage/record_format.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

@@ -1,10 +1,10 @@
 #include "server/jobs/event_logs.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <system_error>
 #include <utility>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

@@ -1,7 +1,6 @@
 #include "server/jobs/job_folder.hpp"
 
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
 #include <cerrno>
@@ -10,6 +9,7 @@
 #include "core/storage/durable_file.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/event_log_scan.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

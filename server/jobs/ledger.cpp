@@ -1,10 +1,9 @@
 #include "server/jobs/ledger.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {

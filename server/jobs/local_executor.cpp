@@ -4,7 +4,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -17,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "server/jobs/log.hpp"
 #include "server/jobs/process.hpp"
 #include "server/jobs/spawn.hpp"
 

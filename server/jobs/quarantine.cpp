@@ -1,12 +1,11 @@
 #include "server/jobs/quarantine.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <ctime>
 
 #include "core/storage/durable_file.hpp"
 #include "proto/values/uuid.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

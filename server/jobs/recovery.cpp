@@ -1,11 +1,10 @@
 #include "server/jobs/recovery.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <set>
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {

@@ -2,13 +2,12 @@
 // clients are in scheduler_requests.cpp.
 #include "server/jobs/scheduler.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/recovery.hpp"
 #include "server/jobs/storage_fault.hpp"

@@ -1,10 +1,10 @@
 // Runs that were computed outside of the queue and become jobs.
-#include <spdlog/spdlog.h>
 
 #include <system_error>
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/scheduler.hpp"
 
 namespace dccast::jobs {

@@ -1,5 +1,4 @@
 // What clients ask of the scheduler: submit, look, cancel, pause, resume, delete.
-#include <spdlog/spdlog.h>
 
 #include <system_error>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/new_job.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"

@@ -1,7 +1,8 @@
 #include "server/jobs/sqlite.hpp"
 
-#include <spdlog/spdlog.h>
 #include <sqlite3.h>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 

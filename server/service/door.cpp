@@ -1,7 +1,6 @@
 #include "server/service/door.hpp"
 
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -11,6 +10,8 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 

@@ -2,11 +2,11 @@
 
 #include <google/protobuf/descriptor.h>
 #include <grpc/support/log.h>
-#include <spdlog/spdlog.h>
 
 #include <string>
 
 #include "dccast/v1/service.grpc.pb.h"
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 

@@ -1,7 +1,5 @@
 #include "server/service/query_run.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <map>
 #include <optional>
@@ -10,6 +8,7 @@
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/service/answer_key.hpp"
 #include "server/service/labels.hpp"
 #include "server/service/status.hpp"

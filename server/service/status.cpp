@@ -1,7 +1,5 @@
 #include "server/service/status.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <new>
 #include <system_error>
 
@@ -10,6 +8,7 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 

@@ -1,8 +1,7 @@
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <string>
 
+#include "server/jobs/log.hpp"
 #include "server/service/news_stream.hpp"
 #include "server/service/streams.hpp"
 

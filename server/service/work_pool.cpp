@@ -1,9 +1,9 @@
 #include "server/service/work_pool.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <exception>
 #include <utility>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 

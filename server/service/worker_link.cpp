@@ -1,11 +1,11 @@
 #include "server/service/worker_link.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <utility>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 

@@ -1,8 +1,7 @@
 #include "server/state/store_guard.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/state/adoption.hpp"
 #include "server/state/wal_file.hpp"

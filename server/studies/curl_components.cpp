@@ -1,6 +1,6 @@
 #include "server/studies/curl_components.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace dccast::studies {
@@ -10,13 +10,27 @@ namespace {
 constexpr Eigen::Index most_components = 6;
 constexpr double share_left = 1e-6;  // of the sum of squares, that no component needs to carry
 
-Eigen::Index count_of(const Eigen::VectorXd& singular) {
-  const double whole = singular.squaredNorm();
+/// Right singular vectors that carry all but `share_left` of the sum of squares, largest first: from
+/// the eigenvectors of the smaller product of the matrix with itself. That squares the condition,
+/// which the share bounds by 1e6; a singular value decomposition takes 20 s to compile.
+/// @param matrix  (point, figure)  @return (figure, component), orthonormal
+Eigen::MatrixXd main_directions(const Eigen::MatrixXd& matrix) {
+  const bool by_points = matrix.rows() < matrix.cols();
+  Eigen::MatrixXd product;
+  if (by_points)
+    product = matrix * matrix.transpose();
+  else
+    product = matrix.transpose() * matrix;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(product);
+  const Eigen::VectorXd squares = parts.eigenvalues().cwiseMax(0.0).reverse();
+  const double whole = squares.sum();
   Eigen::Index count = 0;
-  double left = whole;
-  while (count < std::min(most_components, singular.size()) && left > share_left * whole)
-    left -= singular(count) * singular(count), ++count;
-  return count;
+  for (double left = whole;
+       count < std::min(most_components, squares.size()) && left > share_left * whole; ++count)
+    left -= squares(count);
+  const Eigen::MatrixXd vectors = parts.eigenvectors().rowwise().reverse().leftCols(count);
+  if (!by_points) return vectors;
+  return (matrix.transpose() * vectors).colwise().normalized();
 }
 
 }  // namespace
@@ -26,9 +40,8 @@ Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& fig
   rest_ = figures.rowwise() - mean_;
   left_out_ = Eigen::VectorXd::Zero(figures.cols());
   if (figures.cols() == 0) return;
-  const Eigen::BDCSVD<Eigen::MatrixXd> parts(rest_, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::Index count = count_of(parts.singularValues());
-  shape_ = parts.matrixV().leftCols(count);
+  shape_ = main_directions(rest_);
+  const Eigen::Index count = shape_.cols();
   const Eigen::MatrixXd amounts = rest_ * shape_;
   rest_ -= amounts * shape_.transpose();
   for (Eigen::Index k = 0; k < count; ++k) amounts_.emplace_back(places, amounts.col(k));

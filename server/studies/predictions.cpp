@@ -1,7 +1,5 @@
 #include "server/studies/predictions.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "proto/case_file/key_number.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "server/jobs/log.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/sweep_plan.hpp"
 

@@ -3,7 +3,6 @@
 #include "server/studies/studies.hpp"
 
 #include <google/protobuf/util/message_differencer.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <climits>
@@ -11,6 +10,7 @@
 
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/studies/study_file.hpp"
 
 namespace dccast::studies {

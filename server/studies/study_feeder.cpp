@@ -1,7 +1,6 @@
 // How the runs of studies become jobs: one thread, a few runs of each study at a time, so that a
 // thousand runs neither fill the queue nor hold up what comes after them. What it has done stands
 // in the store; when it is interrupted it does the last run again, which gives the same job.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::studies {

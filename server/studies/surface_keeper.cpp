@@ -1,12 +1,13 @@
 #include "server/studies/surface_keeper.hpp"
 
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <exception>
 #include <utility>
+
+#include "server/jobs/log.hpp"
 
 namespace dccast::studies {
 

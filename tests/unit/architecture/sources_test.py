@@ -35,12 +35,20 @@ for room in ("contact", "mechanics"):  # thermal and mechanics meet only from ca
 SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
 CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage"}
 
+# Rooms of the client, each with those that it sees.
+CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}
+CLIENT_ROOMS["text"] = CLIENT_ROOMS["html"] = {"model", "session", "text", "html"}
+CLIENT_ROOMS["cli"] = CLIENT_ROOMS["text"] | {"cli"}
+CLIENT_ROOMS["commands"] = CLIENT_ROOMS["cli"] | {"commands"}
+
 # Headers that only one place may include; tests of that place may too, and others named below.
 ONLY_IN = {
     "hdf5.h": "core/hdf5",
     "cholmod.h": "core/linalg",
     "sqlite3.h": "server/jobs",
 }
+# Libraries whose headers take seconds to compile stay behind one source of the client.
+CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp"}
 TESTS_THAT_LOOK_INTO_FILES = {"tests/unit/results": "hdf5.h"}
 NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
 NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
@@ -52,7 +60,8 @@ DEBIAN_PACKAGES = {
     "PkgConfig": ["pkg-config"],
     "Protobuf": ["libprotobuf-dev", "protobuf-compiler"],
     "gRPC": ["libgrpc++-dev", "protobuf-compiler-grpc"],
-    "spdlog": ["libspdlog-dev", "libfmt-dev"],
+    "fmt": ["libfmt-dev"],
+    "spdlog": ["libspdlog-dev"],
     "CLI11": ["libcli11-dev"],
     "SQLite3": ["libsqlite3-dev"],
     "tomlplusplus": ["libtomlplusplus-dev"],
@@ -166,6 +175,20 @@ class Sources(unittest.TestCase):
             if path.parts[0] == "server" and path.parts[1] not in SERVER_ROOMS_THAT_SEE_CORE
             for linked in re.findall(r"\bdccast_(\w+)", text_of(path))
             if linked in CORE_ROOMS and linked not in CORE_ROOMS_WITHOUT_PHYSICS])
+
+    def test_client_rooms_see_only_rooms_before_them(self):
+        self.assert_none([
+            f"{path} includes {include}"
+            for path in SOURCES if path.parts[0] == "client" and len(path.parts) > 2
+            for include in includes_of(path) if include.startswith("client/")
+            and include.split("/")[1] not in CLIENT_ROOMS[path.parts[1]]])
+
+    def test_slow_headers_stay_behind_one_source_of_the_client(self):
+        self.assert_none([
+            f"{path} includes {include}"
+            for path in SOURCES if path.parts[0] == "client"
+            for include in includes_of(path)
+            if CLIENT_LIBRARIES.get(include, str(path)) != str(path)])
 
     def test_libraries_are_wrapped_once(self):
         broken = []

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/command_line.hpp"
+#include "client/commands/command_line.hpp"
 
 namespace dccast::client {
 

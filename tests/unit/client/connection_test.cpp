@@ -50,7 +50,7 @@ TEST_F(Calls, ASubmissionIsRepeatedWithItsRequestId) {
   request.set_request_id("mine");
   v1::Job job;
   testing::internal::CaptureStderr();
-  EXPECT_TRUE(submit_patiently(connection, request, job).ok());
+  EXPECT_TRUE(submit_with_retries(connection, request, job).ok());
   testing::internal::GetCapturedStderr();
   EXPECT_EQ(service.submitted.request_id(), "mine");
   EXPECT_EQ(job.id(), "job");

@@ -17,7 +17,7 @@ struct Fetch : testing::Test {
   FakeService service;
   fs::path folder = fs::path(testing::TempDir()) / ("dccast_fetch_" + std::to_string(::getpid()));
   fs::path file = folder / "r.h5";
-  std::ostringstream talk;
+  std::ostringstream messages;
 
   void SetUp() override {
     fs::create_directories(folder);
@@ -32,7 +32,7 @@ struct Fetch : testing::Test {
   }
   Download fetch() {
     Connection connection = service.connect();
-    return download(connection, "job", "results.h5", file, talk);
+    return download(connection, "job", "results.h5", file, messages);
   }
 };
 

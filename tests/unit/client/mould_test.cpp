@@ -56,7 +56,7 @@ TEST(MouldText, SaysWhyItIsNotFlat) {
   design.runs[1].cast->face.change_m = 0.9e-3;
   EXPECT_THAT(mould_sentence(design), HasSubstr("not steady yet and may contract further"));
   design.runs[1].cast.reset();
-  design.runs[1].trouble = "it melted through";
+  design.runs[1].reason = "it melted through";
   EXPECT_THAT(mould_text(design), HasSubstr("run 2: it melted through"));
   design.runs.clear();
   EXPECT_THAT(mould_text(design), HasSubstr("No run has shown a cold slab yet"));

@@ -187,30 +187,30 @@ TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
 
 TEST(CurlOf, IsTheLastCoordinateInAnyDimension) {
   v1::MonitorValue monitor;
-  EXPECT_TRUE(std::isnan(render::curl_of(monitor)));
+  EXPECT_TRUE(std::isnan(curl_of(monitor)));
   for (const double u : {3e-3, -4e-3}) monitor.add_displacement_m(u);
-  EXPECT_EQ(render::curl_of(monitor), -4e-3);
+  EXPECT_EQ(curl_of(monitor), -4e-3);
   monitor.add_displacement_m(20e-3);
-  EXPECT_EQ(render::curl_of(monitor), 20e-3);
+  EXPECT_EQ(curl_of(monitor), 20e-3);
 }
 
 TEST(CurlHistory, HorizontalHasTheComponentsOfItsDimension) {
   v1::StepReport report;
   v1::MonitorValue& monitor = *report.add_monitors();
   for (const double u : {3e-3, -4e-3, 20e-3}) monitor.add_displacement_m(u);
-  render::CurlHistory history;
+  CurlHistory history;
   history.add(report);
   EXPECT_THAT(history.monitors[0].horizontal_m,
               testing::ElementsAre(testing::ElementsAre(3e-3, -4e-3)));
   monitor.clear_displacement_m();
   for (const double u : {3e-3, 20e-3}) monitor.add_displacement_m(u);
-  render::CurlHistory section;
+  CurlHistory section;
   section.add(report);
   EXPECT_THAT(section.monitors[0].horizontal_m, testing::ElementsAre(testing::ElementsAre(3e-3)));
 }
 
 TEST(CurlHistory, TemperaturesAreThoseOfTheirStepsAndUnknownBeforeAPointIsPoured) {
-  render::CurlHistory history;
+  CurlHistory history;
   for (int step = 1; step <= 3; ++step) {
     v1::StepReport report;
     report.set_step(step);

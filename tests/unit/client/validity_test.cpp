@@ -180,7 +180,7 @@ TEST(ValidityOfAStudy, IsThatOfItsLevels) {
   const std::string table = render::study_table(lost);
   EXPECT_THAT(table, HasSubstr("succeeded, beyond validity"));
   EXPECT_THAT(table, HasSubstr("5.000 !\n"));
-  EXPECT_THAT(table, HasSubstr("! beyond validity, not an answer: from 4.00 s on"));
+  EXPECT_THAT(table, HasSubstr("! beyond validity: from 4.00 s on"));
   Study valid = lost;
   valid.valid_until_s.reset();
   for (StudyLevel& level : valid.levels) level.job.clear_validity_loss();

@@ -14,13 +14,13 @@ const RetryPolicy quick{5, std::chrono::milliseconds(1), std::chrono::millisecon
 struct Watch : testing::Test {
   FakeService service;
   std::vector<std::int64_t> seen;
-  std::ostringstream talk;
+  std::ostringstream messages;
 
   v1::JobEvent::StateChange follow(std::int64_t from = 1) {
     Connection connection = service.connect();
     return follow_job(
-        connection, "job", from, [&](const v1::JobEvent& e) { seen.push_back(e.sequence()); }, talk,
-        quick);
+        connection, "job", from, [&](const v1::JobEvent& e) { seen.push_back(e.sequence()); },
+        messages, quick);
   }
   void SetUp() override {
     service.job.set_id("job");
@@ -31,7 +31,7 @@ struct Watch : testing::Test {
 TEST_F(Watch, EverythingInOneStream) {
   EXPECT_EQ(follow().state(), v1::SUCCEEDED);
   EXPECT_THAT(seen, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
-  EXPECT_EQ(talk.str(), "");
+  EXPECT_EQ(messages.str(), "");
 }
 
 TEST_F(Watch, ACutStreamIsTakenUpAgainWithoutLossOrRepetition) {
@@ -40,7 +40,7 @@ TEST_F(Watch, ACutStreamIsTakenUpAgainWithoutLossOrRepetition) {
   EXPECT_EQ(follow().state(), v1::SUCCEEDED);
   EXPECT_THAT(seen, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
   EXPECT_EQ(service.streams, 4);
-  EXPECT_THAT(talk.str(), testing::HasSubstr("the job has not"));
+  EXPECT_THAT(messages.str(), testing::HasSubstr("the job has not"));
 }
 
 TEST_F(Watch, BeginsWhereItIsTold) {

@@ -1,4 +1,4 @@
-#include "client/model/discretisation_error.hpp"
+#include "client/model/answer.hpp"
 
 #include <cmath>
 

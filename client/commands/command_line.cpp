@@ -1,4 +1,4 @@
-#include "client/cli/command_line.hpp"
+#include "client/commands/command_line.hpp"
 
 #include <iostream>
 

@@ -1,4 +1,4 @@
-#include "client/model/sweep_request.hpp"
+#include "client/session/sweep_request.hpp"
 
 #include <filesystem>
 #include <map>
