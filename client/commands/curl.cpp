@@ -81,7 +81,7 @@ void print_csv(const JobCurl& curl) {
 }
 
 /// One number a time in a section, [x, y] in a quarter slab.
-Json horizontal_json(const render::CurlHistory::Series& series) {
+Json horizontal_json(const CurlHistory::Series& series) {
   Json json = Json::array();
   for (const auto& u : series.horizontal_m) json.push_back(u.size() == 1 ? Json(u[0]) : Json(u));
   return json;

@@ -204,7 +204,7 @@ TEST(CurlHistory, HorizontalHasTheComponentsOfItsDimension) {
               testing::ElementsAre(testing::ElementsAre(3e-3, -4e-3)));
   monitor.clear_displacement_m();
   for (const double u : {3e-3, 20e-3}) monitor.add_displacement_m(u);
-  render::CurlHistory section;
+  CurlHistory section;
   section.add(report);
   EXPECT_THAT(section.monitors[0].horizontal_m, testing::ElementsAre(testing::ElementsAre(3e-3)));
 }
