@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "proto/frames/contraction.hpp"
+
 namespace dccast::client::render {
 namespace {
 
@@ -116,7 +118,8 @@ std::vector<double> drawn_displacement(const v1::Frame& frame) {
   std::vector<double> drawn(frame.displacement_m().begin(), frame.displacement_m().end());
   const int dimension = frame.dimension(), up = dimension - 1;
   const auto height = [&](int n) { return frame.node_m(dimension * n + up); };
-  const auto liquid = [&](int n) { return frame.temperature_c(n) > frame.solidus_c(); };
+  const double shell = frames::shell_c(frame);
+  const auto liquid = [&](int n) { return frame.temperature_c(n) > shell; };
   const auto fronts = fronts_below_liquid(frame, liquid);
   const double level = frame.metal_level_m();
   for (int n = 0; n < frame.temperature_c_size(); ++n) {

@@ -65,7 +65,7 @@ std::pair<double, double> solid_range(const v1::Frame& frame, const Triangles& f
       const double z = frame.node_m(3 * node + 2);
       low = std::min(low, z);
       top = std::max(top, z);
-      if (frame.temperature_c(node) > frame.solidus_c()) soft = std::min(soft, z);
+      if (frame.temperature_c(node) > frames::shell_c(frame)) soft = std::min(soft, z);
     }
   double head = low;
   for (const auto& t : face)

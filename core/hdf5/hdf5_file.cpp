@@ -268,6 +268,10 @@ std::vector<std::string> File::read_texts(const std::string& object) const {
   return take_texts(texts);
 }
 
+bool File::has_attribute(const std::string& object, const char* name) const {
+  return H5Aexists_by_name(id_.get(), object.c_str(), name, H5P_DEFAULT) > 0;
+}
+
 double File::real_attribute(const std::string& object, const char* name) const {
   double value = 0.0;
   checked(H5Aread(open_attribute(object, name).get(), H5T_NATIVE_DOUBLE, &value),

@@ -81,6 +81,7 @@ public:
   std::vector<double> read_reals(const std::string& object) const;
   std::vector<std::int64_t> read_integers(const std::string& object) const;
   std::vector<std::string> read_texts(const std::string& object) const;
+  bool has_attribute(const std::string& object, const char* name) const;
   /// @return [unit in the name of the attribute]
   double real_attribute(const std::string& object, const char* name) const;
   std::int64_t integer_attribute(const std::string& object, const char* name) const;

@@ -78,6 +78,7 @@ struct RunHeader {
   std::string section;    ///< "plane_strain", "axisymmetric" or "quarter_slab"
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
+  double shell = 0.0;     ///< [°C] below it metal counts as a shell
   std::vector<std::string> monitor_name;
   int dimension = 2;  ///< number of coordinates; the last one points upwards
   std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]

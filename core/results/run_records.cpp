@@ -68,6 +68,7 @@ Sections to_sections(const RunHeader& header) {
   content.set("section", header.section);
   content.set_real("liquidus", header.liquidus);
   content.set_real("solidus", header.solidus);
+  content.set_real("shell", header.shell);
   content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
     content.set("monitor_name." + std::to_string(i), header.monitor_name[i]);
@@ -85,6 +86,7 @@ RunHeader header_of(const Sections& content) {
   header.section = content.text("section");
   header.liquidus = content.real("liquidus");
   header.solidus = content.real("solidus");
+  header.shell = content.has("shell") ? content.real("shell") : header.solidus;
   for (std::int64_t i = 0; i < content.integer("monitors"); ++i)
     header.monitor_name.push_back(content.text("monitor_name." + std::to_string(i)));
   header.dimension = static_cast<int>(content.integer("dimension"));

@@ -36,7 +36,7 @@ Lines lines_of(const v1::Frame& frame) {
 class FaceReading {
 public:
   FaceReading(const v1::Case& solved, const v1::Frame& frame)
-      : density_(solved.alloy().density_kg_per_m3()),
+      : alloy_(solved.alloy()),
         opening_(solved.section().half_thickness_m()),
         frame_(frame) {}
 
@@ -83,7 +83,7 @@ private:
     double sum_m = 0.0;
     for (std::size_t i = 0; i < line.size(); ++i) {
       const double temperature_c = frame_.temperature_c(line[i].second);
-      if (temperature_c > frame_.solidus_c()) return std::numeric_limits<double>::quiet_NaN();
+      if (temperature_c > shell_c(frame_)) return std::numeric_limits<double>::quiet_NaN();
       const double from = i == 0 ? line[i].first : line[i - 1].first;
       const double to = i + 1 == line.size() ? line[i].first : line[i + 1].first;
       sum_m += 0.5 * (to - from) * (stretch(room_temperature_c) - stretch(temperature_c));
@@ -93,16 +93,34 @@ private:
 
   /// Length over that at the liquidus, as the mechanics takes it (paper eq. (11)).
   double stretch(double temperature_c) const {
-    return std::cbrt(curve_value(density_, frame_.liquidus_c()) /
-                     curve_value(density_, temperature_c));
+    return std::cbrt(density(frame_.liquidus_c()) / density(temperature_c));
   }
 
-  const v1::Curve& density_;
+  /// [kg/m3], of a card with the densities of solid and liquid weighted by their fractions.
+  double density(double temperature_c) const {
+    if (alloy_.has_density_kg_per_m3()) return curve_value(alloy_.density_kg_per_m3(), temperature_c);
+    const double liquid = liquid_fraction(temperature_c);
+    return (1.0 - liquid) * curve_value(alloy_.solid_density_kg_per_m3(), temperature_c) +
+           liquid * alloy_.liquid_density_kg_per_m3();
+  }
+
+  double liquid_fraction(double temperature_c) const {
+    if (temperature_c >= alloy_.liquidus_c()) return 1.0;
+    if (alloy_.has_liquid_fraction()) return curve_value(alloy_.liquid_fraction(), temperature_c);
+    if (temperature_c <= alloy_.solidus_c()) return 0.0;
+    return (temperature_c - alloy_.solidus_c()) / (alloy_.liquidus_c() - alloy_.solidus_c());
+  }
+
+  const v1::Alloy& alloy_;
   const v1::Curve& opening_;
   const v1::Frame& frame_;
 };
 
 }  // namespace
+
+double shell_c(const v1::Frame& frame) {
+  return frame.shell_c() > 0.0 ? frame.shell_c() : frame.solidus_c();
+}
 
 double half_opening_m(const v1::Section& section, double x_m) {
   return curve_value(section.half_thickness_m(), x_m);

@@ -27,6 +27,7 @@ v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header
   to.set_metal_level_m(frame.metal_level);
   to.set_liquidus_c(header.liquidus);
   to.set_solidus_c(header.solidus);
+  to.set_shell_c(header.shell);
   return to;
 }
 
