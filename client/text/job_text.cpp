@@ -166,6 +166,7 @@ std::string event_line(const v1::JobEvent& event) {
                      fixed(event.resumed().time_s(), 2) + " s";
   if (event.has_validity_lost()) return "warning: " + validity_text(event.validity_lost());
   if (event.has_finding()) return finding_line(event.finding());
+  if (event.has_run_ended()) return "the run has ended";
   return "event " + std::to_string(event.sequence());
 }
 

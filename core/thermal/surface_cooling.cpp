@@ -147,10 +147,12 @@ bool SurfaceCooling::water_at_butt(const HeatStepInput& input) const {
 void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
                                 const HeatStepInput& input) {
   const BottomBlock& block = cooling_.bottom_block;
-  const double start = block.temperature(input.time), water = cooling_.water.temperature(input.time);
-  const bool wet = block.wet_coefficient && water_at_butt(input);
-  if (block_) block_->begin_step(input.time_step);
   bottom_.clear();
+  if (forms.bottom_nodes().empty()) return;
+  const bool wet = block.wet_coefficient && water_at_butt(input);
+  const double start = block.temperature(input.time);
+  const double water = wet || block_ ? cooling_.water.temperature(input.time) : start;
+  if (block_) block_->begin_step(input.time_step);
   const std::vector<double> cold(BlockColumns::points, start);
   for (std::size_t i = 0; i < forms.bottom_nodes().size(); ++i) {
     const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];

@@ -125,11 +125,20 @@ void check_tables(const Message& message, const FieldDescriptor& field, const st
                   path + "[" + std::to_string(i) + "]", faults);
 }
 
+/// Whether the key that may stand in for a required one is given.
+bool stands_in(const Message& message, const std::string& key) {
+  const Descriptor& descriptor = *message.GetDescriptor();
+  for (int i = 0; !key.empty() && i < descriptor.field_count(); ++i)
+    if (toml_key(*descriptor.field(i)) == key && is_present(message, *descriptor.field(i)))
+      return true;
+  return false;
+}
+
 void check_field(const Message& message, const FieldDescriptor& field, const std::string& path,
                  Faults& faults) {
   if (is_table(field)) return check_tables(message, field, path, faults);
   if (!is_present(message, field)) {
-    if (key_of(field).required())
+    if (key_of(field).required() && !stands_in(message, key_of(field).unless()))
       faults.push_back(make_fault(path, "", "required key is missing", range_text(field),
                                   "e.g. " + toml_key(field) + " = " + example_text(field)));
     return;
@@ -148,22 +157,18 @@ void check_message(const Message& message, const std::string& path, Faults& faul
                 faults);
 }
 
-/// The depth of the metal is given by itself, or by the place of the block.
+/// The depth of the metal and the place of the block are one thing given in two ways.
 void check_depth(const v1::Case& c, Faults& faults) {
   constexpr double same = 1e-9;  // [m]
   const v1::Section& section = c.section();
-  const std::string remedy = "give section.initial_depth, or section.block_above_water";
-  if (!section.has_initial_depth_m()) {
-    faults.push_back(make_fault("section.initial_depth", "", "required key is missing",
-                                "a depth, or section.block_above_water instead", remedy));
-  } else if (section.has_block_above_water_m() &&
-             std::abs(section.initial_depth_m() + section.block_above_water_m() -
-                      c.cooling().water().from_m()) > same) {
+  if (section.has_initial_depth_m() && section.has_block_above_water_m() &&
+      std::abs(section.initial_depth_m() + section.block_above_water_m() -
+               c.cooling().water().from_m()) > same)
     faults.push_back(make_fault("section.block_above_water",
                                 quantity_text(section.block_above_water_m(), "m"),
                                 "does not agree with section.initial_depth and cooling.water.from",
-                                "one of the two keys", remedy));
-  }
+                                "one of the two keys",
+                                "give section.initial_depth, or section.block_above_water"));
 }
 
 }  // namespace

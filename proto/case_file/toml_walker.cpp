@@ -169,7 +169,7 @@ void add_missing(Walk& walk, const toml::node& place, const Descriptor& descript
     const FieldDescriptor& field = *descriptor.field(i);
     const std::string key = toml_key(field);
     if (table.contains(key)) continue;
-    if (key_of(field).required())
+    if (key_of(field).required() && !(key_of(field).unless().size() > 0 && table.contains(key_of(field).unless())))
       walk.outcome.faults.push_back(make_fault(join_path(path, key), "", "required key is missing",
                                                range_text(field),
                                                "e.g. " + key + " = " + example_text(field)));

@@ -83,7 +83,7 @@ class RealRun(RealRunTest):
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for right, wrong in (('half_width = "0.28 m"', "half_width = 0.28"),  # unit missing
-                             ('coherency_solid_fraction = 1.0', 'coherency = "700 degC"'),
+                             ('card = "paper"', 'card = "paper"\ncoherency = "700 degC"'),
                              ('name = "mid"', 'name = "corner"'),
                              ('\nend = "145 s"', '\nend = "9e5 s"')):
             self.assertEqual(text.count(right), 1, right)

@@ -13,8 +13,18 @@ casting::Case shipped() {
   return support::load_case("start-2d-thickness");
 }
 
-casting::Case paper_sized(mesh::ElementKind element) {
+/// The paper's conditions: a level at the casting temperature, water with constant limits, a side
+/// that is held until it is solid.
+casting::Case of_the_paper() {
   casting::Case c = shipped();
+  c.cooling.top = thermal::Top::held;
+  c.cooling.water.boiling_follows_flow = false;
+  c.alloy.shell = c.alloy.solidus;
+  return c;
+}
+
+casting::Case paper_sized(mesh::ElementKind element) {
+  casting::Case c = of_the_paper();
   support::take_paper_size(c);
   c.section.element = element;
   return c;
@@ -35,8 +45,13 @@ TEST(Start2dThickness, EveryStepPassesItsOwnChecks) {
 }
 
 /// The weak elasticity of the liquid is strained more in lower cells at the front: 2.2 % at 21 s.
+TEST(Start2dThickness, EveryStepOfTheMeshAsShippedPassesItsOwnChecks) {
+  expect_sound_steps(of_the_paper(), 2.5e-2);
+}
+
+/// The same, 3.9 % at 1.2 s: the mould releases the side earlier, at 90 % solid.
 TEST(Start2dThickness, EveryStepAsShippedPassesItsOwnChecks) {
-  expect_sound_steps(shipped(), 2.5e-2);
+  expect_sound_steps(shipped(), 4.5e-2);
 }
 
 /// The paper's element and size, the four algorithms one after the other: whatever they share or
@@ -94,8 +109,12 @@ TEST(Start2dThickness, FinalCurlOfQuadrilateralsThatBend) {
   expect_curl_mm(run(paper_sized(mesh::ElementKind::q1_bending)), 5.087, 1.186, 0.0);
 }
 
+TEST(Start2dThickness, FinalCurlUnderThePapersConditions) {
+  expect_curl_mm(run(of_the_paper()), 5.32, 1.23, 0.0);
+}
+
 TEST(Start2dThickness, FinalCurlAsShipped) {
-  expect_curl_mm(run(shipped()), 5.32, 1.23, 0.0);
+  expect_curl_mm(run(shipped()), 5.25, 1.20, 0.0);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
   EXPECT_EQ(engineering.layers(), 7);
   EXPECT_EQ(engineering.rows(), 18);
   EXPECT_EQ(draft.columns(), 6);
-  EXPECT_EQ(draft.layers(), 6);
+  EXPECT_EQ(draft.layers(), 7);
   EXPECT_EQ(draft.rows(), 12);
   for (const auto& [better, worse] :
        {std::pair(engineering, draft), std::pair(fine, engineering)}) {

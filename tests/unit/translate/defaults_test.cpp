@@ -39,8 +39,8 @@ void add(const thermal::CoolingSpec& c, Line& line) {
   line.add("cooling", c.dry_coefficient, c.ambient_temperature, int(c.top));
   const thermal::Water& w = c.water;
   line.add("water", w.enabled, w.from, w.start, w.critical_heat_flux, w.film_boiling,
-           w.film_boiling_coefficient, w.film_boiling_above, w.boiling_follows_flow, w.pulse_period,
-           w.pulse_share, w.pulse_end);
+           w.film_boiling_coefficient, w.film_boiling_above, w.pulse_period, w.pulse_share,
+           w.pulse_end);  // boiling_follows_flow has no default in core: its constants have none
 }
 
 /// Every number, flag and choice of a case that has a default, but for those that its quality

@@ -180,7 +180,7 @@ v1::Frame expected_frame() {
       "temperature_c: [20, 21, 22, 23] "
       "displacement_m: [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08] "
       "bottom_node: [1, 3] bottom_gap_m: [0.5e-3, 1e-3] bottom_pressure_pa: [7e3, 8e3] "
-      "liquidus_c: 650 solidus_c: 600",
+      "liquidus_c: 650 solidus_c: 600 shell_c: 610",
       &frame);
   EXPECT_TRUE(parsed);
   return frame;
@@ -190,6 +190,7 @@ TEST(FrameToProto, KeepsEveryField) {
   results::RunHeader header;
   header.liquidus = 650;
   header.solidus = 600;
+  header.shell = 610;
   const v1::Frame to = to_proto(full_frame(), header);
   // A field added to the message must be filled, and expected above.
   const auto& fields = *v1::Frame::descriptor();
