@@ -5,8 +5,6 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/size_bounds.hpp"
-#include "proto/values/printable.hpp"
-#include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -69,21 +67,10 @@ void check_enum(const Message& message, const FieldDescriptor& field, const std:
     faults.push_back(make_fault(path, std::to_string(number), "unknown choice"));
 }
 
-/// A description may have lines; a title or a name stands in lists and logs.
-values::Lines lines_of(const FieldDescriptor& field) {
-  constexpr int longest_line = 255;
-  return key_of(field).maximum_length() > longest_line ? values::Lines::several
-                                                       : values::Lines::one;
-}
-
 void check_text(const Message& message, const FieldDescriptor& field, const std::string& path,
                 Faults& faults) {
   const std::string text = message.GetReflection()->GetString(message, &field);
-  if (auto fault = length_fault(field, text, path)) return faults.push_back(std::move(*fault));
-  if (const auto character = values::unprintable(text, lines_of(field)))
-    faults.push_back(make_fault(path, quoted(values::escaped(values::shortened(text))),
-                                "contains " + *character, "characters that can be shown",
-                                "leave that character out"));
+  if (auto fault = text_fault(field, text, path)) faults.push_back(std::move(*fault));
 }
 
 void check_scalar(const Message& message, const FieldDescriptor& field, const std::string& path,

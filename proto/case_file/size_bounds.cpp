@@ -1,10 +1,18 @@
 #include "proto/case_file/size_bounds.hpp"
 
 #include "proto/case_file/quantity.hpp"
+#include "proto/values/printable.hpp"
 #include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
 namespace {
+
+/// A description may have lines; a title or a name stands in lists and logs.
+values::Lines lines_of(const FieldDescriptor& field) {
+  constexpr int longest_line = 255;
+  return key_of(field).maximum_length() > longest_line ? values::Lines::several
+                                                       : values::Lines::one;
+}
 
 std::size_t stated_or(std::int32_t stated, std::size_t general) {
   return stated > 0 ? static_cast<std::size_t>(stated) : general;
@@ -31,12 +39,17 @@ std::string size_text(const FieldDescriptor& field) {
   return {};
 }
 
-std::optional<v1::Fault> length_fault(const FieldDescriptor& field, const std::string& text,
-                                      const std::string& path) {
-  if (text.size() <= maximum_length(field)) return std::nullopt;
-  return make_fault(path, quoted(values::shortened(text, maximum_length(field))),
-                    "a text of " + std::to_string(text.size()) + " bytes", size_text(field),
-                    key_of(field).attachment() ? "rename the file" : "shorten it");
+std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::string& text,
+                                    const std::string& path) {
+  if (text.size() > maximum_length(field))
+    return make_fault(path, quoted(values::shortened(text, maximum_length(field))),
+                      "a text of " + std::to_string(text.size()) + " bytes", size_text(field),
+                      key_of(field).attachment() ? "rename the file" : "shorten it");
+  const auto character = values::unprintable(text, lines_of(field));
+  if (!character) return std::nullopt;
+  return make_fault(path, quoted(values::escaped(values::shortened(text))),
+                    "contains " + *character, "characters that can be shown",
+                    "leave that character out");
 }
 
 std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,

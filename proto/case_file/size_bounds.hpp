@@ -23,10 +23,10 @@ std::size_t maximum_count(const FieldDescriptor& field);
 /// "at most 200 bytes", "at most 1000 entries", "at most 10000 points"; empty for other keys.
 std::string size_text(const FieldDescriptor& field);
 
-/// The fault of a text that is too long; empty if there is none. The fault contains only the
-/// beginning of the text.
-std::optional<v1::Fault> length_fault(const FieldDescriptor& field, const std::string& text,
-                                      const std::string& path);
+/// The fault of a text that is too long, or has a character that acts on a terminal or a log; empty
+/// if there is none. The fault contains only the beginning of the text.
+std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::string& text,
+                                    const std::string& path);
 
 /// The fault of too many entries or points; empty if there is none.
 std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,

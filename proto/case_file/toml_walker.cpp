@@ -96,7 +96,7 @@ void read_string(Walk& walk, const toml::node& node, const FieldDescriptor& fiel
     return walk.add(make_fault(path, "\"\"", "must not be empty"), node);
   if (key_of(field).attachment() && !text->empty()) text = attach(walk, node, *text, path);
   if (!text) return;
-  if (auto fault = length_fault(field, *text, path)) return walk.add(std::move(*fault), node);
+  if (auto fault = text_fault(field, *text, path)) return walk.add(std::move(*fault), node);
   message.GetReflection()->SetString(&message, &field, *text);
 }
 
