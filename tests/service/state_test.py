@@ -82,6 +82,7 @@ class LostStore(StateTest):
         self.assertEqual(self.folders(), before)
         self.restart()
         self.assertIn("built again from the folders", self.daemon.said())
+        self.check_jobs(expected)  # a kill while jobs begin would leave the index behind them
         self.daemon.kill_with_workers()
         self.assertEqual(self.folders(), before)
         code, found = self.command("check", "--deep")
