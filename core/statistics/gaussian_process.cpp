@@ -201,6 +201,12 @@ GaussianProcess::Estimate GaussianProcess::estimate(const Eigen::MatrixXd& place
   return result;
 }
 
+Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& places) const {
+  return ((correlation(places_, places, hyperparameters_.length).transpose() * weights_).array() +
+          mean_)
+      .matrix();
+}
+
 void GaussianProcess::leave_out_one_by_one() {
   const Eigen::Index n = places_.rows();
   const Eigen::MatrixXd root = factor_.matrixL().solve(Eigen::MatrixXd::Identity(n, n));

@@ -60,6 +60,8 @@ public:
   };
   /// @param places  a row each
   Estimate estimate(const Eigen::MatrixXd& places) const;
+  /// The means alone.
+  Eigen::VectorXd means(const Eigen::MatrixXd& places) const;
 
   /// Error of the estimate of each value made without it, from one factorisation (eq. 5.12).
   const Eigen::VectorXd& left_out_errors() const { return left_out_errors_; }

@@ -72,6 +72,13 @@ PrincipalComponents::Estimate PrincipalComponents::estimate(const Eigen::RowVect
   return result;
 }
 
+Eigen::MatrixXd PrincipalComponents::means(const Eigen::MatrixXd& places) const {
+  Eigen::MatrixXd values = mean_.replicate(places.rows(), 1);
+  for (std::size_t k = 0; k < amounts_.size(); ++k)
+    values += amounts_[k].means(places) * shape_.col(static_cast<Eigen::Index>(k)).transpose();
+  return values;
+}
+
 Eigen::VectorXd PrincipalComponents::left_out_errors(Eigen::Index figure) const {
   Eigen::VectorXd errors = rest_.col(figure);
   for (std::size_t k = 0; k < amounts_.size(); ++k)

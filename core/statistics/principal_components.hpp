@@ -19,6 +19,8 @@ public:
     Eigen::VectorXd variance;  ///< by figure, at least what points left out are off
   };
   Estimate estimate(const Eigen::RowVectorXd& place) const;
+  /// (place, figure) the means alone.
+  Eigen::MatrixXd means(const Eigen::MatrixXd& places) const;
   /// (point) what one figure of each point is off when the point is left out.
   Eigen::VectorXd left_out_errors(Eigen::Index figure) const;
   /// (place) sum of the variances of some figures.
