@@ -133,6 +133,7 @@ void print(const KeyReference& row, const render::Terminal& terminal) {
   if (!row.permitted.empty()) std::cout << "; " << row.permitted;
   if (!row.size.empty() && !row.curve) std::cout << "; " << row.size;
   if (!row.default_text.empty()) std::cout << "; default " << row.default_text;
+  if (!row.uncertainty.empty()) std::cout << "; uncertain " << row.uncertainty;
   std::cout << '\n';
 }
 
@@ -146,6 +147,7 @@ Json row_json(const KeyReference& row) {
           {"against", row.against},
           {"required", row.required},
           {"default", row.default_text},
+          {"uncertainty", row.uncertainty},
           {"doc", row.doc}};
 }
 

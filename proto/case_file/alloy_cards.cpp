@@ -4,10 +4,12 @@
 #include <set>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/key_number.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -22,6 +24,7 @@ bool plain_name(const std::string& name) {
 AlloyCard finished(v1::Alloy alloy, ReadOutcome outcome, const std::string& name) {
   AlloyCard card{std::move(alloy), {}};
   card.alloy.set_card(name);
+  if (outcome.ok()) outcome.faults = uncertainty_faults(card.alloy);
   for (v1::Fault& fault : outcome.faults) {
     fault.set_message("in alloy card " + describe(fault, outcome.source));
     fault.set_field("alloy.card");
@@ -84,6 +87,14 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   if (overrides.has_conductivity_w_per_m_k()) {
     complete.clear_solid_conductivity_w_per_m_k();
     complete.clear_liquid_conductivity_w_per_m_k();
+  }
+  // What gives the value gives its range.
+  complete.clear_uncertainty();
+  v1::Alloy given_in_case = overrides;  // looking for a key may add its table
+  for (const v1::KeyRange& line : card.uncertainty()) {
+    const FieldPlace given = place_of(given_in_case, line.key());
+    if (given.field == nullptr || !is_present(*given.message, *given.field))
+      *complete.add_uncertainty() = line;
   }
   const Descriptor& descriptor = *v1::Alloy::descriptor();
   for (int i = 0; i < descriptor.field_count(); ++i)

@@ -59,8 +59,8 @@ std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 /// Writes the keys that are present as a TOML file that reads back to the same message.
 std::string to_toml(const google::protobuf::Message& message);
 
-/// Every key that is present with its value as in a file, tables flattened: "monitor[0].x", "0.28 m".
-/// In the order of the schema.
+/// Every key that is present with its value as in a file, tables flattened: "monitor[0].x", "0.28
+/// m". In the order of the schema.
 std::vector<std::pair<std::string, std::string>> key_values(
     const google::protobuf::Message& message);
 
@@ -75,7 +75,8 @@ struct KeyReference {
   std::string doc;
   bool curve = false;  ///< a table of pairs may stand instead of one value
   bool required = false;
-  std::string size;  ///< "at most 200 bytes", "at most 1000 entries"; empty for other keys
+  std::string size;         ///< "at most 200 bytes", "at most 1000 entries"; empty for other keys
+  std::string uncertainty;  ///< how far the default may be off, as in [uncertainty]
 };
 
 /// Every key of a message, in the order of the schema; tables before their keys.

@@ -47,6 +47,17 @@ std::optional<double> scalar(const Message& message, const FieldDescriptor& fiel
   }
 }
 
+/// What a key is multiplied by, or what is added to it, before it is changed.
+std::optional<double> unchanged(Message& message, std::string_view path) {
+  for (const auto& [word, number] :
+       {std::pair(std::string_view(".scale"), 1.0), std::pair(std::string_view(".offset"), 0.0)}) {
+    if (!path.ends_with(word)) continue;
+    const FieldPlace place = place_of(message, path.substr(0, path.size() - word.size()));
+    if (place.field != nullptr && is_present(*place.message, *place.field)) return number;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 FieldPlace place_of(Message& message, std::string_view path) {
@@ -65,11 +76,13 @@ std::optional<double> number_at(const Message& message, std::string_view path) {
   const std::unique_ptr<Message> copy(message.New());
   copy->CopyFrom(message);
   const FieldPlace place = place_of(*copy, path);
-  if (place.field == nullptr) return std::nullopt;
+  if (place.field == nullptr) return unchanged(*copy, path);
   if (!is_curve(*place.field)) return scalar(*place.message, *place.field);
   v1::Curve curve;
   curve.CopyFrom(place.message->GetReflection()->GetMessage(*place.message, place.field));
-  if (curve.value_size() != 1) return std::nullopt;
+  const int point = part_of(path.substr(path.rfind('.') + 1)).element;
+  if (point >= 0 && point < curve.value_size()) return curve.value(point);
+  if (point >= 0 || curve.value_size() != 1) return std::nullopt;
   return curve.value(0);
 }
 

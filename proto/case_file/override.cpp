@@ -5,6 +5,7 @@
 #include <set>
 
 #include "proto/case_file/change_value.hpp"
+#include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_words.hpp"
 #include "proto/case_file/size_bounds.hpp"
 #include "proto/case_file/toml_walker.hpp"
@@ -18,13 +19,33 @@ struct Segment {
   std::optional<std::size_t> index;
 };
 
+/// What a change does with the key that its path leads to.
+enum class Deed {
+  set,
+  set_point,  ///< of a table: "melt_conductivity_factor[1]"
+  recipe,     ///< "0.8 until 100 mm" gives the table of a factor
+  scale,      ///< multiplies what is there, a table as a whole
+  offset      ///< adds to what is there
+};
+
 /// The key that a path leads to.
 struct Target {
   Message* message = nullptr;
   const FieldDescriptor* field = nullptr;
-  std::string path;       ///< of the key itself, also where a recipe word stands for it
-  bool is_scale = false;  ///< the value is a recipe, not that of the key
+  std::string path;  ///< of the key itself, also where a recipe word stands for it
+  Deed deed = Deed::set;
+  std::size_t point = 0;  ///< of set_point
 };
+
+bool is_real(const FieldDescriptor& field) {
+  return is_curve(field) ||
+         (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE && !field.is_repeated());
+}
+
+/// Unit of a difference of two values of a key.
+std::string difference_unit(const FieldDescriptor& field) {
+  return key_of(field).unit() == "degC" ? "K" : key_of(field).unit();
+}
 
 std::optional<Segment> segment_of(const std::string& text) {
   const std::size_t bracket = text.find('[');
@@ -97,14 +118,21 @@ private:
                             const std::vector<Segment>& segments, std::size_t at,
                             const std::string& path) {
     const std::string key_path = join_path(path, segments[at].key);
-    if (segments[at].index)
-      return refuse(key_path, "this key is no list of tables", "",
-                    is_curve(field) ? "set all of its points" : "");
+    if (segments[at].index) {
+      if (!is_curve(field) || at + 1 < segments.size())
+        return refuse(key_path, "this key is no list of tables", "");
+      const std::string point = std::to_string(*segments[at].index);
+      return Target{&message, &field, key_path + "[" + point + "]", Deed::set_point,
+                    *segments[at].index};
+    }
     if (at + 1 == segments.size()) return Target{&message, &field, key_path};
     const std::string& word = segments[at + 1].key;
-    const FieldDescriptor* const factor = recipe_field(field, word);
-    if (factor != nullptr && at + 2 == segments.size())
-      return Target{&message, factor, join_path(path, toml_key(*factor)), word == "scale"};
+    const bool last = at + 2 == segments.size();
+    if (const FieldDescriptor* const factor = recipe_field(field, word); factor != nullptr && last)
+      return Target{&message, factor, join_path(path, toml_key(*factor)),
+                    word == "scale" ? Deed::recipe : Deed::set};
+    if (last && is_real(field) && (word == "scale" || word == "offset"))
+      return Target{&message, &field, key_path, word == "scale" ? Deed::scale : Deed::offset};
     return refuse(join_path(key_path, word), "unknown key",
                   recipe_paths(*message.GetDescriptor(), path));
   }
@@ -166,7 +194,7 @@ public:
     const ChangeValue value = change_value(change.value(), target ? target->field : nullptr);
     if (target && begin(walk, value.node(), *target)) set(walk, value.node(), *target, change);
     if (target) read_.source.set(target->path, {0, value_column(change, 1)}, origin_of(change));
-    report(outcome, change, value, target && target->is_scale);
+    report(outcome, change, value, target && target->deed == Deed::recipe);
     read_.attachments = std::move(outcome.attachments);
   }
 
@@ -218,14 +246,61 @@ private:
 
   static void set(Walk& walk, const toml::node& value, const Target& target,
                   const v1::CaseChange& change) {
-    if (!target.is_scale || value.is_array())
+    if (target.deed == Deed::set || (target.deed == Deed::recipe && value.is_array()))
       return read_field(walk, value, *target.field, *target.message, target.path);
+    if (target.deed != Deed::recipe) return adjust(walk, value, target);
     v1::Curve factor;
     read_scale(walk, change.value(), *target.field, factor, target.path);
     if (factor.value_size() > 0)
       target.message->GetReflection()
           ->MutableMessage(target.message, target.field)
           ->CopyFrom(factor);
+  }
+
+  /// Changes values that are there by the number of a change.
+  static void adjust(Walk& walk, const toml::node& node, const Target& target) {
+    const std::string unit = target.deed == Deed::scale    ? "1"
+                             : target.deed == Deed::offset ? difference_unit(*target.field)
+                                                           : key_of(*target.field).unit();
+    const auto number =
+        read_number(walk, node, unit, example_text(*target.field), nullptr, target.path);
+    if (!number) return;
+    v1::Curve curve = values_of(target);
+    const bool there = target.deed == Deed::set_point
+                           ? target.point < static_cast<std::size_t>(curve.value_size())
+                           : curve.value_size() > 0;
+    if (!there)
+      return walk.add(make_fault(target.path, written(node), "there is no value here to change", "",
+                                 "give the key in the case"),
+                      node);
+    for (int i = 0; i < curve.value_size(); ++i) {
+      double value = curve.value(i);
+      if (target.deed == Deed::scale) value *= *number;
+      if (target.deed == Deed::offset) value += *number;
+      if (target.deed == Deed::set_point && static_cast<std::size_t>(i) == target.point)
+        value = *number;
+      if (auto fault = range_fault(*target.field, value, target.path,
+                                   quantity_text(value, key_of(*target.field).unit()), ""))
+        return walk.add(std::move(*fault), node);
+      curve.set_value(i, value);
+    }
+    const Reflection& reflection = *target.message->GetReflection();
+    if (is_curve(*target.field))
+      reflection.MutableMessage(target.message, target.field)->CopyFrom(curve);
+    else
+      reflection.SetDouble(target.message, target.field, curve.value(0));
+  }
+
+  /// A number as a table of one point; no point where the key is absent.
+  static v1::Curve values_of(const Target& target) {
+    const Reflection& reflection = *target.message->GetReflection();
+    v1::Curve curve;
+    if (!is_present(*target.message, *target.field)) return curve;
+    if (is_curve(*target.field))
+      curve.CopyFrom(reflection.GetMessage(*target.message, target.field));
+    else
+      curve.add_value(reflection.GetDouble(*target.message, target.field));
+    return curve;
   }
 
   /// Hands the faults over with their places in KEY=VALUE.

@@ -17,6 +17,11 @@
 ///   `schedule.water_flow.scale = "0.8 from 50 mm until 100 mm"` sets `schedule.water_flow_factor`;
 ///       `from` and `until` (times or cast lengths) may be absent; outside them the factor is 1
 ///   `schedule.water_flow.shift = "5 s"` sets `schedule.water_flow_shift`
+///
+/// Of any other quantity, number or table that the case gives:
+///   `alloy.specific_heat.scale = 0.95` multiplies it, a table as a whole
+///   `schedule.casting_temperature.offset = "5 K"` adds to it
+///   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table
 namespace dccast::case_file {
 
 /// Parses a change such as "mesh.rows=30"; empty if there is no key or no '='.

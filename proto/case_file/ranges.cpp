@@ -151,11 +151,10 @@ void check_depth(const v1::Case& c, Faults& faults) {
   if (section.has_initial_depth_m() && section.has_block_above_water_m() &&
       std::abs(section.initial_depth_m() + section.block_above_water_m() -
                c.cooling().water().from_m()) > same)
-    faults.push_back(make_fault("section.block_above_water",
-                                quantity_text(section.block_above_water_m(), "m"),
-                                "does not agree with section.initial_depth and cooling.water.from",
-                                "one of the two keys",
-                                "give section.initial_depth, or section.block_above_water"));
+    faults.push_back(make_fault(
+        "section.block_above_water", quantity_text(section.block_above_water_m(), "m"),
+        "does not agree with section.initial_depth and cooling.water.from", "one of the two keys",
+        "give section.initial_depth, or section.block_above_water"));
 }
 
 }  // namespace

@@ -30,9 +30,17 @@ std::string joined(const std::vector<std::string>& words) {
 
 KeyReference describe_field(const FieldDescriptor& field, const std::string& path) {
   const v1::Key& key = key_of(field);
-  KeyReference row{
-      path,      type_of(field),  key.unit(),    range_text(field), "", key.default_text(),
-      key.doc(), is_curve(field), key.required(), ""};
+  KeyReference row{path,
+                   type_of(field),
+                   key.unit(),
+                   range_text(field),
+                   "",
+                   key.default_text(),
+                   key.doc(),
+                   is_curve(field),
+                   key.required(),
+                   "",
+                   key.uncertainty()};
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) row.permitted = joined(enum_texts(field));
   std::vector<std::string> against;
   for (const v1::Abscissa abscissa : abscissae_of(field))
@@ -46,9 +54,10 @@ void append(const Descriptor& descriptor, const std::string& parent,
             std::vector<KeyReference>& rows) {
   for (int i = 0; i < descriptor.field_count(); ++i) {
     const FieldDescriptor& field = *descriptor.field(i);
-    const std::string path = join_path(parent, toml_key(field)) + (field.is_repeated() ? "[]" : "");
+    const bool list = field.is_repeated() && !is_ranges(field);
+    const std::string path = join_path(parent, toml_key(field)) + (list ? "[]" : "");
     rows.push_back(describe_field(field, path));
-    if (is_table(field)) append(*field.message_type(), path, rows);
+    if (is_table(field) && !is_ranges(field)) append(*field.message_type(), path, rows);
   }
 }
 

@@ -64,6 +64,10 @@ bool is_alloy(const FieldDescriptor& field) {
   return is_message_of(field, *v1::Alloy::descriptor());
 }
 
+bool is_ranges(const FieldDescriptor& field) {
+  return is_message_of(field, *v1::KeyRange::descriptor());
+}
+
 bool is_table(const FieldDescriptor& field) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !is_curve(field);
 }

@@ -46,6 +46,9 @@ bool is_alloy(const FieldDescriptor& field);
 /// A nested message that is a table of the file (not a Curve).
 bool is_table(const FieldDescriptor& field);
 
+/// The lines KEY = RANGE of a table [uncertainty].
+bool is_ranges(const FieldDescriptor& field);
+
 /// Whether the field has a value: it is set, or not empty (text), or not unspecified (enums).
 bool is_present(const Message& message, const FieldDescriptor& field);
 

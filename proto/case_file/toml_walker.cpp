@@ -8,6 +8,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/size_bounds.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/case_file/uncertainty.hpp"
 #include "proto/values/shortened.hpp"
 
 namespace dccast::case_file {
@@ -150,6 +151,38 @@ void read_nested(Walk& walk, const toml::node& node, const FieldDescriptor& fiel
            node);
 }
 
+/// The lines KEY = RANGE of a table; what they say is judged on the complete case.
+void read_ranges(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
+                 const std::string& path) {
+  const toml::table* const table = node.as_table();
+  if (table == nullptr)
+    return add_wrong_type(walk, node, field, path, "a table of lines KEY = RANGE");
+  if (auto fault = count_fault(field, table->size(), path))
+    return walk.add(std::move(*fault), node);
+  for (const auto& [key, value] : *table) {
+    const std::string line = join_path(path, std::string(key.str()));
+    const auto range = value.is_string() ? value.value<std::string>() : std::nullopt;
+    if (!range || !parse_range(*range)) {
+      const bool is_key_without_quotes = value.is_table();
+      walk.add(
+          make_fault(line, written(value),
+                     is_key_without_quotes ? "a table where a range is expected" : "is no range",
+                     range_forms,
+                     is_key_without_quotes ? "put the key in quotes, as it has points" : ""),
+          value);
+      continue;
+    }
+    const Descriptor& entry = *field.message_type();
+    for (const auto& [name, text] : {std::pair("key", std::string(key.str())), {"range", *range}})
+      if (auto fault = text_fault(*entry.FindFieldByName(name), text, line))
+        return walk.add(std::move(*fault), value);
+    walk.mark(line, value);
+    Message& added = *message.GetReflection()->AddMessage(&message, &field);
+    added.GetReflection()->SetString(&added, entry.FindFieldByName("key"), std::string(key.str()));
+    added.GetReflection()->SetString(&added, entry.FindFieldByName("range"), *range);
+  }
+}
+
 /// Paths of all keys of the schema that end in `key`, for a key that stands in the wrong table.
 std::string elsewhere(const Message& message, const std::string& path, const std::string& key) {
   if (path.empty() && message.GetDescriptor()->field_count() == 0) return {};
@@ -169,7 +202,8 @@ void add_missing(Walk& walk, const toml::node& place, const Descriptor& descript
     const FieldDescriptor& field = *descriptor.field(i);
     const std::string key = toml_key(field);
     if (table.contains(key)) continue;
-    if (key_of(field).required() && !(key_of(field).unless().size() > 0 && table.contains(key_of(field).unless())))
+    if (key_of(field).required() &&
+        !(key_of(field).unless().size() > 0 && table.contains(key_of(field).unless())))
       walk.outcome.faults.push_back(make_fault(join_path(path, key), "", "required key is missing",
                                                range_text(field),
                                                "e.g. " + key + " = " + example_text(field)));
@@ -182,6 +216,7 @@ void add_missing(Walk& walk, const toml::node& place, const Descriptor& descript
 
 void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
                 const std::string& path) {
+  if (is_ranges(field)) return read_ranges(walk, node, field, message, path);
   if (field.is_repeated()) return read_array_of_tables(walk, node, field, message, path);
   if (is_table(field)) return read_nested(walk, node, field, message, path);
   if (!is_curve(field)) return read_scalar(walk, node, field, message, path);

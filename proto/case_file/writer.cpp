@@ -46,12 +46,31 @@ std::string value_text(const Message& message, const FieldDescriptor& field) {
   return curve_text(curve, key_of(field).unit());
 }
 
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+KeyValues range_lines(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  KeyValues lines;
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) {
+    v1::KeyRange range;
+    range.ParseFromString(reflection.GetRepeatedMessage(message, &field, i).SerializeAsString());
+    lines.emplace_back(range.key(), range.range());
+  }
+  return lines;
+}
+
 /// "[a.b]" or "[[a.b]]"; keys of the schema are bare keys.
 void write_table(const Message& message, const std::string& path, std::string& text);
 
 void write_tables(const Message& message, const FieldDescriptor& field, const std::string& path,
                   std::string& text) {
   const Reflection& reflection = *message.GetReflection();
+  if (is_ranges(field)) {
+    text += "\n[" + path + "]\n";
+    for (const auto& [key, range] : range_lines(message, field))
+      text += quoted(key) + " = " + quoted(range) + "\n";
+    return;
+  }
   if (!field.is_repeated()) {
     text += "\n[" + path + "]\n";
     return write_table(reflection.GetMessage(message, &field), path, text);
@@ -76,8 +95,6 @@ void write_table(const Message& message, const std::string& path, std::string& t
     }
 }
 
-using KeyValues = std::vector<std::pair<std::string, std::string>>;
-
 void collect(const Message& message, const std::string& path, KeyValues& values) {
   const Descriptor& descriptor = *message.GetDescriptor();
   const Reflection& reflection = *message.GetReflection();
@@ -87,6 +104,9 @@ void collect(const Message& message, const std::string& path, KeyValues& values)
     if (!is_present(message, field)) continue;
     if (!is_table(field))
       values.emplace_back(key, value_text(message, field));
+    else if (is_ranges(field))
+      for (const auto& [line, range] : range_lines(message, field))
+        values.emplace_back(join_path(key, line), quoted(range));
     else if (!field.is_repeated())
       collect(reflection.GetMessage(message, &field), key, values);
     else

@@ -8,6 +8,8 @@ std::string answer_key(const v1::Case& complete, const jobs::Attachments& attach
   v1::Case deciding = complete;
   deciding.clear_title();
   deciding.clear_checkpoint();
+  deciding.clear_uncertainty();
+  deciding.mutable_alloy()->clear_uncertainty();
   return fingerprint(deciding, attachments);
 }
 

@@ -10,6 +10,7 @@
 
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/uncertainty.hpp"
 #include "proto/values/sha256.hpp"
 #include "server/service/attachment_names.hpp"
 #include "server/service/message_size.hpp"
@@ -103,7 +104,8 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
   std::vector<v1::Fault> faults = card.faults;
   const auto ranges = case_file::check_ranges(submitted);
   faults.insert(faults.end(), ranges.begin(), ranges.end());
-  return faults;
+  if (!faults.empty()) return faults;
+  return case_file::uncertainty_faults(submitted);
 }
 
 // Those that are there were read at the start; reading one takes longer than a whole check.

@@ -102,6 +102,29 @@ public:
     return curves;
   }
 
+  v1::Spread spread(const std::string& monitor, const std::optional<CurlBand>& band) const {
+    const auto m = std::ranges::find(monitors_, monitor) - monitors_.begin();
+    if (m == std::ssize(monitors_)) return {};
+    SampledCurls sampled;
+    std::vector<Eigen::Index> figures;
+    const auto lengths = lengths_.estimate(Eigen::RowVectorXd::Constant(places_.cols(), 0.5));
+    for (std::size_t i = 0; i < time_s_.size(); ++i) {
+      const Eigen::Index figure = figure_[static_cast<std::size_t>(m)][i];
+      if (figure < 0) continue;
+      figures.push_back(figure);
+      sampled.time_s.push_back(time_s_[i]);
+      sampled.cast_length_m.push_back(lengths.mean(static_cast<Eigen::Index>(i)));
+      sampled.error_m.push_back(curls_.left_out_errors(figure).norm() / std::sqrt(runs_));
+    }
+    sampled.curls = [&](const Eigen::MatrixXd& places) {
+      return Eigen::MatrixXd(curls_.means(places)(Eigen::all, figures));
+    };
+    v1::Spread spread = spread_of(sampled, static_cast<int>(domain_.size()), band);
+    spread.set_monitor(monitor);
+    spread.set_runs(runs_);
+    return spread;
+  }
+
   int runs() const { return runs_; }
   std::size_t bytes() const { return curls_.bytes() + lengths_.bytes(); }
   double error_m() const { return error_m_; }
@@ -210,6 +233,11 @@ std::vector<v1::CurlCurve> CurlSurface::predict(const std::vector<double>& place
 
 double CurlSurface::cross_validated_error_m() const {
   return parts_->error_m();
+}
+
+v1::Spread CurlSurface::spread(const std::string& monitor,
+                               const std::optional<CurlBand>& band) const {
+  return parts_->spread(monitor, band);
 }
 
 const std::vector<double>& CurlSurface::next_place() const {

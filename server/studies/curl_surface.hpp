@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/studies/run_history.hpp"
+#include "server/studies/spread.hpp"
 
 namespace dccast::studies {
 
@@ -43,6 +45,9 @@ public:
   /// Root mean square of what runs left out one by one are off at the end, of the worst monitor
   /// [m].
   double cross_validated_error_m() const;
+  /// What the inputs leave open of a monitor's curl when they vary over the whole domain.
+  /// @param band  of curls that are accepted [m]; empty: none
+  v1::Spread spread(const std::string& monitor, const std::optional<CurlBand>& band) const;
   /// Where the curls at the end are least certain. @return by input, 0 to 1 over the domain
   const std::vector<double>& next_place() const;
   int runs() const;

@@ -130,8 +130,21 @@ std::string Studies::failure_text(const StudyRecord& record) {
   return {};
 }
 
-std::optional<v1::StudyResult> Studies::evaluate(const std::string& id, bool curves) {
-  const auto record = store_.find(id);
+void Studies::add_spread(const StudyRecord& record, const std::string& monitor,
+                         v1::StudyResult& result) {
+  const RunCounts counts = store_.counts(record.id);
+  try {
+    *result.mutable_spread() =
+        predictions_.spread(record, counts.of(v1::SUCCEEDED), counts.ended() < counts.all(),
+                            monitor, [&] { return evaluated_runs(record, {.histories = true}); });
+  } catch (const CannotPredict& reason) {
+    result.set_spread_fault(reason.what());
+  }
+}
+
+std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest& request) {
+  const auto record = store_.find(request.id());
+  const bool curves = request.curves();
   if (!record) return std::nullopt;
   const auto plan = plan_of(*record);
   auto runs = evaluated_runs(
@@ -141,6 +154,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const std::string& id, bool cur
   for (const v1::Monitor& monitor : record->request.case_().monitor())
     result.add_monitors(monitor.name());
   plan->evaluate(runs, result);
+  if (!request.spread().empty()) add_spread(*record, request.spread(), result);
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
     if (curves)
@@ -160,7 +174,9 @@ std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& re
 
 bool Studies::ready_surface(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record || !record->request.has_sweep()) return false;
+  if (!record || !record->request.has_sweep() ||
+      record->request.sweep().design() == v1::SweepPlan::ENDS)
+    return false;
   const RunCounts counts = store_.counts(id);
   const bool running = counts.ended() < counts.all();
   predictions_.prepare(*record, counts.of(v1::SUCCEEDED), running,

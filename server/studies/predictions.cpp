@@ -130,6 +130,14 @@ std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) 
   return kind;
 }
 
+/// Between runs of one key each nothing is known of two.
+void require_design(const StudyRecord& study) {
+  if (study.request.sweep().design() == v1::SweepPlan::ENDS)
+    throw CannotPredict("study " + study.id +
+                        " changes one key at a time; dccast sweep --lhs "
+                        "makes runs to predict from");
+}
+
 /// Those of the first runs, as many as are prepared.
 std::set<std::string> kinds_of(const std::vector<SweptKey>& keys,
                                const std::vector<EvaluatedRun>& runs) {
@@ -183,6 +191,7 @@ public:
     return prediction;
   }
 
+  const CurlSurface& surface() const { return *surface_; }
   std::size_t bytes() const { return surface_->bytes(); }
 
 private:
@@ -279,11 +288,33 @@ void Predictions::make_room() {
   }
 }
 
+v1::Spread Predictions::spread(const StudyRecord& study, int succeeded, bool running,
+                               const std::string& monitor,
+                               const std::function<std::vector<EvaluatedRun>()>& runs) {
+  if (study.request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
+    throw CannotPredict("study " + study.id +
+                        " is no Latin hypercube: its runs do not stand for what its keys may be");
+  const auto keys = keys_of(study);
+  const auto surface = surface_of({study, succeeded, running, ""}, [&] {
+    return std::make_shared<const SweepSurface>(study, keys->all, "", runs());
+  });
+  const v1::Plausibility& limits = study.request.case_().plausibility();
+  std::optional<CurlBand> band;
+  if (limits.has_least_curl_m() || limits.has_greatest_curl_m())
+    band = CurlBand{limits.has_least_curl_m() ? limits.least_curl_m() : -1e9,
+                    limits.has_greatest_curl_m() ? limits.greatest_curl_m() : 1e9};
+  v1::Spread spread = surface->surface().spread(monitor, band);
+  if (spread.time_s().empty())
+    throw CannotPredict("\"" + monitor + "\" is no monitor of this study that all runs report");
+  return spread;
+}
+
 v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, bool running,
                                     const v1::PredictStudyRequest& request,
                                     const std::function<std::vector<EvaluatedRun>()>& runs) {
   if (!study.request.has_sweep())
     throw CannotPredict("study " + study.id + " is no sweep: nothing lies between its runs");
+  require_design(study);
   const auto keys = keys_of(study);
   const Place place = place_of(keys->base, keys->all, request);
   const auto surface = surface_of({study, succeeded, running, place.kind}, [&] {

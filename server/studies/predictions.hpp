@@ -48,6 +48,11 @@ public:
   v1::Prediction predict(const StudyRecord& study, int succeeded, bool running,
                          const v1::PredictStudyRequest& request,
                          const std::function<std::vector<EvaluatedRun>()>& runs);
+  /// What the axes of a Latin hypercube leave open of the curl of a monitor. Parameters as above.
+  /// @throws CannotPredict
+  v1::Spread spread(const StudyRecord& study, int succeeded, bool running,
+                    const std::string& monitor,
+                    const std::function<std::vector<EvaluatedRun>()>& runs);
   /// Builds what will be asked for: as the runs of a sweep double, and when all have ended.
   void prepare(const StudyRecord& study, int succeeded, bool running,
                const std::function<std::vector<EvaluatedRun>()>& runs);

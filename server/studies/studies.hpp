@@ -90,7 +90,7 @@ public:
   StudyReply resume(const std::string& id, bool failed);
   StudyReply remove(const std::string& id);
   /// What the study says so far; nothing when there is no such study.
-  std::optional<v1::StudyResult> evaluate(const std::string& id, bool curves);
+  std::optional<v1::StudyResult> evaluate(const v1::EvaluateStudyRequest& request);
   /// @return nothing when there is no such study
   /// @throws OutsideDomain, CannotPredict
   std::optional<v1::Prediction> predict(const v1::PredictStudyRequest& request);
@@ -133,6 +133,7 @@ private:
     int before = INT_MAX;  ///< only runs of a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
+  void add_spread(const StudyRecord& record, const std::string& monitor, v1::StudyResult& result);
   /// Has the response surface of a sweep built. @return whether it may get more runs
   bool ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);

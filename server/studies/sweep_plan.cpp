@@ -23,6 +23,11 @@ namespace {
 using Axis = v1::SweepPlan::Axis;
 
 constexpr int most_axes = 20;
+constexpr int most_ranges = 100;  // of designs whose runs do not multiply with their axes
+
+bool has_ranges(const v1::SweepPlan& sweep) {
+  return sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE || sweep.design() == v1::SweepPlan::ENDS;
+}
 
 v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
                    const std::string& permitted) {
@@ -91,17 +96,18 @@ private:
 std::vector<v1::Fault> axis_faults(const v1::SweepPlan& sweep) {
   std::vector<v1::Fault> faults;
   std::set<std::string> keys;
-  if (sweep.axes().empty() || sweep.axes_size() > most_axes)
+  const int most = has_ranges(sweep) ? most_ranges : most_axes;
+  if (sweep.axes().empty() || sweep.axes_size() > most)
     faults.push_back(fault_of("sweep.axes", std::to_string(sweep.axes_size()),
-                              "wrong number of keys", "1 to " + std::to_string(most_axes)));
+                              "wrong number of keys", "1 to " + std::to_string(most)));
   for (const Axis& axis : sweep.axes()) {
     if (!keys.insert(axis.key()).second)
       faults.push_back(fault_of(axis.key(), "", "is swept twice", "each key once"));
     if (axis.values().empty())
       faults.push_back(fault_of(axis.key(), "", "has no values", "one value or more"));
-    if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE && axis.values_size() != 2)
+    if (has_ranges(sweep) && axis.values_size() != 2)
       faults.push_back(fault_of(axis.key(), std::to_string(axis.values_size()) + " values",
-                                "a Latin hypercube takes the two ends of a range", "2 values"));
+                                "this design takes the two ends of a range", "2 values"));
   }
   return faults;
 }
@@ -110,6 +116,7 @@ std::vector<v1::Fault> axis_faults(const v1::SweepPlan& sweep) {
 double run_count(const v1::SweepPlan& sweep) {
   if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return sweep.runs();
   if (sweep.design() == v1::SweepPlan::LIST) return sweep.axes(0).values_size();
+  if (sweep.design() == v1::SweepPlan::ENDS) return 1 + 2 * sweep.axes_size();
   double product = 1.0;
   for (const Axis& axis : sweep.axes()) product *= axis.values_size();
   return product;
@@ -118,7 +125,7 @@ double run_count(const v1::SweepPlan& sweep) {
 std::vector<v1::Fault> design_faults(const v1::SweepPlan& sweep) {
   if (!v1::SweepPlan::Design_IsValid(sweep.design()) ||
       sweep.design() == v1::SweepPlan::DESIGN_UNSPECIFIED)
-    return {fault_of("sweep.design", "", "is absent", "GRID, LIST, LATIN_HYPERCUBE")};
+    return {fault_of("sweep.design", "", "is absent", "GRID, LIST, LATIN_HYPERCUBE, ENDS")};
   std::vector<v1::Fault> faults;
   const double runs = run_count(sweep);
   if (runs < 1 || runs > most_sweep_runs)
@@ -178,11 +185,12 @@ public:
   PlannedRun run(int number) const override {
     PlannedRun run{std::to_string(number + 1), "run " + std::to_string(number + 1), base_, {}};
     for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
+      if (value(number, axis).empty()) continue;  // as in the case
+      run.name += run.changes.empty() ? " (" : ", ";
       run.changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
-      run.name +=
-          (axis == 0 ? " (" : ", ") + run.changes.back().key() + " = " + value(number, axis);
+      run.name += run.changes.back().key() + " = " + value(number, axis);
     }
-    run.name += ")";
+    run.name += run.changes.empty() ? " (the case itself)" : ")";
     case_file::apply_changes(run.description, run.changes);
     return run;
   }
@@ -231,11 +239,24 @@ std::vector<std::vector<std::string>> hypercube_values(const v1::CreateStudyRequ
   return values;
 }
 
+/// The case itself, then each axis alone at its two ends; what is empty is as in the case.
+std::vector<std::vector<std::string>> end_values(const v1::SweepPlan& sweep) {
+  const std::vector<std::string> itself(static_cast<std::size_t>(sweep.axes_size()));
+  std::vector<std::vector<std::string>> values{itself};
+  for (int axis = 0; axis < sweep.axes_size(); ++axis)
+    for (const std::string& end : sweep.axes(axis).values()) {
+      values.push_back(itself);
+      values.back()[static_cast<std::size_t>(axis)] = end;
+    }
+  return values;
+}
+
 }  // namespace
 
 std::vector<std::vector<std::string>> sweep_values(const v1::CreateStudyRequest& request) {
   const v1::SweepPlan& sweep = request.sweep();
   if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);
+  if (sweep.design() == v1::SweepPlan::ENDS) return end_values(sweep);
   std::vector<std::vector<std::string>> values;
   for (const auto& indices : indices_of(sweep)) {
     auto& run = values.emplace_back();
@@ -249,11 +270,11 @@ double number_of(const v1::Case& base, const std::string& key, const std::string
   v1::Case changed = base;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   if (!case_file::apply_changes(changed, {change_of(key, value)}).empty()) return none;
-  if (const auto number = case_file::number_at(changed, key)) return *number;
-  // "0.8 until 100 mm" is a table; what is swept is its factor.
-  const auto factor = key.ends_with(".scale") ? written(value) : std::nullopt;
-  if (!factor) return none;
-  return factor->unit.starts_with("%") ? 0.01 * factor->number : factor->number;
+  // What is swept is the factor, also that of "0.8 until 100 mm", or what is added.
+  if (key.ends_with(".scale") || key.ends_with(".offset"))
+    if (const auto change = written(value))
+      return change->unit.starts_with("%") ? 0.01 * change->number : change->number;
+  return case_file::number_at(changed, key).value_or(none);
 }
 
 std::string value_between(const v1::Case& base, const Axis& ends, double place) {

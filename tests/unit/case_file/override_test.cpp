@@ -215,7 +215,7 @@ TEST(Recipe, FaultsNameTheirPart) {
   EXPECT_THAT(fault_of("schedule.water_flow.scale=0.8 from 20 s until 5 s"),
               HasSubstr("not after"));
   EXPECT_THAT(fault_of("schedule.water_flow.shift=5 mm"), HasSubstr("of another kind than s"));
-  EXPECT_THAT(fault_of("schedule.casting_temperature.scale=2"),
+  EXPECT_THAT(fault_of("schedule.casting_temperature.shift=2 s"),
               HasSubstr("unknown key; permitted: schedule.casting_speed.scale"));
   EXPECT_THAT(fault_of("schedule.water_flow.scale.x=2"), HasSubstr("unknown key"));
 }

@@ -21,8 +21,11 @@ TEST(Shipped, EveryCaseIsSound) {
     for (const v1::Fault& fault : outcome.faults)
       ADD_FAILURE() << case_file::describe(fault, outcome.source);
     case_file::apply_defaults(message);
-    EXPECT_TRUE(case_file::alloy_card(message.alloy().card()).ok());
-    EXPECT_TRUE(case_file::check_ranges(message).empty());
+    const auto card = case_file::alloy_card(message.alloy().card());
+    EXPECT_TRUE(card.ok());
+    case_file::complete_alloy(card.alloy, *message.mutable_alloy());
+    for (const v1::Fault& fault : case_file::check_ranges(message))
+      ADD_FAILURE() << shipped.name << ": " << case_file::describe(fault, outcome.source);
     EXPECT_FALSE(message.title().empty());
     EXPECT_GE(message.monitor_size(), message.mechanics().enabled() ? 3 : 0);
   }

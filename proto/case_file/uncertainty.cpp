@@ -1,0 +1,187 @@
+#include "proto/case_file/uncertainty.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
+}
+
+/// "10 %" as its number and what follows it.
+struct Written {
+  double number = 0.0;
+  std::string unit;
+};
+
+std::optional<Written> written(const std::string& text) {
+  Written result;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, result.number);
+  if (error != std::errc{} || !std::isfinite(result.number)) return std::nullopt;
+  result.unit = trimmed(std::string_view(rest, static_cast<std::size_t>(end - rest)));
+  return result;
+}
+
+std::string text_of(double number, const std::string& unit) {
+  return number_text(number) + (unit.empty() ? "" : " " + unit);
+}
+
+std::optional<Range> around(const std::string& text) {
+  const auto half = written(text);
+  if (!half || !(half->number > 0.0)) return std::nullopt;
+  if (half->unit != "%")
+    return Range{".offset", text_of(-half->number, half->unit), text_of(half->number, half->unit)};
+  const double share = half->number / 100.0;
+  if (share >= 1.0) return std::nullopt;
+  return Range{".scale", number_text(1.0 - share), number_text(1.0 + share)};
+}
+
+std::optional<Range> between(const std::string& first, const std::string& second) {
+  auto low = written(first);
+  const auto high = written(second);
+  if (!low || !high) return std::nullopt;
+  const bool times = high->unit == "times";
+  if (low->unit.empty() && !times) low->unit = high->unit;
+  if (low->unit == high->unit || (times && low->unit.empty())) {
+    if (!(low->number < high->number)) return std::nullopt;
+  }
+  if (!times) return Range{"", text_of(low->number, low->unit), text_of(high->number, high->unit)};
+  if (!low->unit.empty() && low->unit != "times") return std::nullopt;
+  if (!(low->number > 0.0)) return std::nullopt;
+  return Range{".scale", number_text(low->number), number_text(high->number)};
+}
+
+bool present(const v1::Case& complete, const std::string& key) {
+  const std::unique_ptr<v1::Case> copy(new v1::Case(complete));
+  const FieldPlace place = place_of(*copy, key);
+  return place.field != nullptr && is_present(*place.message, *place.field);
+}
+
+/// Whether a run of this case uses a default at all.
+bool is_used(const v1::Case& c, const std::string& key) {
+  const auto& cooling = c.cooling();
+  if (key == "cooling.level_coefficient") return cooling.top() == v1::Cooling::POURING;
+  if (key.starts_with("cooling.narrow_water.")) return false;  // varied with those of the wide face
+  if (key.starts_with("cooling.water.wetting."))
+    return cooling.water().enabled() && cooling.water().boiling_follows_flow();
+  if (key.starts_with("cooling.water.")) return cooling.water().enabled();
+  if (key == "cooling.bottom_block.cooling_coefficient")
+    return cooling.bottom_block().has_thickness_m();
+  if (key == "cooling.bottom_block.wet_gap")
+    return cooling.bottom_block().has_wet_coefficient_w_per_m2_k();
+  return true;
+}
+
+bool is_default(const v1::Case& complete, const KeyReference& row) {
+  std::string text = row.default_text;
+  std::erase(text, '"');
+  const Quantity value = parse_quantity(text, row.unit);
+  const auto here = number_at(complete, row.path);
+  return value.value && here && *here == *value.value;
+}
+
+/// The case at one end of a range, or what is wrong there as a fault of the range's line.
+struct End {
+  v1::Case changed;
+  std::optional<v1::Fault> fault;
+};
+
+End end_of(const v1::Case& complete, const UncertainKey& datum, const std::string& value) {
+  End end{complete, {}};
+  v1::CaseChange change;
+  change.set_key(datum.change());
+  change.set_value(value);
+  const auto faults = apply_changes(end.changed, {change});
+  if (faults.empty()) return end;
+  const v1::Fault& first = faults.front();
+  end.fault = make_fault("uncertainty." + datum.key, datum.range,
+                         "at " + value + ": " + first.message(), first.permitted(), first.remedy());
+  return end;
+}
+
+std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& key,
+                                  const std::string& range) {
+  const std::string line = "uncertainty." + key;
+  const auto ends = parse_range(range);
+  if (!ends) return make_fault(line, range, "is no range", range_forms);
+  const UncertainKey datum{key, range, {}, *ends};
+  const End low = end_of(complete, datum, ends->low);
+  if (low.fault) return low.fault;
+  const End high = end_of(complete, datum, ends->high);
+  if (high.fault || !ends->word.empty()) return high.fault;
+  const auto value = number_at(complete, key);
+  if (!value)
+    return make_fault(line, range, "is a table of several points, which no two ends describe",
+                      "\"± 10 %\", \"± 5 K\" or \"0.5..2 times\"",
+                      "or name one point, e.g. " + key + "[0]");
+  const double from = number_at(low.changed, key).value_or(*value);
+  const double to = number_at(high.changed, key).value_or(*value);
+  const double margin = 1e-9 * std::abs(*value);
+  if (!(from < to)) return make_fault(line, range, "is no range: the smaller end comes first");
+  if (from <= *value + margin && *value - margin <= to) return std::nullopt;
+  return make_fault(line, range, "does not hold the value of the case", "",
+                    "the value is " + number_text(*value));
+}
+
+}  // namespace
+
+std::optional<Range> parse_range(std::string_view text) {
+  const std::string body = trimmed(text);
+  for (const std::string_view sign : {"±", "+-", "+/-"})
+    if (body.starts_with(sign)) return around(trimmed(std::string_view(body).substr(sign.size())));
+  const auto dots = body.find("..");
+  if (dots == std::string::npos) return std::nullopt;
+  return between(trimmed(body.substr(0, dots)), trimmed(body.substr(dots + 2)));
+}
+
+std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
+  std::vector<UncertainKey> keys;
+  std::set<std::string> seen;
+  const auto add = [&](const std::string& key, const std::string& range, const char* origin) {
+    if (const auto ends = parse_range(range); ends && seen.insert(key).second)
+      keys.push_back({key, range, origin, *ends});
+  };
+  for (const v1::KeyRange& line : complete.uncertainty()) add(line.key(), line.range(), "case");
+  for (const v1::KeyRange& line : complete.alloy().uncertainty())
+    if (present(complete, "alloy." + line.key())) add("alloy." + line.key(), line.range(), "card");
+  static const auto rows = reference(*v1::Case::descriptor());
+  for (const KeyReference& row : rows)
+    if (!row.uncertainty.empty() && is_used(complete, row.path) && is_default(complete, row))
+      add(row.path, row.uncertainty, "default");
+  return keys;
+}
+
+std::vector<v1::Fault> uncertainty_faults(const v1::Case& complete) {
+  std::vector<v1::Fault> faults;
+  for (const v1::KeyRange& line : complete.uncertainty())
+    if (auto fault = fault_of(complete, line.key(), line.range()))
+      faults.push_back(std::move(*fault));
+  return faults;
+}
+
+std::vector<v1::Fault> uncertainty_faults(const v1::Alloy& alloy) {
+  v1::Case holder;
+  *holder.mutable_alloy() = alloy;
+  apply_defaults(*holder.mutable_alloy());
+  for (const v1::KeyRange& line : alloy.uncertainty()) {
+    v1::KeyRange& range = *holder.add_uncertainty();
+    range.set_key("alloy." + line.key());
+    range.set_range(line.range());
+  }
+  return uncertainty_faults(holder);
+}
+
+}  // namespace dccast::case_file
