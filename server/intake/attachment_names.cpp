@@ -1,4 +1,4 @@
-#include "server/service/attachment_names.hpp"
+#include "server/intake/attachment_names.hpp"
 
 #include <google/protobuf/descriptor.h>
 
@@ -8,7 +8,7 @@
 #include "dccast/v1/options.pb.h"
 #include "proto/values/printable.hpp"
 
-namespace dccast::service {
+namespace dccast::intake {
 
 namespace {
 
@@ -75,4 +75,4 @@ void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& 
                                       "name it there, or leave it out");
 }
 
-}  // namespace dccast::service
+}  // namespace dccast::intake

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,9 +9,19 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/job_folder.hpp"
-#include "server/service/ceilings.hpp"
 
-namespace dccast::service {
+namespace dccast::intake {
+
+/// How large a case may be here, whatever it permits itself.
+struct Ceilings {
+  std::int64_t nodes = 0;  ///< at its end
+  std::int64_t steps = 0;
+  double memory_bytes = 0.0;  ///< as estimated
+};
+
+/// The memory each of so many workers can have on this machine: its memory, or what the control
+/// group leaves of it, less a tenth for everything else [bytes].
+double memory_per_worker(int workers);
 
 /// A case with its defaults and its alloy filled in, and what is wrong with it.
 struct ExaminedCase {
@@ -30,7 +41,7 @@ public:
   CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
              std::filesystem::path check_directory, const Ceilings& ceilings);
 
-  /// @param faulty_keys  paths of keys that whoever submits could not read
+  /// @param faulty_keys  paths of keys that the client could not read
   /// @param question     check, or judge for a verdict with findings
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
@@ -69,4 +80,13 @@ private:
 /// is. Taken over the case's canonical JSON, which no library version changes.
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments);
 
-}  // namespace dccast::service
+/// SHA-256 of everything that decides the figures of a run: the complete case without its title and
+/// its checkpoints, and its attachments. Two cases with one key have, from one solver, one answer.
+/// @param complete  with defaults and alloy card
+std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
+
+/// Writes out what would act on a terminal in every text of a message. Cases of today are held
+/// against that when they are taken; those of an earlier version may hold anything.
+void make_printable(google::protobuf::Message& message);
+
+}  // namespace dccast::intake

@@ -1,7 +1,9 @@
-#include "server/service/query_run.hpp"
-
+// The call of near-real-time queries: answered by a run of its own, or by one that was there.
 #include <chrono>
+#include <deque>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,9 +12,9 @@
 #include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
-#include "server/service/answer_key.hpp"
-#include "server/service/labels.hpp"
-#include "server/service/status.hpp"
+#include "server/service/message_stream.hpp"
+#include "server/service/request_checks.hpp"
+#include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
 
@@ -21,11 +23,13 @@ namespace {
 using v1::RunEnd;
 using Response = v1::QueryButtCurlResponse;
 
+using SendQueryResponse = std::function<void(Response)>;
+
 constexpr std::chrono::hours longest_query{24};
 constexpr std::size_t most_steps_at_once = 1000;
 constexpr std::size_t most_bytes_at_once = 1'000'000;
 
-Response accepted(const ExaminedCase& examined, bool from_store, const std::string& job) {
+Response accepted(const intake::ExaminedCase& examined, bool from_store, const std::string& job) {
   Response response;
   response.mutable_accepted()->set_from_store(from_store);
   response.mutable_accepted()->set_job(job);
@@ -67,13 +71,13 @@ std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
 class Query {
 public:
   Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
-        const ExaminedCase& examined, const SendQueryResponse& send)
+        const intake::ExaminedCase& examined, const SendQueryResponse& send)
       : context_(context),
         request_(request),
         examined_(examined),
         caller_(call.caller),
         send_(send),
-        key_(answer_key(examined.complete, request.attachments())) {}
+        key_(intake::answer_key(examined.complete, request.attachments())) {}
 
   /// @return whether the answer was there already
   bool answer_from_store() {
@@ -172,7 +176,7 @@ private:
     context_.scheduler.keep({.request_id = "",
                              .title = request_.case_().title(),
                              .owner = caller_,
-                             .case_sha256 = fingerprint(request_.case_(), request_.attachments()),
+                             .case_sha256 = intake::fingerprint(request_.case_(), request_.attachments()),
                              .submitted_case = request_.case_().SerializeAsString(),
                              .complete_case = examined_.complete.SerializeAsString(),
                              .changes = {request_.changes().begin(), request_.changes().end()},
@@ -182,7 +186,7 @@ private:
 
   Context& context_;
   const v1::QueryButtCurlRequest& request_;
-  const ExaminedCase& examined_;
+  const intake::ExaminedCase& examined_;
   const std::string& caller_;
   const SendQueryResponse& send_;
   const std::string key_;
@@ -192,17 +196,73 @@ private:
   double solver_s_ = 0.0;
 };
 
-}  // namespace
-
+/// Answers a query, from the store or by a run of its own: `send` is called in order, from this
+/// thread. The run ends at once when the call is cancelled. May throw: guarded().
 grpc::Status answer_query(Context& context, const Call& call,
                           const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
-  const ExaminedCase examined = context.query_intake.examine(
+  const intake::ExaminedCase examined = context.query_intake.examine(
       request.case_(), request.attachments(), {}, patience(call, context.check_timeout));
   if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
   Query query(context, call, request, examined, send);
   if (query.answer_from_store()) return grpc::Status::OK;
   return query.run(patience(call, longest_query));
+}
+
+/// One query: what the thread of its run has passed on and gRPC has not sent yet.
+class QueryStream final : public MessageStream<Response> {
+public:
+  QueryStream(WorkPool& lane, CallOrigin origin, Context& context,
+              v1::QueryButtCurlRequest request)
+      : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
+
+private:
+  /// Runs from the beginning to the end of the query, whose responses are sent meanwhile.
+  grpc::Status open(const Call& caller) override {
+    set_open();
+    Call call = caller;
+    call.cancelled = [this, &caller] { return caller.cancelled() || context_.leaving; };
+    grpc::Status status = guarded([&] {
+      return answer_query(context_, call, request_,
+                          [this](Response response) { send(std::move(response)); });
+    });
+    if (status.error_code() == grpc::StatusCode::CANCELLED && context_.leaving)
+      status = {grpc::StatusCode::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+    const std::lock_guard lock(mutex_);
+    end_ = std::move(status);
+    return grpc::Status::OK;
+  }
+
+  std::size_t kept_bytes() const override { return request_.ByteSizeLong(); }
+
+  void send(Response response) {
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::move(response));
+    }
+    wake();
+  }
+
+  NextMessage<Response> next() override {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return {.end = end_};
+    NextMessage<Response> found{.message = std::move(waiting_.front())};
+    waiting_.pop_front();
+    return found;
+  }
+
+  Context& context_;
+  const v1::QueryButtCurlRequest request_;
+  std::mutex mutex_;  ///< of all below
+  std::deque<Response> waiting_;
+  std::optional<grpc::Status> end_;
+};
+
+}  // namespace
+
+SimulationService::Stream<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
+    Wire* wire, const v1::QueryButtCurlRequest* request) {
+  return begin_stream<QueryStream>(lanes_.queries, origin_of(wire), context_, *request);
 }
 
 }  // namespace dccast::service

@@ -1,8 +1,12 @@
-#include "server/service/case_intake.hpp"
+#include "server/intake/case_intake.hpp"
 
+#include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/json_util.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -11,11 +15,11 @@
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/uncertainty.hpp"
+#include "proto/values/printable.hpp"
 #include "proto/values/sha256.hpp"
-#include "server/service/attachment_names.hpp"
-#include "server/service/message_size.hpp"
+#include "server/intake/attachment_names.hpp"
 
-namespace dccast::service {
+namespace dccast::intake {
 
 namespace {
 
@@ -48,7 +52,52 @@ void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict
   *verdict.mutable_findings() = std::move(*from_core.mutable_findings());
 }
 
+std::string gigabytes(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g GB", bytes * 1e-9);
+  return text;
+}
+
+void add_fault(v1::ValidateCaseResponse& verdict, const char* field, const std::string& value,
+               const std::string& most, const std::string& setting, const std::string& remedy) {
+  v1::Fault& fault = *verdict.add_faults();
+  fault.set_field(field);
+  fault.set_value(value);
+  fault.set_message("the case has " + value + ", more than this dccastd takes");
+  fault.set_permitted("at most " + most);
+  fault.set_remedy(remedy + ", or have " + setting + " raised in the settings of dccastd");
+}
+
+/// Faults instead of the estimate when it is beyond a ceiling.
+void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
+  if (!verdict.has_estimate()) return;
+  const auto& estimate = verdict.estimate();
+  const char* coarser = "make the mesh coarser";
+  if (estimate.nodes() > ceilings.nodes)
+    add_fault(verdict, "mesh", std::to_string(estimate.nodes()) + " nodes at its end",
+              std::to_string(ceilings.nodes), "maximum_nodes", coarser);
+  if (estimate.steps() > ceilings.steps)
+    add_fault(verdict, "time", std::to_string(estimate.steps()) + " steps",
+              std::to_string(ceilings.steps), "maximum_steps", "take longer steps");
+  if (estimate.memory_bytes() > ceilings.memory_bytes)
+    add_fault(verdict, "mesh", gigabytes(estimate.memory_bytes()) + " of estimated memory",
+              gigabytes(ceilings.memory_bytes), "maximum_memory", coarser);
+  if (verdict.faults_size() > 0) verdict.clear_estimate();
+}
+
+std::string printable(const std::string& text) {
+  return values::escaped(text, values::Lines::several);
+}
+
 }  // namespace
+
+double memory_per_worker(int workers) {
+  double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  std::ifstream group("/sys/fs/cgroup/memory.max");
+  if (double permitted = 0.0; group >> permitted) memory = std::min(memory, permitted);
+  return 0.9 * memory / std::max(workers, 1);
+}
 
 CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
                        std::filesystem::path check_directory, const Ceilings& ceilings)
@@ -147,4 +196,34 @@ std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& atta
   return values::sha256(text);
 }
 
-}  // namespace dccast::service
+std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) {
+  complete.clear_title();
+  complete.clear_checkpoint();
+  complete.clear_uncertainty();
+  complete.mutable_alloy()->clear_uncertainty();
+  return fingerprint(complete, attachments);
+}
+
+void make_printable(google::protobuf::Message& message) {
+  using google::protobuf::FieldDescriptor;
+  const auto* reflection = message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const bool text = field->type() == FieldDescriptor::TYPE_STRING;
+    const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
+    for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {
+      if (text && field->is_repeated())
+        reflection->SetRepeatedString(
+            &message, field, i, printable(reflection->GetRepeatedString(message, field, i)));
+      else if (text)
+        reflection->SetString(&message, field, printable(reflection->GetString(message, field)));
+      else
+        make_printable(field->is_repeated()
+                           ? *reflection->MutableRepeatedMessage(&message, field, i)
+                           : *reflection->MutableMessage(&message, field));
+    }
+  }
+}
+
+}  // namespace dccast::intake

@@ -3,7 +3,7 @@
 #include "dccast/v1/service.pb.h"
 #include "server/jobs/job_folder.hpp"
 
-namespace dccast::service {
+namespace dccast::intake {
 
 /// Where faults of the attachments themselves stand.
 inline constexpr const char* attachments_field = "attachments";
@@ -14,4 +14,4 @@ inline constexpr const char* attachments_field = "attachments";
 void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
                             v1::ValidateCaseResponse& verdict);
 
-}  // namespace dccast::service
+}  // namespace dccast::intake
