@@ -70,6 +70,7 @@ struct ValidateOptions {
   bool local = false;
   bool json = false;
   bool strict = false;
+  bool ranges = false;
 };
 
 void print_verdict(const CaseUnderCheck& checked, bool local) {
@@ -79,9 +80,17 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
     std::cout << "sound: " << checked.estimate->nodes() << " nodes, "
               << checked.estimate->elements() << " elements, " << checked.estimate->steps()
               << " steps, about " << render::duration_text(checked.estimate->solver_s())
-              << " of computing\n";
+              << " of computing\n"
+              << checked.uncertain.size() << " data have a range (--ranges, docs/uncertainty.md)\n";
   else
     std::cout << (local ? "no faults found without a server\n" : "sound\n");
+}
+
+void print_ranges(const CaseUnderCheck& checked) {
+  render::Table table({"DATUM", "RANGE", "GIVEN BY"});
+  for (const case_file::UncertainKey& datum : checked.uncertain)
+    table.add({datum.key, datum.range, datum.origin});
+  std::cout << table.text();
 }
 
 ExitCode run(const ValidateOptions& options, Program& program) {
@@ -96,6 +105,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     print_faults(checked, std::cout);
     for (const v1::Finding& finding : checked.findings)
       std::cout << render::finding_line(finding) << '\n';
+    if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
   }
   const bool implausible = options.strict && render::more_than_notes(checked.findings);
@@ -247,6 +257,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
   add_set_option(command, options->set);
   command.flag("--local", options->local,
                "Do not ask the server: check keys, units and ranges only");
+  command.flag("--ranges", options->ranges, "List the data with a range (docs/uncertainty.md)");
   command.flag("--strict", options->strict,
                "Exit code 2 for findings beyond notes too (docs/findings.md)");
   command.json(options->json);

@@ -39,6 +39,8 @@ void add_fetch(cli::CommandLine& line, Program& program);
 void add_convergence(cli::CommandLine& line, Program& program);
 void add_sweep(cli::CommandLine& line, Program& program);
 void add_predict(cli::CommandLine& line, Program& program);
+void add_uncertainty(cli::CommandLine& line, Program& program);
+void add_sensitivity(cli::CommandLine& line, Program& program);
 void add_design_mould(cli::CommandLine& line, Program& program);
 void add_studies(cli::CommandLine& line, Program& program);
 void add_report(cli::CommandLine& line, Program& program);

@@ -95,6 +95,7 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   checked.warnings.assign(response->warnings().begin(), response->warnings().end());
   if (response->has_estimate() && checked.faults.empty()) checked.estimate = response->estimate();
   if (checked.faults.empty()) checked.findings = response->findings();
+  if (response->has_complete()) checked.uncertain = case_file::uncertain_keys(response->complete());
   sort_by_place(checked);
 }
 
@@ -124,6 +125,10 @@ Json faults_json(const CaseUnderCheck& checked) {
   json["findings"] = Json::array();
   for (const v1::Finding& finding : checked.findings) json["findings"].push_back(to_json(finding));
   if (checked.estimate) json["estimate"] = to_json(*checked.estimate);
+  json["uncertain"] = Json::array();
+  for (const case_file::UncertainKey& datum : checked.uncertain)
+    json["uncertain"].push_back(
+        {{"key", datum.key}, {"range", datum.range}, {"origin", datum.origin}});
   return json;
 }
 

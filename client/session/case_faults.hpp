@@ -10,6 +10,7 @@
 #include "client/model/json.hpp"
 #include "client/session/connection.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::client {
 
@@ -22,6 +23,7 @@ struct CaseUnderCheck {
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
+  std::vector<case_file::UncertainKey> uncertain;            ///< data with a range; without faults
   std::vector<v1::CaseChange> changes;                       ///< changes applied to `description`
 };
 
@@ -45,7 +47,7 @@ std::vector<v1::Fault> faults_of(const grpc::Status& status);
 void print_faults(const CaseUnderCheck& checked, std::ostream& stream);
 
 /// {valid, faults [{field, value, message, permitted, remedy, file, line, column}], warnings,
-/// findings, estimate}
+/// findings, estimate, uncertain [{key, range, origin}]}
 Json faults_json(const CaseUnderCheck& checked);
 
 }  // namespace dccast::client

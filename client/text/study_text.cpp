@@ -1,10 +1,12 @@
 #include "client/text/study_text.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <ostream>
 
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
+#include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
@@ -30,6 +32,14 @@ std::string millimetres(double metres) {
 /// A figure, with a mark if it is beyond validity.
 std::string marked(std::string figure, bool valid) {
   return valid ? figure : figure + " !";
+}
+
+/// ", about 3 min left" at the pace so far; empty before there is one and after the end.
+std::string left_text(const v1::Study& study) {
+  constexpr double least_progress = 0.02;
+  if (study.state() != v1::STUDY_RUNNING || study.progress() < least_progress) return {};
+  const double passed = static_cast<double>(std::time(nullptr) - study.create_time().seconds());
+  return ", about " + duration_text(passed * (1.0 - study.progress()) / study.progress()) + " left";
 }
 
 /// Curl at the end of a level; "-" where it has none.
@@ -58,6 +68,11 @@ std::string state_text(v1::StudyState state) {
 std::string plan_text(const v1::Study& study) {
   if (study.has_refinement()) return "refinement";
   if (study.has_mould()) return "mould";
+  const std::string count = std::to_string(study.sweep().axes_size());
+  if (study.sweep().purpose() == v1::SweepPlan::UNCERTAINTY)
+    return "uncertainty, " + count + " data";
+  if (study.sweep().purpose() == v1::SweepPlan::SENSITIVITY)
+    return "sensitivity, " + count + " keys";
   std::string keys;
   for (const auto& axis : study.sweep().axes()) keys += (keys.empty() ? "" : ", ") + axis.key();
   return "sweep of " + keys;
@@ -93,15 +108,15 @@ StudyProgress::~StudyProgress() {
 
 void StudyProgress::show(const v1::Study& study) {
   if (terminal_.interactive) {
-    stream_ << "\r" << cut_to(progress_text(study), terminal_.columns - 1) << "\x1b[K"
-            << std::flush;
+    stream_ << "\r" << cut_to(progress_text(study) + left_text(study), terminal_.columns - 1)
+            << "\x1b[K" << std::flush;
     line_open_ = true;
     return;
   }
   const int tenth = static_cast<int>(10.0 * study.progress());
   if (tenth <= shown_tenth_ && study.state() == v1::STUDY_RUNNING) return;
   shown_tenth_ = tenth;
-  stream_ << progress_text(study) << std::endl;
+  stream_ << progress_text(study) << left_text(study) << std::endl;
 }
 
 std::vector<std::string> monitor_names(const Study& study) {

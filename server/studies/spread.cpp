@@ -72,15 +72,28 @@ void add_shares(const SampledCurls& sampled, int inputs, v1::Spread& spread) {
       inputs, index_samples, seed);
   for (const Eigen::Index instant : instants)
     spread.add_index_time_s(sampled.time_s[static_cast<std::size_t>(instant)]);
+  v1::Spread::Share unexplained;
+  Eigen::VectorXd followed(indices.variance.size());  // share of the variance that the inputs make
+  for (Eigen::Index k = 0; k < followed.size(); ++k) {
+    const double error =
+        sampled.error_m[static_cast<std::size_t>(instants[static_cast<std::size_t>(k)])];
+    const double whole = indices.variance(k) + error * error;
+    followed(k) = whole > 0.0 ? indices.variance(k) / whole : 0.0;
+    unexplained.add_first(1.0 - followed(k));
+    unexplained.add_total(1.0 - followed(k));
+    unexplained.add_first_error(0.0);
+    unexplained.add_total_error(0.0);
+  }
   for (int j = 0; j < inputs; ++j) {
     v1::Spread::Share& share = *spread.add_shares();
-    for (Eigen::Index k = 0; k < indices.first.cols(); ++k) {
-      share.add_first(indices.first(j, k));
-      share.add_total(indices.total(j, k));
-      share.add_first_error(indices.first_error(j, k));
-      share.add_total_error(indices.total_error(j, k));
+    for (Eigen::Index k = 0; k < followed.size(); ++k) {
+      share.add_first(followed(k) * indices.first(j, k));
+      share.add_total(followed(k) * indices.total(j, k));
+      share.add_first_error(followed(k) * indices.first_error(j, k));
+      share.add_total_error(followed(k) * indices.total_error(j, k));
     }
   }
+  *spread.add_shares() = std::move(unexplained);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ struct SampledCurls {
 };
 
 /// What the inputs leave open: the 5, 50 and 95 % curl at every instant, with the error of the
-/// function as normal noise, and the shares of the inputs in the variance of the function at some
-/// instants. The same whenever the function is.
+/// function as normal noise, and the shares of the inputs in the variance of the curl at some
+/// instants; the last share is that of the error. The same whenever the function is.
 v1::Spread spread_of(const SampledCurls& sampled, int inputs, const std::optional<CurlBand>& band);
 
 }  // namespace dccast::studies

@@ -84,6 +84,35 @@ TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
   EXPECT_NE(sweep_values(other), values);
 }
 
+TEST(SweepPlan, EndsMoveOneKeyAtATime) {
+  auto request = sweep_of(v1::SweepPlan::ENDS,
+                          {{"schedule.hold.scale", "0.9", "1.1"}, {"mesh.rows", "10", "30"}});
+  request.mutable_case_()->mutable_schedule()->set_hold_s(60.0);
+  ASSERT_TRUE(plan_faults(request).empty());
+  const auto plan = study_plan(request);
+  ASSERT_EQ(plan->runs(), 5);
+  EXPECT_EQ(plan->run(0).name, "run 1 (the case itself)");
+  EXPECT_TRUE(plan->run(0).changes.empty());
+  EXPECT_DOUBLE_EQ(plan->run(2).description.schedule().hold_s(), 66.0);
+  EXPECT_FALSE(plan->run(2).description.mesh().has_rows());
+  EXPECT_EQ(plan->run(3).name, "run 4 (mesh.rows = 10)");
+  EXPECT_DOUBLE_EQ(plan->run(3).description.schedule().hold_s(), 60.0);
+  v1::StudyRun run;
+  plan->describe(3, run);
+  EXPECT_THAT(run.values(), ElementsAre("", "10"));
+  EXPECT_TRUE(std::isnan(run.numbers(0)));
+}
+
+TEST(SweepPlan, AHypercubeOverFactorsAndDifferencesHasTheirNumbers) {
+  auto request = sweep_of(
+      v1::SweepPlan::LATIN_HYPERCUBE,
+      {{"schedule.hold.scale", "0.9", "1.1"}, {"schedule.hold.offset", "-5 s", "5 s"}}, 10);
+  request.mutable_case_()->mutable_schedule()->set_hold_s(60.0);
+  ASSERT_TRUE(plan_faults(request).empty());
+  EXPECT_DOUBLE_EQ(number_of(request.case_(), "schedule.hold.scale", "90 %"), 0.9);
+  EXPECT_DOUBLE_EQ(number_of(request.case_(), "schedule.hold.offset", "-2 s"), -2.0);
+}
+
 TEST(SweepPlan, FaultsNameKeyValueAndWhatIsPermitted) {
   const auto first = [](const v1::CreateStudyRequest& request) {
     const auto faults = plan_faults(request);

@@ -1,0 +1,196 @@
+#include "client/html/data_study_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/html/report_style.hpp"
+#include "client/html/svg_chart.hpp"
+#include "client/model/effects.hpp"
+#include "client/session/data_study.hpp"
+#include "client/text/data_study_text.hpp"
+#include "client/text/study_text.hpp"
+#include "client/text/sweep_table.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+constexpr int most_lines = 6;  // that the style has colours for
+
+std::string page(const v1::StudyResult& result, const std::string& body) {
+  const v1::Study& study = result.study();
+  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width,initial-scale=1'><title>" +
+         html_escaped(study.title()) + "</title><style>" + report_style +
+         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
+         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" +
+         html_escaped(std::to_string(result.runs_size()) + " runs: " + count_runs(result).text()) +
+         "</p></header>" + body + "</main></body></html>\n";
+}
+
+std::string card(const std::string& title, const std::string& body) {
+  return "<section class='card'><h2>" + html_escaped(title) + "</h2>" + body + "</section>";
+}
+
+std::string table_of(const std::vector<std::string>& headings,
+                     const std::vector<std::vector<std::string>>& rows) {
+  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
+    std::string html = "<tr>";
+    for (const std::string& cell : cells)
+      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
+    return html + "</tr>";
+  };
+  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
+                     "</thead><tbody>";
+  for (const auto& cells : rows) html += row(cells, "td");
+  return html + "</tbody></table></div>";
+}
+
+ChartBand band_of(const v1::Spread& spread, const google::protobuf::RepeatedField<double>& low,
+                  const google::protobuf::RepeatedField<double>& high) {
+  ChartBand band;
+  for (int i = 0; i < spread.time_s_size(); ++i) {
+    band.x.push_back(spread.time_s(i));
+    band.middle.push_back(1e3 * spread.median_m(i));
+    band.low.push_back(1e3 * low[i]);
+    band.high.push_back(1e3 * high[i]);
+  }
+  return band;
+}
+
+std::string curl_chart(const v1::Spread& spread, std::optional<double> mesh_error) {
+  Chart chart{"Curl of the " + spread.monitor() + " against time", "time, s", "curl, mm", {}};
+  chart.lines.push_back(
+      {"data, 5 to 95 %", {}, {}, band_of(spread, spread.low_m(), spread.high_m())});
+  if (mesh_error) {
+    v1::Spread mesh = spread;
+    for (int i = 0; i < mesh.time_s_size(); ++i) {
+      const double half = *mesh_error * std::abs(mesh.median_m(i));
+      mesh.set_low_m(i, mesh.median_m(i) - half);
+      mesh.set_high_m(i, mesh.median_m(i) + half);
+    }
+    chart.lines.push_back(
+        {"mesh and time steps", {}, {}, band_of(mesh, mesh.low_m(), mesh.high_m())});
+  }
+  return svg_chart(chart);
+}
+
+std::string shares_chart(const v1::StudyResult& result) {
+  const v1::Spread& spread = result.spread();
+  std::vector<int> axes;
+  for (int axis = 0; axis + 1 < spread.shares_size(); ++axis) axes.push_back(axis);
+  const auto most = [&](int axis) {
+    const auto& total = spread.shares(axis).total();
+    return total.empty() ? 0.0 : *std::ranges::max_element(total);
+  };
+  std::ranges::stable_sort(axes, std::ranges::greater(), most);
+  Chart chart{"Share of each datum in the variance, with interactions", "time, s", "share, %", {}};
+  for (const int axis : axes) {
+    if (chart.lines.size() == most_lines) break;
+    ChartLine& line = chart.lines.emplace_back();
+    line.name = datum_of(result.study().sweep().axes(axis).key());
+    for (int i = 0; i < spread.index_time_s_size(); ++i) {
+      line.x.push_back(spread.index_time_s(i));
+      line.y.push_back(100.0 * spread.shares(axis).total(i));
+    }
+  }
+  return svg_chart(chart);
+}
+
+/// Runs that the figures do not rest on, each with its values.
+std::string lost_runs(const v1::StudyResult& result) {
+  std::string rows;
+  for (int i = 0; i < result.runs_size(); ++i) {
+    const v1::StudyRun& run = result.runs(i);
+    if (run.state() == v1::SUCCEEDED && !run.beyond_validity()) continue;
+    rows += "<p>Run " + std::to_string(i + 1) + ": " + html_escaped(run_text(run));
+    if (run.has_failure()) rows += ": " + html_escaped(run.failure().message());
+    rows += "<br><code>";
+    for (int axis = 0; axis < run.values_size(); ++axis)
+      if (!run.values(axis).empty())
+        rows +=
+            html_escaped(result.study().sweep().axes(axis).key() + " = " + run.values(axis)) + "; ";
+    rows += "</code></p>";
+  }
+  return rows.empty() ? "" : card("Runs that the figures do not rest on", rows);
+}
+
+/// Horizontal bars about the case itself.
+std::string bars(const v1::StudyResult& result, const Effects& effects) {
+  constexpr double row = 22.0, middle = 560.0, half = 210.0;
+  const double most = effects.effects.empty() ? 0.0 : effects.effects.front().largest_m();
+  if (!(most > 0.0)) return {};
+  const double height = row * static_cast<double>(effects.effects.size()) + 30.0;
+  std::string svg = "<svg viewBox='0 0 790 " + fixed(height, 0) +
+                    "' role='img' aria-label='effect of each key on the curl'>";
+  const double error = half * effects.error_m / most;
+  svg += "<rect class='wanted' x='" + fixed(middle - error, 1) + "' y='4' width='" +
+         fixed(2.0 * error, 1) + "' height='" + fixed(height - 26.0, 1) + "'/>";
+  double top = 8.0;
+  for (const Effect& effect : effects.effects) {
+    const auto& axis = result.study().sweep().axes(effect.axis);
+    svg += "<text class='label' text-anchor='end' x='335' y='" + fixed(top + 12.0, 1) + "'>" +
+           html_escaped(axis.key() + ", " + range_of(axis)) + "</text>";
+    for (const auto& [amount, colour] :
+         {std::pair(effect.low_m, "var(--line-0)"), std::pair(effect.high_m, "var(--line-1)")}) {
+      if (!amount) continue;
+      const double length = half * std::abs(*amount) / most;
+      svg += "<rect x='" + fixed(*amount < 0.0 ? middle - length : middle, 1) + "' y='" +
+             fixed(top + (colour[11] == '0' ? 1.0 : 9.0), 1) + "' width='" + fixed(length, 1) +
+             "' height='7' style='fill:" + colour + "'><title>" + fixed(1e3 * *amount, 2) +
+             " mm</title></rect>";
+    }
+    top += row;
+  }
+  svg += "<line class='zero' x1='" + fixed(middle, 0) + "' x2='" + fixed(middle, 0) +
+         "' y1='4' y2='" + fixed(height - 22.0, 1) + "'/>";
+  for (const double side : {-1.0, 1.0})
+    svg += "<text class='tick' text-anchor='middle' x='" + fixed(middle + side * half, 0) +
+           "' y='" + fixed(height - 6.0, 1) + "'>" + fixed(1e3 * side * most, 1) + " mm</text>";
+  return svg + "</svg>";
+}
+
+}  // namespace
+
+std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
+  const v1::Spread& spread = result.spread();
+  const int count = spread.median_m_size();
+  std::optional<double> mesh_error_m;
+  if (mesh_error && count > 0) mesh_error_m = *mesh_error * std::abs(spread.median_m(count - 1));
+  std::string body;
+  for (const std::string& sentence : uncertainty_sentences(result, mesh_error_m))
+    body += html_escaped(sentence) + " ";
+  body = "<p class='answer'>" + body + "</p>";
+  if (count > 0) {
+    body += "<div class='pair'>" +
+            card("What the data leave open of the " + spread.monitor(),
+                 curl_chart(spread, mesh_error)) +
+            card("Where it comes from", shares_chart(result)) + "</div>";
+    body += card("Shares of the variance at the end",
+                 table_of({"datum", "range", "alone", "with others"}, share_rows(result)) +
+                     "<p>Sobol's indices of the response surface, with twice the error of their "
+                     "sampling. docs/uncertainty.md.</p>");
+  }
+  return page(result, body + lost_runs(result));
+}
+
+std::string sensitivity_page(const v1::StudyResult& result, int monitor) {
+  const Effects effects = effects_of(result, monitor);
+  if (!effects.base_m)
+    return page(result,
+                card("Nothing to compare with", "<p>The case itself has no valid run.</p>") +
+                    lost_runs(result));
+  const EffectRows rows = effect_rows(result, effects);
+  std::string body = card(
+      "Change of the curl of the " + result.monitors(monitor) + " at the end, " +
+          fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
+      bars(result, effects) +
+          "<p>Blue: lower end of the range, orange: upper end. Shaded: what mesh and time steps "
+          "leave uncertain of a difference, ± " +
+          fixed(1e3 * effects.error_m, 1) + " mm.</p>");
+  if (!rows.rest.empty())
+    body += "<p class='note'>This model does not respond to " + html_escaped(rows.rest) + ".</p>";
+  return page(result, body + lost_runs(result));
+}
+
+}  // namespace dccast::client::render

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::client::render {
+
+/// An uncertainty study as a page: the band of the data, that of mesh and time steps apart, the
+/// shares of the data against time, and the runs that do not count.
+/// @param mesh_error  half the band of mesh and steps relative to the curl; empty: not known
+std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error);
+
+/// A sensitivity study as a page: a bar for every lever and datum.
+std::string sensitivity_page(const v1::StudyResult& result, int monitor);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/session/connection.hpp"
+#include "dccast/v1/study.pb.h"
+
+/// Plans of `uncertainty` and `sensitivity`: sweeps over what data and levers may be.
+namespace dccast::client {
+
+/// What the user chose of a plan.
+struct DataPlan {
+  int runs = 64;
+  std::uint64_t seed = 0;
+  std::vector<std::string> only;  ///< keys of data; empty: all
+};
+
+/// Makes the study of a request a Latin hypercube over every datum of its case that has a range
+/// (docs/uncertainty.md). The case is completed by the server, so that card, mesh and steps are the
+/// same in all runs; its quality is draft unless the changes of the request say otherwise. Throws
+/// CommandFailed, also where there is no such datum.
+void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
+                         v1::CreateStudyRequest& request);
+
+/// The same, with every lever of a plant and every datum alone at the two ends of its range.
+void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
+                         v1::CreateStudyRequest& request);
+
+/// The key that an axis moves: without ".scale", ".offset" or ".shift".
+std::string datum_of(const std::string& axis_key);
+
+/// Whether an axis is a lever of the plant rather than a datum.
+bool is_lever(const std::string& axis_key);
+
+}  // namespace dccast::client

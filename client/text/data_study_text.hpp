@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/model/effects.hpp"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::client::render {
+
+/// What an uncertainty study says, on one screen of 100 columns.
+/// @param mesh_error_m  half the band of mesh and steps at the end; empty: not known
+std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m);
+
+/// What a sensitivity study says of one monitor, on one screen of 100 columns.
+std::string sensitivity_text(const v1::StudyResult& result, int monitor);
+
+/// The sentences of an uncertainty study, for screen and page: what the curl will be, how sure that
+/// is, and what to measure first.
+std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
+                                               std::optional<double> mesh_error_m);
+
+/// A row of the table of shares, largest total first: datum, range, "42 ± 3 %" alone, in all.
+std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result);
+
+/// Effects as rows: key, range, low mm, high mm, bar; and the keys to which the curl does not
+/// respond.
+struct EffectRows {
+  std::vector<std::vector<std::string>> levers, data;
+  std::string rest;
+};
+EffectRows effect_rows(const v1::StudyResult& result, const Effects& effects);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,138 @@
+#!/usr/bin/python3
+"""Uncertainty and sensitivity of a case on the real solver: from its ranges to screen, JSON and page, with
+a run that fails counted, and taken up again after the client has gone."""
+import json
+import os
+import re
+import subprocess
+
+import grpc
+
+from dccast.v1 import study_pb2
+from support import BIN, ServiceTest, main, until
+
+CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+
+# The shipped thickness section on few cells and for a short time, with four data that have a range.
+COARSE = ((r"(?s)^\[mesh\].*?(?=^\[)",
+           '[mesh]\ncolumns = 8\nrows = 6\nside_cell = "12 mm"\nbottom_cell = "12 mm"\ngrowth_cell = "12 mm"\n\n'),
+          (r'^end = "145 s"$', 'end = "12 s"'),
+          (r"(?s)^\[uncertainty\].*", '[uncertainty]\n"schedule.casting_temperature" = "± 10 K"\n'
+           '"cooling.bottom_block.temperature" = "50..110 degC"\n'
+           '"alloy.specific_heat" = "+- 5 %"\n"alloy.melt_conductivity_factor[1]" = "1..5"\n'))
+DATA = ("schedule.casting_temperature", "cooling.bottom_block.temperature", "alloy.specific_heat",
+        "alloy.melt_conductivity_factor[1]")
+
+
+class DataStudy(ServiceTest):
+    worker = "dccast-worker"
+    settings = {"workers": 2}
+
+    def case_file(self, *more):
+        with open(CASE, encoding="utf-8") as shipped:
+            text = shipped.read()
+        for pattern, other in COARSE + more:
+            text, changes = re.subn(pattern, other, text, flags=re.M)
+            self.assertGreater(changes, 0, pattern)
+        path = os.path.join(self.folder, "case.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def dccast(self, *words, code=0):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
+                               capture_output=True, text=True, timeout=200, check=False)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended.stdout if code == 0 else ended.stderr
+
+    def only(self):
+        return [word for key in DATA for word in ("--only", key)]
+
+    def test_uncertainty_from_case_to_page(self):
+        path = self.case_file()
+        page = os.path.join(self.folder, "page.html")
+        screen = self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--plot", page,
+                             "--band", "0..100 mm")
+        self.assertIn("12 runs: 12 valid", screen)
+        self.assertIn("curl of the corner", screen)
+        self.assertIn("100 % of castings end inside the accepted band", screen)
+        self.assertRegex(screen, r"Measure \S+ first")
+        self.assertLessEqual(max(len(line) for line in screen.splitlines()), 100)
+        with open(page, encoding="utf-8") as file:
+            self.assertIn("data, 5 to 95 %", file.read())
+        study = re.search(r"study ([0-9a-f-]{36})", screen)[1]
+        answer = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
+        spread = answer["spread"]
+        self.assertEqual(spread["runs"], 12)
+        for low, middle, high in zip(spread["low_m"], spread["median_m"], spread["high_m"]):
+            self.assertLessEqual(low, middle)
+            self.assertLessEqual(middle, high)
+        ends = [run["end_curl_m"][0] for run in answer["runs"]]
+        self.assertLess(spread["low_m"][-1], max(ends))
+        self.assertGreater(spread["high_m"][-1], min(ends))
+        self.assertEqual(len(spread["shares"]), len(DATA) + 1)  # and what the surface does not follow
+        shares = [share["total"][-1] for share in spread["shares"]]
+        self.assertGreater(sum(shares), 0.9)
+        self.assertIn("uncertainty, 4 data", self.dccast("studies"))
+        again = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
+        self.assertEqual(again["spread"], spread)
+
+    def test_a_run_that_fails_is_counted(self):
+        # The hottest block melts the shell of so short a hold.
+        path = self.case_file((r'^"cooling.bottom_block.temperature" = .*$',
+                               '"cooling.bottom_block.temperature" = "50..990 degC"'))
+        answer = json.loads(self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--json"))
+        failed = [run for run in answer["runs"] if run["state"] != "SUCCEEDED" or run["beyond_validity"]]
+        self.assertTrue(failed)
+        screen = self.dccast("uncertainty", "--study", answer["study"]["id"])
+        self.assertIn(f"{12 - len(failed)} valid", screen)
+
+    def test_sensitivity_from_case_to_page(self):
+        path = self.case_file()
+        answer = json.loads(self.dccast("sensitivity", path, *self.only(), "--json"))
+        self.assertEqual(len(answer["effects"]), len(DATA))
+        by_key = {effect["key"]: effect for effect in answer["effects"]}
+        hot = by_key["cooling.bottom_block.temperature"]
+        self.assertNotEqual(hot["low_m"], hot["high_m"])
+        page = os.path.join(self.folder, "page.html")
+        screen = self.dccast("sensitivity", "--study", answer["study"]["id"], "--plot", page)
+        self.assertIn("9 runs: 9 valid", screen)
+        self.assertIn("A difference is known to", screen)
+        with open(page, encoding="utf-8") as file:
+            self.assertIn("Change of the curl of the corner", file.read())
+        # Nothing lies between runs that move one key each.
+        with self.assertRaises(grpc.RpcError) as refused:
+            self.client.stub.PredictStudy(study_pb2.PredictStudyRequest(id=answer["study"]["id"]),
+                                          timeout=30)
+        self.assertIn("one key at a time", refused.exception.details())
+
+    def test_levers_are_moved_too(self):
+        path = self.case_file()
+        study = self.dccast("sensitivity", path, "--no-wait").strip()
+        axes = {axis.key for axis in self.client.stub.GetStudy(
+            study_pb2.GetStudyRequest(id=study), timeout=10).sweep.axes}
+        for key in ("schedule.casting_speed.scale", "schedule.casting_speed.shift",
+                    "schedule.water_flow.scale", "schedule.hold.scale",
+                    "cooling.water.wetting.lag", "schedule.casting_temperature.offset"):
+            self.assertIn(key, axes)
+        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
+        until(lambda: self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10).state
+              == study_pb2.STUDY_CANCELLED, 30)
+
+    def test_faults_of_ranges_name_their_line(self):
+        path = self.case_file((r'^"alloy.specific_heat" = .*$', '"alloy.specific_heet" = "± 5 %"'))
+        self.assertIn("uncertainty.alloy.specific_heet", self.dccast("uncertainty", path, code=2))
+        error = self.dccast("uncertainty", self.case_file(), "--only", "time.end", code=2)
+        self.assertIn("time.end has no range; there are:", error)
+
+    def test_a_study_goes_on_when_its_daemon_is_killed(self):
+        path = self.case_file()
+        study = self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--no-wait").strip()
+        self.daemon.kill()
+        self.daemon.start()
+        answer = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
+        self.assertEqual(answer["spread"]["runs"], 12)
+
+
+if __name__ == "__main__":
+    main()
