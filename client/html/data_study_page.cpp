@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/html/html_parts.hpp"
 #include "client/html/report_style.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/model/effects.hpp"
@@ -18,18 +19,9 @@ namespace {
 constexpr int most_lines = 6;  // that the style has colours for
 
 std::string page(const v1::StudyResult& result, const std::string& body) {
-  const v1::Study& study = result.study();
-  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-         "content='width=device-width,initial-scale=1'><title>" +
-         html_escaped(study.title()) + "</title><style>" + report_style +
-         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
-         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" +
-         html_escaped(std::to_string(result.runs_size()) + " runs: " + count_runs(result).text()) +
-         "</p></header>" + body + "</main></body></html>\n";
-}
-
-std::string card(const std::string& title, const std::string& body) {
-  return "<section class='card'><h2>" + html_escaped(title) + "</h2>" + body + "</section>";
+  return study_page(result.study(),
+                    std::to_string(result.runs_size()) + " runs: " + count_runs(result).text(),
+                    body);
 }
 
 std::string table_of(const std::vector<std::string>& headings,
@@ -152,6 +144,15 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
 
 }  // namespace
 
+std::string study_page(const v1::Study& study, const std::string& note, const std::string& body) {
+  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width,initial-scale=1'><title>" +
+         html_escaped(study.title()) + "</title><style>" + report_style +
+         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
+         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" + html_escaped(note) +
+         "</p></header>" + body + "</main></body></html>\n";
+}
+
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
   const int count = spread.median_m_size();
@@ -163,7 +164,7 @@ std::string uncertainty_page(const v1::StudyResult& result, std::optional<double
   body = "<p class='answer'>" + body + "</p>";
   if (count > 0) {
     body += "<div class='pair'>" +
-            card("What the data leave open of the " + spread.monitor(),
+            card("What the data leave open of the " + html_escaped(spread.monitor()),
                  curl_chart(spread, mesh_error)) +
             card("Where it comes from", shares_chart(result)) + "</div>";
     body += card("Shares of the variance at the end",
@@ -182,7 +183,7 @@ std::string sensitivity_page(const v1::StudyResult& result, int monitor) {
                     lost_runs(result));
   const EffectRows rows = effect_rows(result, effects);
   std::string body = card(
-      "Change of the curl of the " + result.monitors(monitor) + " at the end, " +
+      "Change of the curl of the " + html_escaped(result.monitors(monitor)) + " at the end, " +
           fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
       bars(result, effects) +
           "<p>Blue: lower end of the range, orange: upper end. Shaded: what mesh and time steps "

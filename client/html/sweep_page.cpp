@@ -5,8 +5,9 @@
 #include <map>
 #include <vector>
 
-#include "client/html/report_style.hpp"
+#include "client/html/data_study_page.hpp"
 #include "client/html/svg_chart.hpp"
+#include "client/model/effects.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/sweep_table.hpp"
 #include "client/text/table.hpp"
@@ -219,19 +220,6 @@ Scatter curl_over_key(const v1::StudyResult& result, int axis, int monitor) {
   return {label_of(x), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
 }
 
-/// The monitor that curls most.
-int largest_monitor(const v1::StudyResult& result) {
-  int best = 0;
-  double most = -1.0;
-  for (const v1::StudyRun& run : result.runs())
-    for (int m = 0; m < run.end_curl_m_size(); ++m)
-      if (std::abs(run.end_curl_m(m)) > most) {
-        most = std::abs(run.end_curl_m(m));
-        best = m;
-      }
-  return best;
-}
-
 std::string chart_against(const v1::StudyResult& result, int axis, int monitor) {
   const Scale scale = scale_of(result, axis);
   Chart chart{"Curl at the end against " + scale.key, label_of(scale), "curl, mm", {}};
@@ -261,7 +249,7 @@ std::string charts(const v1::StudyResult& result) {
   std::vector<int> numeric;
   for (int axis = 0; axis < result.study().sweep().axes_size(); ++axis)
     if (is_numeric(result, axis)) numeric.push_back(axis);
-  const int monitor = largest_monitor(result);
+  const int monitor = monitor_of(result, "");
   if (result.monitors().empty()) return {};
   std::string html;
   for (const int axis : numeric) html += chart_against(result, axis, monitor);
@@ -279,14 +267,9 @@ std::string charts(const v1::StudyResult& result) {
 
 std::string sweep_page(const v1::StudyResult& result) {
   const v1::Study& study = result.study();
-  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-         "content='width=device-width,initial-scale=1'><title>" +
-         html_escaped(study.title()) + "</title><style>" + report_style +
-         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
-         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" +
-         html_escaped(plan_text(study) + "; " + progress_text(study)) + "</p></header>" +
-         charts(result) + "<section class='card'><h2>Runs</h2><pre>" +
-         html_escaped(sweep_table(result)) + "</pre></section></main></body></html>\n";
+  return study_page(study, plan_text(study) + "; " + progress_text(study),
+                    charts(result) + "<section class='card'><h2>Runs</h2><pre>" +
+                        html_escaped(sweep_table(result)) + "</pre></section>");
 }
 
 }  // namespace dccast::client::render

@@ -61,10 +61,12 @@ std::string head_of(const v1::StudyResult& result) {
 
 std::string history_table(const v1::Spread& spread) {
   Table table({">t s", ">cast mm", ">5 %", ">50 %", ">95 % mm", ">surface off by mm"});
-  const int count = spread.time_s_size();
+  const auto& time_s = spread.time_s();  // of the hold nothing is to be seen
+  const int first = static_cast<int>(std::ranges::upper_bound(time_s, 0.0) - time_s.begin());
+  const int count = time_s.size() - first;
   const int rows = std::min(count, most_instants);
   for (int row = 1; row <= rows; ++row) {
-    const int i = row * count / rows - 1;
+    const int i = first + row * count / rows - 1;
     table.add({fixed(spread.time_s(i), 0), millimetres(spread.cast_length_m(i), 0),
                millimetres(spread.low_m(i)), millimetres(spread.median_m(i)),
                millimetres(spread.high_m(i)), millimetres(spread.surface_error_m(i))});

@@ -5,19 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "core/statistics/sampling.hpp"
+#include "tests/unit/statistics/places.hpp"
 
 namespace dccast::statistics {
 namespace {
-
-Eigen::MatrixXd spread(int points, int inputs, std::uint64_t seed) {
-  const auto places = latin_hypercube(points, inputs, seed);
-  Eigen::MatrixXd matrix(points, inputs);
-  for (int i = 0; i < points; ++i)
-    for (int j = 0; j < inputs; ++j)
-      matrix(i, j) = places[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return matrix;
-}
 
 /// Smooth, with an interaction; the third input matters little.
 Eigen::VectorXd smooth(const Eigen::MatrixXd& x) {

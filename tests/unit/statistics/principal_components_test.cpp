@@ -4,19 +4,10 @@
 
 #include <cmath>
 
-#include "core/statistics/sampling.hpp"
+#include "tests/unit/statistics/places.hpp"
 
 namespace dccast::statistics {
 namespace {
-
-Eigen::MatrixXd spread(int points, int inputs, std::uint64_t seed) {
-  const auto places = latin_hypercube(points, inputs, seed);
-  Eigen::MatrixXd matrix(points, inputs);
-  for (int i = 0; i < points; ++i)
-    for (int j = 0; j < inputs; ++j)
-      matrix(i, j) = places[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return matrix;
-}
 
 /// Histories of 20 instants that four of many inputs shape; the others matter not at all.
 Eigen::MatrixXd histories(const Eigen::MatrixXd& x) {
