@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "client/html/html_parts.hpp"
-#include "client/html/report_style.hpp"
+#include "client/html/study_page.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/model/effects.hpp"
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/study_text.hpp"
-#include "client/text/sweep_table.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
@@ -19,7 +18,7 @@ namespace {
 constexpr int most_lines = 6;  // that the style has colours for
 
 std::string page(const v1::StudyResult& result, const std::string& body) {
-  return study_page(result.study(),
+  return study_page(result.study(), "Study",
                     std::to_string(result.runs_size()) + " runs: " + count_runs(result).text(),
                     body);
 }
@@ -143,15 +142,6 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
 }
 
 }  // namespace
-
-std::string study_page(const v1::Study& study, const std::string& note, const std::string& body) {
-  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-         "content='width=device-width,initial-scale=1'><title>" +
-         html_escaped(study.title()) + "</title><style>" + report_style +
-         "</style></head><body><main><header><p class='kicker'>Study " + html_escaped(study.id()) +
-         "</p><h1>" + html_escaped(study.title()) + "</h1><p class='note'>" + html_escaped(note) +
-         "</p></header>" + body + "</main></body></html>\n";
-}
 
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();

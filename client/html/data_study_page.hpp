@@ -7,9 +7,6 @@
 
 namespace dccast::client::render {
 
-/// A page about a study. @param note  text below its title  @param body  HTML
-std::string study_page(const v1::Study& study, const std::string& note, const std::string& body);
-
 /// An uncertainty study as a page: the band of the data, that of mesh and time steps apart, the
 /// shares of the data against time, and the runs that do not count.
 /// @param mesh_error  half the band of mesh and steps relative to the curl; empty: not known

@@ -1,15 +1,15 @@
-#include "client/html/sweep_page.hpp"
+#include "client/html/study_page.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <vector>
 
-#include "client/html/data_study_page.hpp"
+#include "client/html/html_parts.hpp"
+#include "client/html/report_style.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/model/effects.hpp"
 #include "client/text/study_text.hpp"
-#include "client/text/sweep_table.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -265,11 +265,74 @@ std::string charts(const v1::StudyResult& result) {
 
 }  // namespace
 
+std::string study_page(const v1::Study& study, const std::string& kind, const std::string& note,
+                       const std::string& body) {
+  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width,initial-scale=1'><title>" +
+         html_escaped(study.title()) + "</title><style>" + report_style +
+         "</style></head><body><main><header><p class='kicker'>" + kind + " " +
+         html_escaped(study.id()) + "</p><h1>" + html_escaped(study.title()) +
+         "</h1><p class='note'>" + html_escaped(note) + "</p></header>" + body +
+         "</main></body></html>\n";
+}
+
 std::string sweep_page(const v1::StudyResult& result) {
   const v1::Study& study = result.study();
-  return study_page(study, plan_text(study) + "; " + progress_text(study),
+  return study_page(study, "Study", plan_text(study) + "; " + progress_text(study),
                     charts(result) + "<section class='card'><h2>Runs</h2><pre>" +
                         html_escaped(sweep_table(result)) + "</pre></section>");
+}
+
+namespace {
+
+std::vector<double> in_mm(const std::vector<double>& metres) {
+  std::vector<double> scaled;
+  for (const double value : metres) scaled.push_back(1e3 * value);
+  return scaled;
+}
+
+using Along = std::vector<double> frames::SteadyFace::*;
+
+/// One line a run, of as many of the last ones as there are colours for.
+std::string chart_of(const MouldDesign& design, const std::string& title, Along along,
+                     bool with_tolerance) {
+  Chart chart{title, "distance from the middle of the wide face, mm", "half-thickness, mm", {}};
+  std::size_t number = 0;
+  for (const MouldRun& run : design.runs) {
+    ++number;
+    if (run.cast)
+      chart.lines.push_back({"run " + std::to_string(number), in_mm(run.cast->face.x_m),
+                             in_mm(run.cast->face.*along)});
+  }
+  if (chart.lines.size() > most_lines)
+    chart.lines.erase(chart.lines.begin(), chart.lines.end() - most_lines);
+  if (chart.lines.empty()) return {};
+  const double tolerance = design.result.study().mould().tolerance_m();
+  if (with_tolerance)
+    chart.wanted = Chart::Wanted{1e3 * (design.wanted_m - tolerance),
+                                 1e3 * (design.wanted_m + tolerance), "wanted"};
+  return "<section class='card'><figure>" + svg_chart(chart) + "<figcaption><strong>" +
+         html_escaped(title) + "</strong></figcaption></figure></section>";
+}
+
+std::string table_card(const std::string& title, const std::string& table) {
+  if (table.empty()) return {};
+  return "<section class='card'><h2>" + title + "</h2><pre>" + html_escaped(table) +
+         "</pre></section>";
+}
+
+}  // namespace
+
+std::string mould_page(const MouldDesign& design) {
+  const v1::Study& study = design.result.study();
+  return study_page(
+      study, "Mould design", mould_sentence(design),
+      "<div class='pair'>" +
+          chart_of(design, "Half-opening of the mould", &frames::SteadyFace::mould_m, false) +
+          chart_of(design, "Cold slab", &frames::SteadyFace::cold_m, true) + "</div>" +
+          table_card("Opening", mould_opening_table(design)) +
+          table_card("Predicted cold slab", mould_profile_table(design)) +
+          table_card("Runs", mould_runs_table(design)));
 }
 
 }  // namespace dccast::client::render
