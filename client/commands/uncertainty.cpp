@@ -27,7 +27,7 @@ using LayOut = void (*)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
 void take_band(const std::string& band, std::vector<std::string>& changes) {
   if (band.empty()) return;
   const auto range = case_file::parse_range(band);
-  if (!range || !range->word.empty())
+  if (!range || !range->suffix.empty())
     throw CommandFailed(ExitCode::invalid, "--band " + band + ": write it as 35..45 mm");
   changes.push_back("plausibility.least_curl=" + range->low);
   changes.push_back("plausibility.greatest_curl=" + range->high);
@@ -167,7 +167,7 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "  dccast uncertainty --study ID --no-wait      what there is so far\n"
       "\n"
       "Ranges stand in [uncertainty] of case and alloy card (docs/uncertainty.md). The runs are\n"
-      "drafts unless --set quality=... says otherwise, and wait behind all other jobs.");
+      "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
   command.option("--runs", options->plan.runs, "Runs of the Latin hypercube")
       .between(8, 10000)
       .show_default();

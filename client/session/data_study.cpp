@@ -135,8 +135,8 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
 }
 
 std::string datum_of(const std::string& axis_key) {
-  for (const char* word : {".scale", ".offset", ".shift"})
-    if (axis_key.ends_with(word)) return axis_key.substr(0, axis_key.rfind('.'));
+  for (const char* suffix : {".scale", ".offset", ".shift"})
+    if (axis_key.ends_with(suffix)) return axis_key.substr(0, axis_key.rfind('.'));
   return axis_key;
 }
 

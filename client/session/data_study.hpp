@@ -18,7 +18,7 @@ struct DataPlan {
 
 /// Makes the study of a request a Latin hypercube over every datum of its case that has a range
 /// (docs/uncertainty.md). The case is completed by the server, so that card, mesh and steps are the
-/// same in all runs; its quality is draft unless the changes of the request say otherwise. Throws
+/// same in all runs; its quality is draft unless the changes of the request choose another. Throws
 /// CommandFailed, also where there is no such datum.
 void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request);

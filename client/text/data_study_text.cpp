@@ -80,12 +80,12 @@ std::string wrapped(const std::string& text) {
   std::string lines, line;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (!line.empty() && line.size() + 1 + word.size() > width) {
+    const std::string part = text.substr(begin, end - begin);
+    if (!line.empty() && line.size() + 1 + part.size() > width) {
       lines += line + "\n";
       line.clear();
     }
-    line += (line.empty() ? "" : " ") + word;
+    line += (line.empty() ? "" : " ") + part;
     begin = end + 1;
   }
   return lines + line + "\n";
@@ -142,7 +142,7 @@ std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) 
 std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
                                                std::optional<double> mesh_error_m) {
   const v1::Spread& spread = result.spread();
-  if (spread.time_s().empty()) return {"Nothing can be said yet: " + result.spread_fault()};
+  if (spread.time_s().empty()) return {"No answer yet: " + result.spread_fault()};
   const double width = last(spread.high_m()) - last(spread.low_m());
   std::vector<std::string> sentences;
   sentences.push_back("At " + fixed(last(spread.time_s()), 0) + " s 9 of 10 castings have " +

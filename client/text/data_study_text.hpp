@@ -9,11 +9,11 @@
 
 namespace dccast::client::render {
 
-/// What an uncertainty study says, on one screen of 100 columns.
+/// The answer of an uncertainty study, on one screen of 100 columns.
 /// @param mesh_error_m  half the band of mesh and steps at the end; empty: not known
 std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m);
 
-/// What a sensitivity study says of one monitor, on one screen of 100 columns.
+/// The answer of a sensitivity study for one monitor, on one screen of 100 columns.
 std::string sensitivity_text(const v1::StudyResult& result, int monitor);
 
 /// The sentences of an uncertainty study, for screen and page: what the curl will be, how sure that

@@ -49,10 +49,10 @@ std::optional<double> scalar(const Message& message, const FieldDescriptor& fiel
 
 /// What a key is multiplied by, or what is added to it, before it is changed.
 std::optional<double> unchanged(Message& message, std::string_view path) {
-  for (const auto& [word, number] :
+  for (const auto& [suffix, number] :
        {std::pair(std::string_view(".scale"), 1.0), std::pair(std::string_view(".offset"), 0.0)}) {
-    if (!path.ends_with(word)) continue;
-    const FieldPlace place = place_of(message, path.substr(0, path.size() - word.size()));
+    if (!path.ends_with(suffix)) continue;
+    const FieldPlace place = place_of(message, path.substr(0, path.size() - suffix.size()));
     if (place.field != nullptr && is_present(*place.message, *place.field)) return number;
   }
   return std::nullopt;

@@ -151,7 +151,7 @@ void read_nested(Walk& walk, const toml::node& node, const FieldDescriptor& fiel
            node);
 }
 
-/// The lines KEY = RANGE of a table; what they say is judged on the complete case.
+/// The lines KEY = RANGE of a table; they are judged on the complete case.
 void read_ranges(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
                  const std::string& path) {
   const toml::table* const table = node.as_table();

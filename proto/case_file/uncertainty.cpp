@@ -121,7 +121,7 @@ std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& k
   const End low = end_of(complete, datum, ends->low);
   if (low.fault) return low.fault;
   const End high = end_of(complete, datum, ends->high);
-  if (high.fault || !ends->word.empty()) return high.fault;
+  if (high.fault || !ends->suffix.empty()) return high.fault;
   const auto value = number_at(complete, key);
   if (!value)
     return make_fault(line, range, "is a table of several points, which no two ends describe",

@@ -14,8 +14,8 @@ namespace dccast::case_file {
 
 /// What a range asks of its key.
 struct Range {
-  std::string word;       ///< ".scale", ".offset", or empty: the value itself
-  std::string low, high;  ///< of KEY + word, as in a case file
+  std::string suffix;     ///< ".scale", ".offset", or empty: the value itself
+  std::string low, high;  ///< of KEY + suffix, as in a case file
 };
 
 inline constexpr const char* range_forms =
@@ -31,7 +31,7 @@ struct UncertainKey {
   std::string origin;  ///< "case", "card", "default"
   Range ends;
 
-  std::string change() const { return key + ends.word; }
+  std::string change() const { return key + ends.suffix; }
 };
 
 /// Every datum of a complete case that has a range. What gives the value gives its range: that of a

@@ -53,7 +53,7 @@ const UncertainKey* found(const std::vector<UncertainKey>& keys, const std::stri
 void expect_range(const std::string& text, const Range& expected) {
   const auto range = parse_range(text);
   ASSERT_TRUE(range) << text;
-  EXPECT_EQ(range->word, expected.word) << text;
+  EXPECT_EQ(range->suffix, expected.suffix) << text;
   EXPECT_EQ(range->low, expected.low) << text;
   EXPECT_EQ(range->high, expected.high) << text;
 }

@@ -159,11 +159,11 @@ TEST(UncertaintyText, AnswersHowSureAndWhatToMeasureFirst) {
   EXPECT_THAT(page, HasSubstr("Runs that the figures do not rest on"));
 }
 
-TEST(UncertaintyText, SaysWhyNothingCanBeSaid) {
+TEST(UncertaintyText, NamesTheReasonForNoAnswer) {
   v1::StudyResult result = sensitivity();
   result.set_spread_fault("needs 40 runs");
   EXPECT_THAT(render::uncertainty_text(result, std::nullopt),
-              HasSubstr("Nothing can be said yet: needs 40 runs"));
+              HasSubstr("No answer yet: needs 40 runs"));
 }
 
 }  // namespace
