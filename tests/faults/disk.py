@@ -111,7 +111,7 @@ class SyncFails(Refusal):
 
 
 class SlowDisk(Fault):
-    """Every fsync takes 2 s while a job ends, one is cancelled and one paused; who asks is answered in 50 ms"""
+    """Every fsync takes 2 s while a job ends and two are cancelled; who asks is answered in 50 ms"""
     short, long = 1, 6
     seconds = 60.0
     patience = 60.0
@@ -129,8 +129,9 @@ class SlowDisk(Fault):
         events = scene.connected().watch(waiting[1])
         next(events)
         scene.fail(0, "s")
-        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=waiting[0]))
-        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=idle))
+        # Kept until they are answered: a call that no one refers to is cancelled, maybe before it is served.
+        cancels = [scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=job_id))
+                   for job_id in (waiting[0], idle)]
         calls = {
             "GetJob": lambda: scene.client.job(ends),
             "ListJobs": lambda: scene.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10),
@@ -146,6 +147,8 @@ class SlowDisk(Fault):
                 slow[name] = max(slow.get(name, 0.0), time.monotonic() - begin)
             time.sleep(0.01)
         scene.heal()
+        for cancel in cancels:
+            cancel.result(timeout=20)
         for name, seconds in slow.items():
             if seconds > self.slowest:
                 count.found("wrong", f"{name} took {seconds * 1e3:.0f} ms beside a slow disk")
