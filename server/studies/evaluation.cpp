@@ -76,11 +76,17 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     const std::lock_guard lock(plans_mutex_);
     if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
   }
-  const SolvedRun solved = desk_.solved(
-      job.id(), {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
-  const auto face = std::make_shared<const RunFace>(
-      RunFace{solved.complete.section(),
-              frames::steady_face(frames::contraction_of(solved.complete, solved.frame))});
+  v1::Case complete;
+  const auto kept = jobs_.complete_case(job.id());
+  if (!kept || !complete.ParseFromString(*kept))
+    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                   "the case of job " + job.id() +
+                                       " cannot be read from the job store");
+  const auto last = intake_.stored_frame(
+      options_.jobs_directory / job.id(), 0,
+      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  const auto face = std::make_shared<const RunFace>(RunFace{
+      complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
   const std::lock_guard lock(plans_mutex_);
   if (faces_.size() >= most_faces) faces_.erase(faces_.begin());
   faces_[job.id()] = face;

@@ -85,11 +85,13 @@ std::vector<RunRecord> runs_to_queue(int count) {
   return runs;
 }
 
-Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk)
+Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
+                 jobs::JobStore& jobs, const intake::CaseIntake& intake)
     : options_(std::move(options)),
       store_(store),
       scheduler_(scheduler),
-      desk_(std::move(desk)),
+      jobs_(jobs),
+      intake_(intake),
       notifier_([&store] { return store.version(); }),
       surface_keeper_([this](const std::string& id) { return ready_surface(id); }) {}
 
@@ -120,7 +122,7 @@ void Studies::stop() {
 }
 
 v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::string& owner) {
-  const std::string sha256 = desk_.fingerprint(request.case_(), request.attachments());
+  const std::string sha256 = intake::fingerprint(request.case_(), request.attachments());
   const std::lock_guard lock(requests_mutex_);
   if (!request.request_id().empty())
     if (auto there = store_.find_request(request.request_id()))

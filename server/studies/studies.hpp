@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/intake/case_intake.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
@@ -25,32 +26,9 @@
 
 namespace dccast::studies {
 
-/// A case with defaults and alloy card, and what is wrong with it.
-struct ExaminedRun {
-  v1::Case complete;
-  std::vector<v1::Fault> faults;
-};
-
-/// A run that succeeded: its case with defaults and alloy card, and the last frame of its results.
-struct SolvedRun {
-  v1::Case complete;
-  v1::Frame frame;
-};
-
-/// What studies need to know of cases; the service knows it.
-struct CaseDesk {
-  std::function<ExaminedRun(const v1::Case&, const jobs::Attachments&, const jobs::Patience&)>
-      examine;
-  /// SHA-256 of a case and its attachments.
-  std::function<std::string(const v1::Case&, const jobs::Attachments&)> fingerprint;
-  /// What two complete cases with the same answer have in common.
-  std::function<std::string(const v1::Case&, const jobs::Attachments&)> answer_key;
-  /// @throws jobs::WorkerDidNotAnswer
-  std::function<SolvedRun(const std::string& job, const jobs::Patience&)> solved;
-};
-
 struct StudyOptions {
-  std::filesystem::path directory;  ///< of the study files
+  std::filesystem::path directory;       ///< of the study files
+  std::filesystem::path jobs_directory;  ///< of the jobs' folders
   int waiting = 16;                 ///< jobs of one study that wait in the queue at once
   std::chrono::milliseconds check_timeout{30000};
 };
@@ -69,7 +47,9 @@ struct StudyReply {
 /// nothing then.
 class Studies {
 public:
-  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk);
+  /// @param jobs  where the complete cases of runs are
+  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
+          jobs::JobStore& jobs, const intake::CaseIntake& intake);
   ~Studies();
 
   /// Puts in order what the last daemon left; before start().
@@ -141,7 +121,8 @@ private:
   const StudyOptions options_;
   StudyStore& store_;
   jobs::Scheduler& scheduler_;
-  const CaseDesk desk_;
+  jobs::JobStore& jobs_;
+  const intake::CaseIntake& intake_;
   StudyNotifier notifier_;
   Predictions predictions_;
 

@@ -122,22 +122,22 @@ Studies::Fed Studies::not_needed(const StudyRecord& study, const RunRecord& run)
 }
 
 Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned) {
-  ExaminedRun examined;
+  intake::ExaminedCase examined;
   try {
     examined =
-        desk_.examine(planned.description, study.request.attachments(),
-                      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+        intake_.examine(planned.description, study.request.attachments(), {},
+                        {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     return not_examined(study, run, error);
   }
-  if (!examined.faults.empty()) {
-    refuse(study, run, planned.name + " is refused: " + text_of(examined.faults.front()));
+  if (examined.verdict.faults_size() > 0) {
+    refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
     return Fed::refused;
   }
   jobs::NewJob job = new_job(study, planned);
-  job.case_sha256 = desk_.fingerprint(planned.description, study.request.attachments());
+  job.case_sha256 = intake::fingerprint(planned.description, study.request.attachments());
   job.complete_case = examined.complete.SerializeAsString();
-  job.answer_key = desk_.answer_key(examined.complete, study.request.attachments());
+  job.answer_key = intake::answer_key(examined.complete, study.request.attachments());
   try {
     make_job(study, std::move(run), planned.key, std::move(job));
   } catch (const jobs::RequestIdTaken& error) {

@@ -17,9 +17,10 @@ PARTS_SEEN = {
 }
 
 # A core room sees the rooms before it. Those named here see less.
-CORE_ROOMS = ["base", "storage", "mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics",
+CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics",
               "restart", "hdf5", "prescribed", "results", "case", "findings", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
+CORE_ROOMS_SEEN["statistics"] = {"statistics"}
 CORE_ROOMS_SEEN["restart"] = {"restart", "storage", "base"}
 CORE_ROOMS_SEEN["hdf5"] = {"hdf5", "storage", "base"}
 CORE_ROOMS_SEEN["prescribed"] = {"prescribed", "hdf5", "storage", "base"}
@@ -33,7 +34,7 @@ for room in ("contact", "mechanics"):  # thermal and mechanics meet only from ca
 # The daemon never runs a solver: of the server only these rooms see core, the others only what knows
 # no physics.
 SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
-CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage"}
+CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage", "statistics"}
 
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}

@@ -1,0 +1,86 @@
+#include "core/statistics/sampling.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <random>
+
+namespace dccast::statistics {
+
+namespace {
+
+using Places = std::vector<std::vector<double>>;
+
+constexpr int arrangements = 20;  // to choose from
+// With more runs comparing all pairs costs more than it gains.
+constexpr int most_compared = 500;
+
+// The distributions of the standard library differ from one library to the next; the generator does
+// not.
+double uniform(std::mt19937_64& random) {
+  return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
+}
+
+void shuffle(std::vector<int>& order, std::mt19937_64& random) {
+  for (std::size_t i = order.size(); i > 1; --i)
+    std::swap(order[i - 1], order[static_cast<std::size_t>(random() % i)]);
+}
+
+Places arranged(int runs, int axes, std::mt19937_64& random) {
+  Places places(static_cast<std::size_t>(runs));
+  for (int axis = 0; axis < axes; ++axis) {
+    std::vector<int> part(static_cast<std::size_t>(runs));
+    std::iota(part.begin(), part.end(), 0);
+    shuffle(part, random);
+    for (std::size_t i = 0; i < part.size(); ++i)
+      places[i].push_back((part[i] + uniform(random)) / runs);
+  }
+  return places;
+}
+
+double square_distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+double closest(const Places& places) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      least = std::min(least, square_distance(places[i], places[k]));
+  return least;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> grid(const std::vector<int>& sizes) {
+  std::vector<std::vector<int>> runs{{}};
+  for (const int size : sizes) {
+    std::vector<std::vector<int>> longer;
+    for (const auto& run : runs)
+      for (int i = 0; i < size; ++i) {
+        longer.push_back(run);
+        longer.back().push_back(i);
+      }
+    runs = std::move(longer);
+  }
+  return runs;
+}
+
+Places latin_hypercube(int runs, int axes, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Places best = arranged(runs, axes, random);
+  if (runs > most_compared) return best;
+  double farthest = closest(best);
+  for (int i = 1; i < arrangements; ++i) {
+    Places other = arranged(runs, axes, random);
+    const double apart = closest(other);
+    if (apart <= farthest) continue;
+    farthest = apart;
+    best = std::move(other);
+  }
+  return best;
+}
+
+}  // namespace dccast::statistics
