@@ -164,14 +164,13 @@ std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& re
                               [&] { return evaluated_runs(*record, {.histories = true}); });
 }
 
-bool Studies::ready_surface(const std::string& id) {
+void Studies::ready_surface(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record || !record->request.has_sweep()) return false;
+  if (!record || !record->request.has_sweep()) return;
   const RunCounts counts = store_.counts(id);
   const bool running = counts.ended() < counts.all();
   predictions_.prepare(*record, counts.of(v1::SUCCEEDED), running,
                        [&] { return evaluated_runs(*record, {.histories = true}); });
-  return running;
 }
 
 }  // namespace dccast::studies
