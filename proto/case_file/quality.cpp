@@ -21,8 +21,9 @@ using Ladder = std::vector<Rung>;
 struct Discretisation {
   double column;                    ///< width
   int fewest_columns;               ///< whatever the width
-  std::optional<double> side_cell;  ///< absent: uniform columns; at both faces of a quarter slab
+  std::optional<double> side_cell;  ///< absent: uniform columns
   double layer;                     ///< of a quarter slab
+  double wide_side_cell;            ///< of a quarter slab
   double bottom_cell, top_cell;     ///< heights of the lowest and the topmost initial row
   double growth_cell;               ///< height of the rows that growth adds
   double merge_below;               ///< depth at which they are merged; 0: never
@@ -36,6 +37,7 @@ const Discretisation& of_section(v1::Quality quality) {
                                     .fewest_columns = 8,
                                     .side_cell = {},
                                     .layer = 0.0,
+                                    .wide_side_cell = 0.0,
                                     .bottom_cell = 3.5e-3,
                                     .top_cell = 7e-3,
                                     .growth_cell = 7e-3,
@@ -47,6 +49,7 @@ const Discretisation& of_section(v1::Quality quality) {
                                           .fewest_columns = 8,
                                           .side_cell = {},
                                           .layer = 0.0,
+                                          .wide_side_cell = 0.0,
                                           .bottom_cell = 2.25e-3,
                                           .top_cell = 2.25e-3,
                                           .growth_cell = 5e-3,
@@ -59,6 +62,7 @@ const Discretisation& of_section(v1::Quality quality) {
       .fewest_columns = 8,
       .side_cell = {},
       .layer = 0.0,
+      .wide_side_cell = 0.0,
       .bottom_cell = 1.5e-3,
       .top_cell = 1.5e-3,
       .growth_cell = 3.5e-3,
@@ -69,40 +73,44 @@ const Discretisation& of_section(v1::Quality quality) {
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
 
-// Six or seven columns do; layers through the thickness decide how high the corner lifts, and so
-// does the height of the rows at the bottom and where they are cast: a cell is solid or liquid as a
-// whole, the shell over the block is 4 to 15 mm thick in the first minute, and the water quenches a
-// band of one to two centimetres. Below, rows are merged. Runs: docs/quarter-slab.md.
+// The curl converges with the square of the widest cell in plan, so columns and layers are nearly
+// uniform; cells at the faces are half as wide, since a wide one stays hot at the surface and gives
+// off too much heat. The shell over the block is 4 to 15 mm thick in the first minute, which
+// decides the lowest rows. Rows that growth adds matter little; deep ones are merged. Runs:
+// docs/quarter-slab.md.
 const Discretisation& of_quarter_slab(v1::Quality quality) {
-  static const Discretisation draft{.column = 110e-3,
-                                    .fewest_columns = 5,
-                                    .side_cell = 15e-3,
-                                    .layer = 41e-3,
+  static const Discretisation draft{.column = 82e-3,
+                                    .fewest_columns = 6,
+                                    .side_cell = 70e-3,
+                                    .layer = 47e-3,
+                                    .wide_side_cell = 40e-3,
                                     .bottom_cell = 4e-3,
                                     .top_cell = 7e-3,
-                                    .growth_cell = 4e-3,
+                                    .growth_cell = 5e-3,
                                     .merge_below = 0.1,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
                                     .error = {}};
-  static const Discretisation engineering{.column = 94e-3,
+  static const Discretisation engineering{.column = 66e-3,
                                           .fewest_columns = 7,
-                                          .side_cell = 12e-3,
-                                          .layer = 41e-3,
+                                          .side_cell = 50e-3,
+                                          .layer = 36e-3,
+                                          .wide_side_cell = 25e-3,
                                           .bottom_cell = 3e-3,
                                           .top_cell = 4.4e-3,
-                                          .growth_cell = 3e-3,
+                                          .growth_cell = 5e-3,
                                           .merge_below = 0.1,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = {}};
-  static const Discretisation fine{.column = 66e-3,
+  static const Discretisation fine{.column = 47e-3,
                                    .fewest_columns = 10,
-                                   .side_cell = 8e-3,
-                                   .layer = 32e-3,
+                                   .side_cell = 40e-3,
+                                   .layer = 28e-3,
+                                   .wide_side_cell = 20e-3,
                                    .bottom_cell = 2e-3,
                                    .top_cell = 2.5e-3,
-                                   .growth_cell = 2.5e-3,
+                                   .growth_cell = 4e-3,
                                    .merge_below = 0.1,
                                    .begin = {{0, 0.25}, {10, 1}},
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
@@ -132,7 +140,7 @@ void fill_layers(const Discretisation& d, const v1::Curve& half_thickness, v1::M
   const double end = *std::prev(half_thickness.value().end());
   if (!mesh.has_layers()) mesh.set_layers(cells_along(end, d.layer, fewest));
   if (!mesh.has_wide_side_cell_m() && end > 0.0)
-    mesh.set_wide_side_cell_m(std::min(d.side_cell.value_or(end), end / mesh.layers()));
+    mesh.set_wide_side_cell_m(std::min(d.wide_side_cell, end / mesh.layers()));
 }
 
 /// Rows that grow geometrically over a depth from a lowest to about a topmost height.
