@@ -15,9 +15,10 @@ namespace dccast::case_file {
 void apply_quality(v1::Case& description);
 
 /// Uncertainty of the final curl due to mesh and time steps: half the width of the band of
-/// docs/error-bars.md, relative to the curl [1]. Empty if no band was measured: it exists only for
-/// plane-strain thickness sections (half width 0.2 to 0.4 m) with the built-in mesh and steps of
-/// the quality.
+/// docs/error-bars.md, relative to the curl [1]. Empty if no band was measured: it exists, with the
+/// built-in mesh and steps of the quality, for plane-strain thickness sections (half width 0.2 to
+/// 0.4 m) and for the first 300 s of quarter slabs (half width 0.5 to 0.9 m, half thickness 0.2 to
+/// 0.4 m).
 /// @param complete  case with all its defaults
 std::optional<double> relative_discretisation_error(const v1::Case& complete);
 
