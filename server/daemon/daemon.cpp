@@ -18,7 +18,7 @@
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/server.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::daemon {

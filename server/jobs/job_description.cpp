@@ -1,5 +1,7 @@
 #include "server/jobs/job_description.hpp"
 
+#include <algorithm>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/storage/durable_file.hpp"
@@ -10,9 +12,11 @@ namespace dccast::jobs {
 namespace {
 
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a case is bounded where it is taken
+constexpr std::size_t sha256_length = 64;           // [characters]
+constexpr std::size_t name_column = sha256_length + 2;
 
-std::string header() {
-  return "DCCASTJD" + storage::little_endian(1) + storage::little_endian(0);
+std::string header(std::uint32_t version) {
+  return "DCCASTJD" + storage::little_endian(version) + storage::little_endian(0);
 }
 
 /// One byte in front, as a frame is never empty but a message may be.
@@ -27,25 +31,43 @@ std::string_view take_part(std::string_view& rest) {
   return record->payload.substr(1);
 }
 
-JobDescription parse(std::string_view bytes) {
-  if (!bytes.starts_with(header())) throw std::runtime_error("is not of version 1");
-  bytes.remove_prefix(header().size());
+JobDescription parse_parts(std::string_view bytes) {
   JobDescription description;
   if (!description.job.ParseFromString(std::string(take_part(bytes))))
     throw std::runtime_error("cannot be parsed");
   description.submitted_case = take_part(bytes);
   description.complete_case = take_part(bytes);
   if (!bytes.empty()) description.answer_key = take_part(bytes);
+  if (bytes.empty()) return description;
+  std::istringstream digests{std::string(take_part(bytes))};
+  for (std::string line; std::getline(digests, line);)
+    if (line.size() > name_column)
+      description.attachment_sha256[line.substr(name_column)] = line.substr(0, sha256_length);
   return description;
+}
+
+JobDescription parse(std::string_view bytes) {
+  const std::string first = header(1);
+  if (bytes.starts_with(first)) return parse_parts(bytes.substr(first.size()));
+  bytes.remove_prefix(std::min(bytes.size(), first.size()));  // damaged, maybe: the parts decide
+  const std::size_t half = bytes.size() / 2;
+  try {
+    return parse_parts(bytes.substr(0, half));
+  } catch (const std::runtime_error&) {
+    return parse_parts(bytes.substr(half));
+  }
 }
 
 }  // namespace
 
 void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
-  std::string bytes = header() + part(description.job.SerializeAsString()) +
-                      part(description.submitted_case) + part(description.complete_case);
-  if (!description.answer_key.empty()) bytes += part(description.answer_key);
-  storage::create_durably(folder / description_file, bytes);
+  std::string digests;
+  for (const auto& [name, sha256] : description.attachment_sha256)
+    digests += sha256 + "  " + name + "\n";
+  const std::string parts = part(description.job.SerializeAsString()) +
+                            part(description.submitted_case) + part(description.complete_case) +
+                            part(description.answer_key) + part(digests);
+  storage::create_durably(folder / description_file, header(2) + parts + parts);
 }
 
 JobDescription read_job_description(const std::filesystem::path& folder) {

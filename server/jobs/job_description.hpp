@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "dccast/v1/job.pb.h"
@@ -14,10 +15,13 @@ struct JobDescription {
   std::string submitted_case;  ///< serialised
   std::string complete_case;   ///< serialised, with defaults and alloy card
   std::string answer_key{};    ///< see JobRecord; empty: none, or of an earlier version
+  std::map<std::string, std::string> attachment_sha256{};  ///< by name; of an earlier version none
 };
 
-/// Name of the file: 8 bytes "DCCASTJD", version 1 and zero as in EVENT_LOG.md, then three frames:
-/// the serialised Job, the submitted Case, the complete Case, each behind one byte that is 1.
+/// Name of the file: 8 bytes "DCCASTJD", version 2 and zero as in EVENT_LOG.md, then twice the same
+/// frames: the serialised Job, the submitted Case, the complete Case, the answer key, the digests
+/// of the attachments as sha256sum(1) writes them, each behind one byte that is 1. Where the first
+/// five are damaged the second five are read. Version 1 has three or four frames, once.
 inline constexpr const char* description_file = "description.bin";
 
 /// Writes the file so that its content survives a crash; its name does after sync_directory().

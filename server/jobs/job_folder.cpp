@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "core/storage/durable_file.hpp"
+#include "proto/values/sha256.hpp"
 #include "proto/values/uuid.hpp"
 #include "server/jobs/event_log_scan.hpp"
 #include "server/jobs/log.hpp"
@@ -50,7 +51,10 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
                        const JobDescription& description) {
   try {
     write_attachments(folder, attachments);
-    write_job_description(folder, description);
+    JobDescription with_digests = description;
+    for (const v1::Attachment& attachment : attachments)
+      with_digests.attachment_sha256[attachment.name()] = values::sha256(attachment.content());
+    write_job_description(folder, with_digests);
     if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
     storage::sync_directory(folder);
     storage::sync_directory(folder.parent_path());

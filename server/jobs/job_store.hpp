@@ -17,8 +17,8 @@ namespace dccast::jobs {
 /// A job with what the service keeps to itself.
 struct JobRecord {
   v1::Job job;
-  RequestedAction requested_action = RequestedAction::none;
-  std::string request_reason;
+  RequestedAction requested_action = RequestedAction::none;  ///< of its folder, not of its row
+  std::string request_reason;                                ///< the same
   int losses = 0;               ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
@@ -37,16 +37,13 @@ enum class Durability { normal, full };
 class JobStore {
 public:
   virtual ~JobStore() = default;
-  /// Opens the store, makes it, or brings one of an earlier version up to date. @throws StoreError
-  /// also for a file of a later version
+  /// Opens the store, or makes it. @throws StoreError  also for a file of another version
   explicit JobStore(const std::filesystem::path& path);
 
-  /// Adds a job, durably, with its case as it was submitted and as it will run. Nothing is added
-  /// when its request_id is there already.
+  /// Adds a job, durably. Nothing is added when its request_id is there already.
   /// @return the job that has this request_id already; nothing when the new one was added
-  std::optional<JobRecord> insert(const JobRecord& record, std::string_view submitted_case,
-                                  std::string_view complete_case);
-  /// Writes everything of a job but its cases.
+  std::optional<JobRecord> insert(const JobRecord& record);
+  /// Writes what changes in a job's life.
   virtual void update(const JobRecord& record, Durability durability);
   /// @return whether it was there
   bool erase(const std::string& id);
@@ -55,10 +52,6 @@ public:
   std::optional<JobRecord> find_request(const std::string& request_id);
   /// The newest job that has succeeded with this key by this solver. @return its id
   std::optional<std::string> find_answer(const std::string& answer_key, const std::string& solver);
-  /// The serialised Case that runs. @return nothing for an unknown job
-  virtual std::optional<std::string> complete_case(const std::string& id);
-  /// The serialised Case as it was submitted. @return nothing for an unknown job
-  std::optional<std::string> submitted_case(const std::string& id);
   /// Jobs that have not ended, oldest first.
   std::vector<JobRecord> unfinished();
   /// What the jobs that have not ended hold of cases and attachments [bytes].

@@ -40,11 +40,11 @@ public:
     job.set_attempts(std::max(job.attempts(), content.attempts));
     const WorkerLaunch launch{.job_id = job.id(), .attempt = job.attempts(), .folder = folder_};
     const auto request = read_request(folder_);
-    const bool cancelled = request && request->action == RequestedAction::cancel;
+    if (request) record_.requested_action = request->action;
+    const bool cancelled = record_.requested_action == RequestedAction::cancel;
     if (executor_.adopt(launch, state == v1::RUNNING && !cancelled) == Adoption::found) {
       spdlog::info("job {}: its worker was found again", job.id());
       job.set_state(v1::RUNNING);
-      if (request) record_.requested_action = request->action;
       return true;
     }
     if (const auto end = log_->terminal_event()) {

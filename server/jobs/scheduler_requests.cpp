@@ -106,7 +106,7 @@ std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const N
     log->append(event);
     log->sync();
     storage::sync_directory(folder);
-    const auto there = store_.insert(record, new_job.submitted_case, new_job.complete_case);
+    const auto there = store_.insert(record);
     if (!there) {
       mark_accepted(folder);
       return std::nullopt;

@@ -62,8 +62,9 @@ int Database::changes() const {
   return sqlite3_changes(handle_);
 }
 
-bool is_damage(const StoreError& error) {
-  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB;
+bool must_be_built_again(const StoreError& error) {
+  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB ||
+         error.code() == SQLITE_SCHEMA;
 }
 
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {

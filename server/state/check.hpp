@@ -44,7 +44,6 @@ void rebuild_index(const StateFolder& folder, std::ostream& out);
 
 /// Sums over all jobs, said once at the end.
 struct JobTotals {
-  int without_description = 0;
   int with_leftovers = 0;
   std::uintmax_t leftover_bytes = 0;
 };
