@@ -82,4 +82,12 @@ JobDescription read_job_description(const std::filesystem::path& folder) {
   }
 }
 
+bool read_complete_case(const std::filesystem::path& folder, v1::Case& to) {
+  try {
+    return to.ParseFromString(read_job_description(folder).complete_case);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
 }  // namespace dccast::jobs

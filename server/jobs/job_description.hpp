@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::jobs {
@@ -30,5 +31,8 @@ void write_job_description(const std::filesystem::path& folder, const JobDescrip
 
 /// @throws std::runtime_error  there is none, or it is damaged; the text says which
 JobDescription read_job_description(const std::filesystem::path& folder);
+
+/// The case that runs. @return false where it cannot be read
+bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);
 
 }  // namespace dccast::jobs

@@ -77,11 +77,9 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
   }
   v1::Case complete;
-  const auto kept = jobs_.complete_case(job.id());
-  if (!kept || !complete.ParseFromString(*kept))
+  if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
-                                   "the case of job " + job.id() +
-                                       " cannot be read from the job store");
+                                   "the case of job " + job.id() + " cannot be read");
   const auto last = intake_.stored_frame(
       options_.jobs_directory / job.id(), 0,
       {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
@@ -164,14 +162,13 @@ std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& re
                               [&] { return evaluated_runs(*record, {.histories = true}); });
 }
 
-bool Studies::ready_surface(const std::string& id) {
+void Studies::ready_surface(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record || !record->request.has_sweep()) return false;
+  if (!record || !record->request.has_sweep()) return;
   const RunCounts counts = store_.counts(id);
   const bool running = counts.ended() < counts.all();
   predictions_.prepare(*record, counts.of(v1::SUCCEEDED), running,
                        [&] { return evaluated_runs(*record, {.histories = true}); });
-  return running;
 }
 
 }  // namespace dccast::studies

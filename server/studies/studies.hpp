@@ -56,7 +56,7 @@ public:
   void recover();
   /// Begins to queue runs.
   void start();
-  /// Queues no further run and tells no watcher any more.
+  /// Queues no further run and wakes no watcher any more.
   void stop();
 
   /// The study of a request whose plan and cases are sound. With a request_id that is known: that
@@ -93,7 +93,9 @@ private:
   /// Nothing when the run was cancelled meanwhile.
   void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
   void wake_feeder();
-  bool rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most);
+  void on_job(const v1::Job& job);
+  void note_change(const std::string& id);
+  void rest(const std::stop_token& stop, std::chrono::steady_clock::duration most);
 
   v1::Study view(const StudyRecord& record);
   std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);
@@ -113,8 +115,8 @@ private:
     int before = INT_MAX;  ///< only runs of a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
-  /// Has the response surface of a sweep built. @return whether it may get more runs
-  bool ready_surface(const std::string& id);
+  /// Has the response surface of a sweep built, of the runs that have succeeded.
+  void ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);
   void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
 
@@ -135,7 +137,7 @@ private:
   std::map<std::string, std::shared_ptr<const RunFace>> faces_;         ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
-  bool feeder_has_news_ = true;
+  bool feeder_woken_ = true;
   std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a checker
   std::jthread feeder_;
   SurfaceKeeper surface_keeper_;

@@ -14,7 +14,7 @@
 #include "proto/case_file/key_number.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "server/studies/plans.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

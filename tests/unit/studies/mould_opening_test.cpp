@@ -1,4 +1,4 @@
-#include "server/studies/next_opening.hpp"
+#include "server/studies/mould_opening.hpp"
 
 #include <gtest/gtest.h>
 
