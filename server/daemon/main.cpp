@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
     std::cerr << error.what() << '\n';
     return exit_invalid;
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    dccast::log::error("{}", error.what());
     return exit_refused;
   }
 }

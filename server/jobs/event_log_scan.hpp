@@ -32,7 +32,7 @@ struct EventGap {
   std::string description() const;
 };
 
-/// What an event log holds, without its events: what one pass over the file tells, kept up to date
+/// What an event log holds, without its events: what one pass over the file gives, kept up to date
 /// by every append.
 struct EventLogContent {
   /// A record that can be found without reading those before it.
@@ -64,12 +64,12 @@ struct EventLogContent {
   const EventGap* gap_with(std::int64_t sequence) const;
   /// The last anchor not behind an event that is in the log.
   const Anchor& anchor_before(std::int64_t sequence) const;
-  /// Takes note of a step that others follow: of where it is, not of what it says.
+  /// Takes note of a step that others follow: of where it is, not of its content.
   void take_unread_step(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 
 private:
   void take_state(const v1::JobEvent& event);
-  /// Takes note of where the next record is, not of what it says.
+  /// Takes note of where the next record is, not of its content.
   void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 };
 

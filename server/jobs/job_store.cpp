@@ -1,12 +1,12 @@
 #include "server/jobs/job_store.hpp"
 
-#include "server/jobs/log.hpp"
-
 #include <utility>
 
 #include "proto/values/printable.hpp"
+#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_schema.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 
@@ -134,7 +134,7 @@ JobStore::Bulk::~Bulk() {
   try {
     store_.probe();  // a commit that waits for the disk takes all before it along
   } catch (const StoreError& error) {
-    spdlog::error("{}", error.what());
+    log::error("{}", error.what());
   }
 }
 
@@ -293,6 +293,42 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(read_row(statement));
   return records;
+}
+
+namespace {
+
+v1::Job new_job_message(const NewJob& new_job) {
+  v1::Job job;
+  job.set_id(values::random_uuid());
+  job.set_title(new_job.title);
+  job.set_state(v1::QUEUED);
+  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
+  job.set_request_id(new_job.request_id);
+  job.set_study(new_job.study);
+  job.set_owner(new_job.owner);
+  job.set_case_sha256(new_job.case_sha256);
+  job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
+  job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
+  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
+  return job;
+}
+
+std::int64_t size_of(const NewJob& new_job, const Attachments& attachments) {
+  auto bytes =
+      static_cast<std::int64_t>(new_job.submitted_case.size() + new_job.complete_case.size());
+  for (const v1::Attachment& attachment : attachments)
+    bytes += static_cast<std::int64_t>(attachment.content().size());
+  return bytes;
+}
+
+}  // namespace
+
+JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments) {
+  JobRecord record;
+  record.job = new_job_message(new_job);
+  record.bytes = size_of(new_job, attachments);
+  record.answer_key = new_job.answer_key;
+  return record;
 }
 
 }  // namespace dccast::jobs

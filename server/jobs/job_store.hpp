@@ -30,7 +30,7 @@ struct JobRecord {
 /// normal: survives a crash of the daemon. full: survives one of the machine.
 enum class Durability { normal, full };
 
-/// All jobs, in one SQLite file (WAL): an index of what the folders of the jobs say. Safe to use from
+/// All jobs, in one SQLite file (WAL): an index of the folders of the jobs. Safe to use from
 /// several threads; who reads waits for no write. Every call throws
 /// StoreError when the file cannot be read or written; the virtual ones are those that tests let
 /// fail.
@@ -102,5 +102,23 @@ private:
   std::mutex reading_;
   std::optional<Database> reader_;
 };
+
+/// A case that was found good, ready to become a job.
+struct NewJob {
+  std::string request_id;  ///< empty: none
+  std::string study{};     ///< empty: none
+  std::string title;
+  v1::Priority priority = v1::NORMAL;
+  std::string owner{};         ///< who submits it
+  std::string case_sha256;     ///< of the case as it was submitted, with its attachments
+  std::string submitted_case;  ///< serialised
+  std::string complete_case;   ///< serialised, with defaults and alloy card
+  std::vector<std::string> labels{};
+  std::vector<v1::CaseChange> changes{};  ///< made in the case already
+  std::string answer_key{};               ///< see JobRecord
+};
+
+/// The job as it is stored first: with an id of its own, queued, created now.
+JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments);
 
 }  // namespace dccast::jobs

@@ -31,7 +31,3 @@ void critical(fmt::format_string<Arguments...> format, Arguments&&... arguments)
 }
 
 }  // namespace dccast::log
-
-namespace dccast {
-namespace spdlog = log;  // calls keep the library's spelling, so that either header serves them
-}

@@ -43,7 +43,7 @@ public:
     if (request) record_.requested_action = request->action;
     const bool cancelled = record_.requested_action == RequestedAction::cancel;
     if (executor_.adopt(launch, state == v1::RUNNING && !cancelled) == Adoption::found) {
-      spdlog::info("job {}: its worker was found again", job.id());
+      log::info("job {}: its worker was found again", job.id());
       job.set_state(v1::RUNNING);
       return true;
     }
@@ -57,7 +57,7 @@ public:
                                             .other_version = options_.other_version});
       become(settlement.state, settlement.cause);
     } else if (state != job.state()) {
-      become(state, "as its event log says; dccastd was restarted");
+      become(state, "as in its event log; dccastd was restarted");
     }
     return false;
   }
@@ -95,7 +95,7 @@ RecoveredJobs recover_jobs(const AttemptOptions& options, JobStore& store, Event
     } catch (const std::exception& error) {
       if (const auto lack = daemon_lacks(error)) {
         // It waits as it is, and goes on from its last checkpoint.
-        spdlog::error("job {}: {}", id, error.what());
+        log::error("job {}: {}", id, error.what());
         recovered.daemon_lacks = *lack;
         record.job.set_state(v1::QUEUED);
         ledger.keep(record, *lack);

@@ -21,8 +21,6 @@
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/ledger.hpp"
-#include "server/jobs/new_job.hpp"
-#include "server/jobs/queue_hold.hpp"
 
 namespace dccast::jobs {
 
@@ -154,7 +152,7 @@ private:
   std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
   void refuse_start(const std::string& id, const std::exception& error);
   void look_whether_hold_has_passed();
-  std::string storage_trouble();
+  std::string storage_fault();
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);

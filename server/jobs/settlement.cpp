@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 

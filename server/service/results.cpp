@@ -12,6 +12,7 @@
 #include "core/storage/file.hpp"
 #include "proto/values/sha256.hpp"
 #include "proto/values/uuid.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/request_checks.hpp"
 #include "server/service/simulation_service.hpp"

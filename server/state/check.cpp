@@ -36,7 +36,7 @@ public:
       for (const std::string& id : ids_)
         check_job(folder_, *store_, id, options_, report_, totals_);
       check_studies(folder_, *store_, options_, report_);
-      say_totals();
+      report_totals();
     }
     if (!options_.index_only) {
       list_removals();
@@ -168,7 +168,7 @@ private:
       report_.note(subject + "moved to " + jobs::quarantine_folder(folder_.jobs(), id).string());
   }
 
-  void say_totals() {
+  void report_totals() {
     if (totals_.with_leftovers > 0)
       report_.note("checkpoints and journals of " + std::to_string(totals_.with_leftovers) +
                    " ended jobs: " + std::to_string(totals_.leftover_bytes) + " bytes" +

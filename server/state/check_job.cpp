@@ -62,12 +62,12 @@ private:
     return fs::exists(folder_);
   }
 
-  /// @return whether the folder says what the job is
+  /// @return whether the folder describes the job
   bool check_row() {
     std::string what;
     try {
       if (agrees(record_, described_job(folder_))) return true;
-      what = subject_ + "its row is not what its folder says";
+      what = subject_ + "its row is not that of its folder";
     } catch (const std::runtime_error& error) {
       report_.damage(subject_ + error.what() + "; restore its folder from a backup");
       return false;
@@ -89,7 +89,7 @@ private:
   void check_running() {
     if (jobs::is_terminal(record_.job.state()) && jobs::last_sign_of_life(folder_) &&
         !jobs::scan_event_log(folder_ / "events.log").terminal)
-      make_row_again(subject_ + "the store says that it has ended");
+      make_row_again(subject_ + "the store has it as ended");
   }
 
   /// Attachments are read by the worker alone; a bit that flips in one would go into the results.
@@ -138,7 +138,7 @@ private:
   }
 
   void append_state(jobs::EventLog& log) {
-    v1::JobEvent state = jobs::state_event(record_.job, "as the store says; its events are lost");
+    v1::JobEvent state = jobs::state_event(record_.job, "as in the store; its events are lost");
     log.append(state);
     log.sync();
   }
@@ -146,7 +146,7 @@ private:
   void check_end(const jobs::EventLogContent& log, const fs::path& path) {
     const v1::JobState in_store = record_.job.state();
     if (!log.last_state || log.last_state->state() == in_store) return;
-    const std::string what = subject_ + "the store says " + v1::JobState_Name(in_store) +
+    const std::string what = subject_ + "the store has " + v1::JobState_Name(in_store) +
                              ", its events.log ends with " +
                              v1::JobState_Name(log.last_state->state());
     if (jobs::is_terminal(in_store) && !log.terminal) return complete_log(what, path);

@@ -87,7 +87,7 @@ std::string why_in_doubt(const StateFolder& folder, jobs::JobStore& store) {
   if (const auto lost = lost_studies(folder); !lost.empty())
     return std::to_string(lost.size()) + " studies are missing, e.g. " + *lost.begin();
   if (const std::string id = contradicted_by_worker(folder, store); !id.empty())
-    return "it says that job " + id + " has ended, which its folder does not";
+    return "it has job " + id + " as ended, its folder has not";
   return {};
 }
 
@@ -114,12 +114,12 @@ void update_unfinished(const StateFolder& folder, jobs::JobStore& store) {
     mark_as_accepted(of_job);
     try {
       if (agrees(row, described_job(of_job))) continue;
-      spdlog::warn("job {}: its row is made again from its folder", row.job.id());
+      log::warn("job {}: its row is made again from its folder", row.job.id());
       index_job(store, of_job);
     } catch (const jobs::StoreError&) {
       throw;
     } catch (const std::exception& error) {
-      spdlog::error("job {}: {}", row.job.id(), error.what());  // its start fails with that reason
+      log::error("job {}: {}", row.job.id(), error.what());  // its start fails with that reason
     }
   }
 }
@@ -182,11 +182,11 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
   std::unique_ptr<jobs::JobStore> store;
   if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
     store.reset();
-    spdlog::warn("{}: {}; it is built again from the folders of the jobs", folder.store().string(),
+    log::warn("{}: {}; it is built again from the folders of the jobs", folder.store().string(),
                  doubt);
     std::ostringstream report;
     rebuild_index(folder, report);
-    spdlog::warn("what was done:\n{}", report.str());
+    log::warn("what was done:\n{}", report.str());
     store = std::make_unique<jobs::JobStore>(folder.store());
   }
   update_unfinished(folder, *store);

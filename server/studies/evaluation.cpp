@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::studies {

@@ -104,13 +104,13 @@ void JobRun::keep(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
-  auto beat = Clock::now();
+  auto next_sign = Clock::now();
   while (!stop.stop_requested()) {
     const auto now = Clock::now();
     if (!claim_.stands()) leave("the folder of the job is gone");
-    if (heartbeat_ > Clock::duration::zero() && now >= beat) {
+    if (heartbeat_ > Clock::duration::zero() && now >= next_sign) {
       claim_.touch();
-      beat = now + heartbeat_;
+      next_sign = now + heartbeat_;
     }
     look_for_daemon(now);
     try {

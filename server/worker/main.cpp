@@ -19,10 +19,8 @@
 #include <system_error>
 
 #include "core/casting/solver_identity.hpp"
-#include "server/jobs/job_description.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/jobs/worker_exit.hpp"
-#include "server/worker/answers.hpp"
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"

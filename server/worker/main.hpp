@@ -14,4 +14,8 @@ namespace dccast::worker {
 /// With `--serve-checks` or `--serve-queries` it answers questions: server/jobs/checker.hpp.
 int main(int argc, char** argv);
 
+/// Answers the daemon's questions over a socket until it is closed: see server/jobs/checker.hpp for
+/// how they are written. What a question throws becomes its answer. @return the exit code
+int serve_checks(int socket);
+
 }  // namespace dccast::worker

@@ -4,7 +4,7 @@
 #include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/job_description.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "tests/support/from_hex.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -2,7 +2,7 @@
 #include <fstream>
 
 #include "server/jobs/step_index.hpp"
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 

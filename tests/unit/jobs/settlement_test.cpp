@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 namespace {
