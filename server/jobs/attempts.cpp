@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
-#include "server/jobs/storage_fault.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/storage_fault.hpp"
 #include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
@@ -64,7 +64,8 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
     return settle_run_end(record, *end, facts);
   }
-  if (!exit) return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
+  if (!exit)
+    return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
   facts.storage_error = storage_error_of(folder, *exit);
   return settle_lost(record, *exit, facts);
 }
@@ -155,8 +156,7 @@ void Attempts::worker_not_started(const std::string& job_id, int number, const s
 }
 
 void Attempts::worker_ended(const std::string& job_id, int number, const WorkerExit& exit) {
-  if (const auto attempt = find(job_id); attempt && attempt->number == number)
-    attempt->exit = exit;
+  if (const auto attempt = find(job_id); attempt && attempt->number == number) attempt->exit = exit;
 }
 
 AttemptFacts Attempts::facts_of(const Attempt& attempt) const {
@@ -253,7 +253,8 @@ Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimit
   auto shortest = std::min(limits.hello, limits.heartbeat);
   if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
   const auto interval = shortest / 4;
-  return attempt.looked + std::max<std::chrono::milliseconds>(interval, std::chrono::milliseconds(1));
+  return attempt.looked +
+         std::max<std::chrono::milliseconds>(interval, std::chrono::milliseconds(1));
 }
 
 void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {

@@ -28,7 +28,7 @@ struct Attempt {
   JobRecord record;
 
   std::optional<Clock::time_point> kill_at;
-  std::string hung;                ///< why its worker was taken to hang and killed; empty: it was not
+  std::string hung;  ///< why its worker was taken to hang and killed; empty: it was not
   std::optional<WorkerExit> exit;  ///< its process has ended
   std::string not_started;         ///< why there never was a worker; empty: there was one
 
@@ -68,8 +68,8 @@ void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now);
 
 struct AttemptOptions {
   std::filesystem::path jobs_directory;
-  int worker_restarts = 2;                      ///< times a job whose worker died is tried again
-  std::chrono::milliseconds stop_grace{20000};  ///< from the request to stop to the kill
+  int worker_restarts = 2;                       ///< times a job whose worker died is tried again
+  std::chrono::milliseconds stop_grace{20000};   ///< from the request to stop to the kill
   std::chrono::milliseconds daemon_patience{0};  ///< a worker runs on without a daemon; 0: it ends
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;

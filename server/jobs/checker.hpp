@@ -75,7 +75,8 @@ struct CallLimits {
 /// (0 answered, 1 the text says why not, 2 a part) and its length, then as many bytes.
 class Checker {
 public:
-  /// @param option         of the program; both options answer the same, lists of processes show which
+  /// @param option         of the program; both options answer the same, lists of processes show
+  /// which
   /// @param largest_bytes  of memory that it may take for one answer
   /// @throws WorkerDidNotAnswer  it cannot be started
   Checker(const std::filesystem::path& worker_program, const std::string& option,
@@ -110,7 +111,7 @@ private:
 
 struct CheckerLimits {
   std::string option = "--serve-checks";  ///< of the program, or --serve-queries
-  int kept = 1;        ///< checkers that stay while no one asks
+  int kept = 1;                           ///< checkers that stay while no one asks
   int answers = 1000;  ///< after which a checker is replaced, so that leaks do not add up
   std::int64_t idle_bytes = 512'000'000;       ///< one that holds more after an answer is replaced
   std::int64_t largest_bytes = 4'000'000'000;  ///< one that takes more for an answer is killed

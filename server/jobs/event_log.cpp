@@ -30,8 +30,7 @@ EventLog::EventLog(const std::filesystem::path& path) : log_(opened(path)) {
   if (!content_.sound_header && content_.last_sequence == 0 &&
       content_.size >= event_log_header_size)
     throw std::runtime_error(path.string() + " is not an event log of version 1");
-  for (const EventGap& gap : content_.gaps)
-    log::warn("{}: {}", path.string(), gap.description());
+  for (const EventGap& gap : content_.gaps) log::warn("{}: {}", path.string(), gap.description());
 }
 
 void EventLog::take_over() {
@@ -122,10 +121,10 @@ void EventLog::cut_tail() {
     const std::string aside = path().string() + ".damaged-" + std::to_string(content_.end);
     storage::replace_file(aside, tail);
     log::warn("{}: the end is damaged after event {}: moved to {}", path().string(),
-                 content_.last_sequence, aside);
+              content_.last_sequence, aside);
   }
   log::info("{}: cut off {} bytes after event {}", path().string(), content_.size - content_.end,
-               content_.last_sequence);
+            content_.last_sequence);
 }
 
 EventLog::~EventLog() {
@@ -157,8 +156,7 @@ void EventLog::prepare(v1::JobEvent& event) {
   if (!appends()) take_over();
   const std::lock_guard lock(mutex_);
   if (prepared_) return;
-  if (content_.terminal)
-    throw std::logic_error("an event log that has ended takes no more events");
+  if (content_.terminal) throw std::logic_error("an event log that has ended takes no more events");
   event.set_sequence(content_.last_sequence + 1);
   if (!event.has_time()) *event.mutable_time() = now();
   log_.append(short_records.framed(event.SerializeAsString()));

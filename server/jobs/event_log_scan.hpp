@@ -50,11 +50,11 @@ struct EventLogContent {
   std::vector<Anchor> anchors;  ///< every 64th record, and the first one behind each gap
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
-  std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
+  std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
-  std::int64_t reached_step = 0;            ///< up to which the history goes
-  std::optional<v1::ValidityLoss> validity_loss;  ///< the first one
-  std::optional<v1::RunEnd> run_end;              ///< of the last attempt, once it has ended
+  std::int64_t reached_step = 0;                             ///< up to which the history goes
+  std::optional<v1::ValidityLoss> validity_loss;             ///< the first one
+  std::optional<v1::RunEnd> run_end;                   ///< of the last attempt, once it has ended
   std::optional<google::protobuf::Timestamp> started;  ///< first start of a worker
   int attempts = 0;                                    ///< starts of a worker
 

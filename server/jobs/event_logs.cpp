@@ -2,10 +2,10 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include "server/jobs/log.hpp"
 #include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include "server/jobs/log.hpp"
 
 #include <algorithm>
 #include <array>

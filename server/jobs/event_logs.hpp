@@ -31,8 +31,8 @@ public:
   explicit EventLogs(std::filesystem::path jobs_directory);
   ~EventLogs();
 
-  /// The log of a job, opened if it is not open. Reading a long file delays no call for another job's
-  /// log. @throws as EventLog's constructor
+  /// The log of a job, opened if it is not open. Reading a long file delays no call for another
+  /// job's log. @throws as EventLog's constructor
   std::shared_ptr<EventLog> open(const std::string& job_id);
 
   /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.

@@ -100,8 +100,7 @@ void remove_run_files(const std::filesystem::path& folder) {
 void set_checkpoint_aside(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::rename(folder / checkpoint_name, folder / "checkpoint.other-version.bin", error);
-  if (error)
-    log::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
+  if (error) log::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
 }
 
 void mark_accepted(const std::filesystem::path& folder) {

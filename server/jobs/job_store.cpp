@@ -196,8 +196,8 @@ bool JobStore::erase(const std::string& id) {
 std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
                                         const std::string& argument) {
   const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT " + std::string(job_columns) + " FROM job " +
-                                     std::string(where_and_order));
+  Statement statement(
+      *reader_, "SELECT " + std::string(job_columns) + " FROM job " + std::string(where_and_order));
   if (!argument.empty()) statement.bind(argument);
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(read_row(statement));

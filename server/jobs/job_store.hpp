@@ -19,12 +19,12 @@ struct JobRecord {
   v1::Job job;
   RequestedAction requested_action = RequestedAction::none;  ///< of its folder, not of its row
   std::string request_reason;                                ///< the same
-  int losses = 0;               ///< times its worker died
+  int losses = 0;                                            ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  std::int64_t bytes = 0;    ///< of the case and its attachments
-  std::string answer_key{};  ///< of all that decides its figures, see service/answer_key.hpp
-  std::string solver{};      ///< identity of the solver that succeeded with it; empty: none has
+  std::int64_t bytes = 0;       ///< of the case and its attachments
+  std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
+  std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
 };
 
 /// normal: survives a crash of the daemon. full: survives one of the machine.
@@ -75,8 +75,8 @@ public:
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
 
-  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be made
-  /// again.
+  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be
+  /// made again.
   class Bulk {
   public:
     explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }

@@ -46,7 +46,7 @@ void Ledger::write_event(JobRecord& record, const std::string& cause) {
 void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::JobState from) {
   const v1::Job& job = record.job;
   log::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
-               v1::JobState_Name(job.state()), values::escaped(cause));
+            v1::JobState_Name(job.state()), values::escaped(cause));
   try {
     store_.update(record, durability_of(job.state()));
     {
@@ -56,7 +56,7 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
     report(job);
   } catch (const std::exception& error) {
     log::error("job {}: {}; its event log has what it is, the store follows", job.id(),
-                  error.what());
+               error.what());
     keep(record, error.what());
   }
 }
@@ -91,7 +91,7 @@ void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause
     transition(record, to, cause);
   } catch (const std::exception& error) {
     log::error("job {}: cannot write that it is {}: {}", record.job.id(), v1::JobState_Name(to),
-                  error.what());
+               error.what());
     if (daemon_lacks(error)) throw;
     // The files of the job itself are damaged: that is how it ends, unless it has ended before.
     const v1::JobState from = record.job.state();

@@ -146,7 +146,7 @@ Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
     return Adoption::found;
   }
   log::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
-               holder->process);
+            holder->process);
   kill_and_wait(holder->handle);
   return Adoption::gone;
 }
@@ -158,8 +158,8 @@ LocalExecutor::Child LocalExecutor::spawn() const {
   posix_spawn_file_actions_adddup2(&actions, read_end.get(), STDIN_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   Child child;
-  const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"},
-                                job_environment(), actions, &child.process);
+  const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"}, job_environment(),
+                                actions, &child.process);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) fail("cannot start " + worker_program_.string(), error);
   child.orders = std::move(write_end);
@@ -176,7 +176,7 @@ void LocalExecutor::hand_over(const WorkerLaunch& launch) {
     // One that died while it waited is found by collect().
     if (::write(child.orders.get(), order.data(), order.size()) < 0 && errno != EPIPE)
       log::warn("job {}: cannot hand a worker its job: {}", launch.job_id,
-                   std::generic_category().message(errno));
+                std::generic_category().message(errno));
     child.orders = FileDescriptor();
     children_[{launch.job_id, launch.attempt}] = std::move(child);
   } catch (const std::exception& error) {

@@ -88,7 +88,7 @@ std::vector<fs::path> quarantine_unknown_folders(const fs::path& jobs_directory,
     if (known_ids.contains(id)) continue;
     moved.push_back(quarantine_folder(jobs_directory, id));
     log::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
-                 id, moved.back().string());
+              id, moved.back().string());
   }
   return moved;
 }

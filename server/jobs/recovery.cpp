@@ -52,9 +52,9 @@ public:
       become(end->state_change().state(),
              "ended just before the last daemon did: " + end->state_change().cause());
     } else if (state == v1::RUNNING || record_.requested_action != RequestedAction::none) {
-      const Settlement settlement = settle(record_, *log_, folder_, std::nullopt,
-                                           {.worker_restarts = options_.worker_restarts,
-                                            .other_version = options_.other_version});
+      const Settlement settlement = settle(
+          record_, *log_, folder_, std::nullopt,
+          {.worker_restarts = options_.worker_restarts, .other_version = options_.other_version});
       become(settlement.state, settlement.cause);
     } else if (state != job.state()) {
       become(state, "as in its event log; dccastd was restarted");

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
-#include "server/jobs/storage_fault.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/recovery.hpp"
+#include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {
 
@@ -139,8 +139,8 @@ void Scheduler::conclude_ended() {
   for (const auto& attempt : ended) conclude(attempt);
 }
 
-/// Decides and writes what a job becomes whose worker has gone. What the disk does not take is tried
-/// again once it does; until then the job is as it was.
+/// Decides and writes what a job becomes whose worker has gone. What the disk does not take is
+/// tried again once it does; until then the job is as it was.
 void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   const auto folder = jobs_directory_ / attempt->job_id;
   std::unique_lock lock(mutex_);
@@ -177,7 +177,7 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
 void Scheduler::hold(const std::string& reason) {
   if (hold_.set(reason))
     log::error("the queue is held, no job fails for it: {}; looking again every few seconds",
-                  reason);
+               reason);
   changed_.notify_all();
 }
 

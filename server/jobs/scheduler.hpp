@@ -33,10 +33,10 @@ struct SchedulerOptions {
 
 /// A run that was computed outside of the queue.
 struct FinishedRun {
-  std::string id;                          ///< of the job it becomes
-  std::filesystem::path folder;            ///< where its results are
-  std::vector<v1::JobEvent> events;        ///< what it reported
-  v1::RunEnd end{};                        ///< succeeded or failed
+  std::string id;                    ///< of the job it becomes
+  std::filesystem::path folder;      ///< where its results are
+  std::vector<v1::JobEvent> events;  ///< what it reported
+  v1::RunEnd end{};                  ///< succeeded or failed
   google::protobuf::Timestamp begun;
 };
 
@@ -75,8 +75,8 @@ struct Reply {
 ///
 /// Safe to use from several threads. A request that throws has changed nothing: it throws
 /// StoreError or std::system_error when the disk refuses. No thread waits for the disk while it
-/// holds the mutex: what changes a job holds the job instead (Exclusive), and readers see the job as
-/// it was until the change is on the disk.
+/// holds the mutex: what changes a job holds the job instead (Exclusive), and readers see the job
+/// as it was until the change is on the disk.
 class Scheduler {
 public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);

@@ -1,4 +1,5 @@
-// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete, keep what a query has computed.
+// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete, keep what a query
+// has computed.
 #include <system_error>
 #include <utility>
 
@@ -84,7 +85,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
     return find(there->id()).value_or(*there);
   }
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
-               record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
+            record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
   const std::lock_guard lock(mutex_);
   queue_.push(record.job);
   changed_.notify_all();
@@ -96,9 +97,9 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {
   const auto folder = jobs_directory_ / record.job.id();
-  create_job_folder(folder, attachments,
-                    {record.job, new_job.submitted_case, new_job.complete_case,
-                     new_job.answer_key});
+  create_job_folder(
+      folder, attachments,
+      {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key});
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
@@ -220,7 +221,7 @@ Reply Scheduler::request(std::unique_lock<std::mutex>& lock, Attempt& attempt,
     attempt.record.request_reason = request.reason;
     attempts_.expect_stop(attempt);
     log::info("job {}: {} requested", attempt.job_id,
-                 request.action == RequestedAction::cancel ? "cancel" : "pause");
+              request.action == RequestedAction::cancel ? "cancel" : "pause");
     changed_.notify_all();
   }
   return {Reply::Kind::done, view(attempt)};
@@ -322,7 +323,8 @@ void Scheduler::write_history(const JobRecord& record, const FinishedRun& run) {
   for (v1::JobEvent event : run.events) log->append(event);
 }
 
-/// Removes a job that was never acknowledged. What cannot be removed is computed after the next start.
+/// Removes a job that was never acknowledged. What cannot be removed is computed after the next
+/// start.
 void Scheduler::forget(const std::string& id) {
   try {
     store_.erase(id);

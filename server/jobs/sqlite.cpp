@@ -36,7 +36,7 @@ std::string meaning(int code) {
 [[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
   const int code = sqlite3_errcode(handle) & 0xff;
   log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
-                sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
+             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
   throw StoreError("the job store failed: " + meaning(code), code);
 }
 

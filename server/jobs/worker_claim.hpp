@@ -13,9 +13,9 @@
 
 namespace dccast::jobs {
 
-/// Version of what a worker and a daemon agree on while the worker runs: who appends to which file of
-/// the folder, and what means what. A daemon leads on a worker of an earlier program only when this
-/// is equal. Version 1 reported over a socket.
+/// Version of what a worker and a daemon agree on while the worker runs: who appends to which file
+/// of the folder, and what means what. A daemon leads on a worker of an earlier program only when
+/// this is equal. Version 1 reported over a socket.
 inline constexpr int worker_protocol = 2;
 
 /// What a worker writes of itself in the folder of its job.
@@ -36,8 +36,8 @@ public:
 ///
 /// The claim is a lock of the operating system (fcntl) on `worker.lock`, so that it ends with its
 /// process, and the system itself names that process: an id that was given to another process,
-/// for example after a restart of the machine, is not mistaken for it. The process must not open the file again:
-/// closing it gives up the lock.
+/// for example after a restart of the machine, is not mistaken for it. The process must not open
+/// the file again: closing it gives up the lock.
 class FolderClaim {
 public:
   /// @param longest  to wait for a worker that is about to end
@@ -73,8 +73,7 @@ std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder);
 
 /// Whether an error of the system is one of memory: threads and mappings need it, too.
 inline bool is_memory_fault(const std::error_code& code) {
-  return code == std::errc::not_enough_memory ||
-         code == std::errc::resource_unavailable_try_again;
+  return code == std::errc::not_enough_memory || code == std::errc::resource_unavailable_try_again;
 }
 
 // Exit codes by which a worker names the resource that kept it from ending its run in good order.

@@ -33,8 +33,8 @@ struct CheckOptions {
   bool index_only = false;         ///< only the store is put right; workers may run
 };
 
-/// Inspects a state folder that no daemon uses and reports what is wrong with it; with `repair` puts
-/// it right. docs/operations.md describes each line. @return damages that are left
+/// Inspects a state folder that no daemon uses and reports what is wrong with it; with `repair`
+/// puts it right. docs/operations.md describes each line. @return damages that are left
 /// @throws std::runtime_error  there is no such folder, a daemon uses it, or it cannot be read
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out);
 

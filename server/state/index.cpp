@@ -66,8 +66,8 @@ void mark_as_accepted(const fs::path& of_job) {
   if (!jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
 }
 
-/// A job whose row has ended while its folder is claimed as that of a run which has not. A claim goes
-/// when the end of a job has been written. @return its id; empty for none
+/// A job whose row has ended while its folder is claimed as that of a run which has not. A claim
+/// goes when the end of a job has been written. @return its id; empty for none
 std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
   for (const std::string& id : jobs::folder_ids(folder.jobs())) {
     if (!jobs::last_sign_of_life(folder.jobs() / id)) continue;
@@ -183,7 +183,7 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
   if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
     store.reset();
     log::warn("{}: {}; it is built again from the folders of the jobs", folder.store().string(),
-                 doubt);
+              doubt);
     std::ostringstream report;
     rebuild_index(folder, report);
     log::warn("what was done:\n{}", report.str());

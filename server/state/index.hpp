@@ -31,8 +31,8 @@ std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::s
 std::set<std::string> lost_studies(const StateFolder& folder);
 
 /// Opens the store of a daemon. One that is missing, damaged, of an earlier version, or lacks a job
-/// is built again from the folders; its files are kept in quarantine, and the log has the reason. Rows of
-/// jobs that have not ended are made to agree with their folders.
+/// is built again from the folders; its files are kept in quarantine, and the log has the reason.
+/// Rows of jobs that have not ended are made to agree with their folders.
 /// @throws jobs::StoreError  it cannot be read or written, or is of a later version
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder);
 

@@ -4,8 +4,8 @@ namespace dccast::worker {
 
 /// The worker program.
 ///
-/// With `--wait` it runs one job: dccastd starts it, with its own process id in the environment, and
-/// hands it a WorkerOrder on its standard input, behind its length. Exit codes then:
+/// With `--wait` it runs one job: dccastd starts it, with its own process id in the environment,
+/// and hands it a WorkerOrder on its standard input, behind its length. Exit codes then:
 ///   0  the end of the run is in the event log of the job, or there never was a job
 ///   1  it could not begin: another worker writes into the folder of the job, for example
 ///  70  the folder of the job is gone, or no daemon came in time and the run did not stop

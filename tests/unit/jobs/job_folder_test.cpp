@@ -90,7 +90,8 @@ TEST(JobFolder, ADescriptionThatIsDamagedTwiceIsRefused) {
   const std::size_t half = (sound.size() - 16) / 2;
   for (std::size_t byte = 16; byte < 16 + half; ++byte) {
     std::string damaged = sound;
-    for (const std::size_t at : {byte, byte + half}) damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    for (const std::size_t at : {byte, byte + half})
+      damaged[at] = static_cast<char>(damaged[at] ^ 4);
     storage::replace_file(parent.path() / description_file, damaged);
     EXPECT_THROW(read_job_description(parent.path()), std::runtime_error) << byte;
   }

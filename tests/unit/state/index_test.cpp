@@ -96,9 +96,10 @@ TEST_F(IndexTest, ARequestInAStoreOfAnEarlierVersionGoesIntoTheFolder) {
   const std::string id = add_job();
   store_.reset();
   jobs::Database(folder_.store())
-      .execute("ALTER TABLE job ADD COLUMN wish INTEGER NOT NULL DEFAULT 1;"
-               "ALTER TABLE job ADD COLUMN wish_reason TEXT NOT NULL DEFAULT 'later';"
-               "PRAGMA user_version = 6");
+      .execute(
+          "ALTER TABLE job ADD COLUMN wish INTEGER NOT NULL DEFAULT 1;"
+          "ALTER TABLE job ADD COLUMN wish_reason TEXT NOT NULL DEFAULT 'later';"
+          "PRAGMA user_version = 6");
   EXPECT_EQ(open_store(folder_)->ids(), std::set<std::string>{id});
   const auto request = jobs::read_request(folder_.jobs() / id);
   ASSERT_TRUE(request);
