@@ -154,10 +154,12 @@ void index_job(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record = described_job(folder);
   require_log(folder);
   take_log(folder / "events.log", record);
-  store.erase(record.job.id());
-  if (const auto there = store.insert(record))
+  const auto there = store.find_request(record.job.request_id());
+  if (there && there->job.id() != record.job.id())
     throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +
                              there->job.id());
+  store.erase(record.job.id());
+  store.insert(record);
   store.update(record, jobs::Durability::full);
   jobs::mark_accepted(folder);
 }
