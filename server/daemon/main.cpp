@@ -8,6 +8,7 @@
 #include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
+#include "server/jobs/log.hpp"
 #include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 
