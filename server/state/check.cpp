@@ -78,7 +78,7 @@ private:
   /// @return what is wrong with the store; it is closed then
   std::string open() {
     try {
-      keep_store_out_of_empty_folder();
+      if (!options_.repair && !fs::exists(folder_.store())) return missing_store();
       store_ = std::make_unique<jobs::JobStore>(folder_.store());
       std::string fault = store_->first_fault();
       ids_ = store_->ids();
@@ -92,10 +92,12 @@ private:
     }
   }
 
-  void keep_store_out_of_empty_folder() const {
-    if (!options_.repair && !fs::exists(folder_.store()))
+  /// A check makes no store where there is none.
+  std::string missing_store() const {
+    if (jobs::folder_ids(folder_.jobs()).empty())
       throw std::runtime_error("there is no job store in " + folder_.path().string() +
                                " and no job; nothing to check");
+    return "the job store " + folder_.store().string() + " is missing";
   }
 
   /// Moves the files of the store to quarantine. @return where

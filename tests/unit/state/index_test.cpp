@@ -65,6 +65,15 @@ TEST_F(IndexTest, AStoreThatIsMissingIsBuiltAgain) {
   EXPECT_EQ(store->find(id)->job.artifacts(0).name(), "results.h5");
 }
 
+TEST_F(IndexTest, ACheckReportsAMissingStoreAndMakesNone) {
+  add_job();
+  store_.reset();
+  fs::remove(folder_.store());
+  std::ostringstream report;
+  EXPECT_EQ(check(folder_, {}, report), 1) << report.str();
+  EXPECT_FALSE(fs::exists(folder_.store()));
+}
+
 TEST_F(IndexTest, AStoreWithADamagedPageIsBuiltAgainAndKeptAside) {
   for (int i = 0; i < 20; ++i) add_job();
   const auto ids = store_->ids();
