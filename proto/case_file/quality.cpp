@@ -164,9 +164,9 @@ void fill_rows(const Discretisation& d, double depth, v1::Mesh& mesh) {
 }
 
 /// Rows whose height the case gives are merged only if it says so. Rows are merged to four growth
-/// cells, but to no more than 20 mm unless the growth cells are higher than half of that.
+/// cells, but to no more than 15 mm unless the growth cells are higher than half of that.
 void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
-  constexpr double highest = 20e-3;  // [m]
+  constexpr double highest = 15e-3;  // [m]
   if (!mesh.has_merge_below_m())
     mesh.set_merge_below_m(own_rows || mesh.element() == v1::P1 ? 0.0 : d.merge_below);
   if (!mesh.has_merged_cell_m() && mesh.has_growth_cell_m())

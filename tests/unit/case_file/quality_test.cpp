@@ -86,7 +86,7 @@ TEST(Quality, MergesTheRowsOfAQuarterSlabThatItHasChosen) {
   };
   const auto draft = mesh_of([](v1::Mesh&) {});
   EXPECT_DOUBLE_EQ(draft.merge_below_m(), 0.1);
-  EXPECT_DOUBLE_EQ(draft.merged_cell_m(), 0.02);
+  EXPECT_DOUBLE_EQ(draft.merged_cell_m(), 0.015);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_growth_cell_m(5e-3); }).merge_below_m(), 0.0);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_element(v1::P1); }).merge_below_m(), 0.0);
   EXPECT_EQ(complete(casting(v1::DRAFT)).mesh().merge_below_m(), 0.0) << "of a section";
