@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "core/casting/run_frame.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/run_report.hpp"
-#include "core/casting/state_fit.hpp"
+#include "core/casting/run_state.hpp"
 
 namespace dccast::casting {
 
@@ -109,7 +109,7 @@ void SlabRun<Dim>::go_back_to(const RunState<Dim>& state) {
 }
 
 template <int Dim>
-std::string SlabRun<Dim>::restore(const restart::Sections& stored) {
+std::string SlabRun<Dim>::restore(const results::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
     std::string reason = misfit(state, {case_, schedule_, mesh_,
@@ -348,5 +348,10 @@ int SlabRun<Dim>::growing_elements() const {
 
 template class SlabRun<2>;
 template class SlabRun<3>;
+
+std::unique_ptr<CastingRun> make_run(const Case& c, int threads) {
+  if (mesh::dimension_of(c.section.kind) == 2) return std::make_unique<SlabRun<2>>(c);
+  return std::make_unique<SlabRun<3>>(c, threads);
+}
 
 }  // namespace dccast::casting

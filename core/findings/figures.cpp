@@ -1,15 +1,13 @@
-#include "core/material/liquid_fraction.hpp"
 #include "core/findings/figures.hpp"
+#include "core/material/thermal_properties.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/findings/motion.hpp"
-#include "core/findings/mush_strain.hpp"
 #include "core/findings/shell.hpp"
 #include "core/findings/slice.hpp"
-#include "core/findings/temperature_figures.hpp"
 
 namespace dccast::casting {
 

@@ -4,20 +4,17 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_file_builder.hpp"
-#include "core/results/run_records.hpp"
 #include "core/results/xdmf.hpp"
 #include "core/storage/background.hpp"
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::results {
 
 namespace fs = std::filesystem;
-using restart::Journal;
-using restart::Record;
-using restart::RecordKind;
-using restart::Sections;
+
 
 namespace {
 
@@ -40,7 +37,7 @@ std::int64_t step_number(const Record& record) {
 /// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
 std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
-  const bool is_journal = restart::visit_journal(journal, [&](const Record& record) {
+  const bool is_journal = visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
     const std::int64_t number = step_number(record);
     if (number > step) return false;
@@ -165,7 +162,7 @@ ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step, std
 void ResultWriter::visit_steps(std::int64_t after,
                                const std::function<void(const StepReport&)>& visit) const {
   parts_->journal.write();
-  restart::visit_journal(parts_->files.journal, [&](const Record& record) {
+  visit_journal(parts_->files.journal, [&](const Record& record) {
     if (record.kind != RecordKind::step) return true;
     const StepReport report = step_of(record.content);
     if (report.step > after) visit(report);
@@ -197,7 +194,7 @@ void ResultWriter::checkpoint(const fs::path& path, Sections content) {
   content.set_integer(journal_records, parts_->records);
   parts_->background.post([parts = parts_.get(), path, content = std::move(content)] {
     parts->journal.sync();
-    restart::write_checkpoint(path, content);
+    write_checkpoint(path, content);
   });
 }
 

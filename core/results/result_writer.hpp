@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "core/restart/journal.hpp"
 #include "core/results/frame.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::results {
@@ -63,7 +63,7 @@ public:
   void flush();
   /// Syncs the journal to disk and then writes a checkpoint, with journal_records added. Both are
   /// done by the background thread; see wait().
-  void checkpoint(const std::filesystem::path& path, restart::Sections content);
+  void checkpoint(const std::filesystem::path& path, Sections content);
   /// Waits until all pending work of the background thread is on disk.
   void wait();
 
@@ -75,7 +75,7 @@ public:
 private:
   struct Parts;
   explicit ResultWriter(std::unique_ptr<Parts> parts);
-  void append(restart::RecordKind kind, const restart::Sections& content);
+  void append(RecordKind kind, const Sections& content);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"

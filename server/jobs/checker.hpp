@@ -10,7 +10,7 @@
 
 #include <sys/types.h>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::jobs {
 

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "core/storage/file.hpp"
-#include "core/storage/megabytes.hpp"
+#include "core/storage/storage_error.hpp"
 
 namespace dccast::jobs {
 

@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
 
 namespace dccast::jobs {
 

@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <system_error>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log_scan.hpp"
 #include "server/jobs/log.hpp"
 
@@ -17,7 +17,7 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.bin";  // core/restart/CHECKPOINT.md
+constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
 constexpr const char* request_file = "request";
 

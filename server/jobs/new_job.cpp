@@ -1,6 +1,6 @@
 #include "server/jobs/new_job.hpp"
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::jobs {

@@ -4,8 +4,8 @@
 #include <system_error>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/free_space.hpp"
 #include "server/jobs/job_folder.hpp"

@@ -7,7 +7,7 @@
 #include <new>
 #include <system_error>
 
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/sqlite.hpp"
 
 namespace dccast::jobs {

@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::service {
 

@@ -10,7 +10,7 @@
 
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 #include "server/service/attachment_names.hpp"
 #include "server/service/message_size.hpp"
 

@@ -1,8 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "proto/values/sha256.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/service/file_stream.hpp"
 #include "server/service/status.hpp"
 #include "server/service/study_handlers.hpp"

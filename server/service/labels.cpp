@@ -1,7 +1,6 @@
 #include "server/service/labels.hpp"
 
 #include "proto/values/printable.hpp"
-#include "proto/values/shortened.hpp"
 
 namespace dccast::service {
 

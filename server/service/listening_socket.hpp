@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::service {
 

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <vector>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/state/store_guard.hpp"
 #include "server/studies/study_file.hpp"

@@ -1,7 +1,7 @@
 #include <sstream>
 
 #include "core/storage/file.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 #include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 

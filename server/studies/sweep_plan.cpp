@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "proto/case_file/key_number.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/studies/plans.hpp"

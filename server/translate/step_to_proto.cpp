@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/results/history_fields.hpp"
+#include "core/results/step_report.hpp"
 
 namespace dccast::translate {
 

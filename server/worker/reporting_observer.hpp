@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/case/case.hpp"
-#include "core/casting/step_observer.hpp"
+#include "core/casting/casting_run.hpp"
 #include "server/worker/run_link.hpp"
 
 namespace dccast::worker {

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "core/casting/simulation.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_exit.hpp"
 #include "server/translate/case_to_core.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/casting/step_observer.hpp"
+#include "core/casting/casting_run.hpp"
 #include "dccast/v1/job.pb.h"
 
 namespace dccast::worker {

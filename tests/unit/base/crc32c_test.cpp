@@ -1,4 +1,4 @@
-#include "core/base/crc32c.hpp"
+#include "core/storage/record_log.hpp"
 
 #include <gtest/gtest.h>
 

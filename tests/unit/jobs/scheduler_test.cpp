@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::jobs {
 namespace {

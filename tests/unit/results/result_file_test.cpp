@@ -3,9 +3,9 @@
 
 #include <stdexcept>
 
-#include "core/results/history_fields.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
-#include "core/results/run_records.hpp"
+#include "core/results/step_report.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
@@ -13,7 +13,7 @@
 namespace dccast::results {
 namespace {
 
-using restart::encode;
+using results::encode;
 using storage::read_file;
 using storage::StorageError;
 using storage::write_file;

@@ -1,6 +1,6 @@
 #include "server/state/adoption.hpp"
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {
