@@ -48,13 +48,6 @@ namespace {
 constexpr double width_tolerance = 0.01;
 constexpr double depth_tolerance = 0.01;
 
-template <int Dim>
-double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
-  double value = 0.0;
-  for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
-  return value;
-}
-
 std::string name_of(const CaseFindings& found) {
   return found.casting.section.file.filename().string();
 }
@@ -89,7 +82,7 @@ std::string remedy_for_size(double drawn, double metres) {
 
 template <int Dim>
 void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
-  const double width = largest(mesh, 0), depth = largest(mesh, Dim - 1);
+  const double width = mesh.largest(0), depth = mesh.largest(Dim - 1);
   const double half_width = found.casting.section.half_width;
   if (found.sound({"section.half_width"}) &&
       std::abs(width - half_width) > width_tolerance * half_width) {

@@ -97,8 +97,7 @@ inline const Keys place_keys = {
     "section.half_width",  "section.half_thickness", "section.initial_depth", "mesh.side_cell",
     "mesh.wide_side_cell", "mesh.bottom_cell",       "section.corner_radius"};
 
-// Each check adds its faults and has a file of its own. Later checks use the results of earlier
-// ones.
+// Each check adds its faults. Later checks use the results of earlier ones.
 
 void check_alloy(CaseFindings& found);
 void check_zones(CaseFindings& found);

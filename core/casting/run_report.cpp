@@ -32,11 +32,10 @@ void report_merging(const MergeOutcome& merge, results::StepReport& r) {
 
 void report_water(const thermal::HeatStepOutcome& heat, results::StepReport& r) {
   const auto& [wide, narrow] = heat.water;
-  const auto ratio = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
-  r.water_share = ratio(wide.taken, wide.capacity);
-  r.narrow_water_share = ratio(narrow.taken, narrow.capacity);
-  r.wetted_share = ratio(wide.wetted, wide.area);
-  r.narrow_wetted_share = ratio(narrow.wetted, narrow.area);
+  r.water_share = wide.share();
+  r.narrow_water_share = narrow.share();
+  r.wetted_share = wide.wetted_share();
+  r.narrow_wetted_share = narrow.wetted_share();
   r.water_boiled_away = wide.boiled_away || narrow.boiled_away;
   r.water_thrown_off = wide.thrown_off || narrow.thrown_off;
 }

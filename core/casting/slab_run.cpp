@@ -25,13 +25,6 @@ double seconds_of(clockid_t clock) {
 }
 
 template <int Dim>
-double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
-  double value = 0.0;
-  for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
-  return value;
-}
-
-template <int Dim>
 std::unique_ptr<mechanics::MechanicsForms<Dim>> forms_of(const mesh::SectionSpec& section) {
   if constexpr (Dim == 2)
     return mechanics::make_mechanics_forms(section.element, section.kind);
@@ -73,7 +66,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       mesh_(c),
       heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
       mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
-      face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
+      face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? mesh_.mesh().largest(0)
                                                                      : 1.0),
       has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
                    !c.cooling.bottom_block.profile_y.empty()),
@@ -112,8 +105,8 @@ template <int Dim>
 std::string SlabRun<Dim>::restore(const results::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
-    std::string reason = misfit(state, {case_, schedule_, mesh_,
-                                        mechanics_.points(), mechanics_.bottom_nodes().size()});
+    std::string reason = misfit(
+        state, {case_, schedule_, mesh_, mechanics_.points(), mechanics_.bottom_nodes().size()});
     if (reason.empty()) go_back_to(state);
     return reason;
   } catch (const std::out_of_range& error) {
@@ -306,8 +299,8 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .slab = state_.slab,
                            .checks = mechanics_.checks(),
                            .superheat = state_.superheat,
-                            .level_heat = state_.level_heat,
-                            .growing = mesh().elements() - growing_elements(),
+                           .level_heat = state_.level_heat,
+                           .growing = mesh().elements() - growing_elements(),
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
   return meter_.measure(view, state_.findings.history);
@@ -321,10 +314,9 @@ void SlabRun<Dim>::judge(const StepFigures& step) {
 template <int Dim>
 results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts,
                                          const StepFigures& step, MonitorReadings monitors) const {
-  results::StepReport r = report_of<Dim>(
-      {case_, mesh(), state_, accepted, step, face_length_, schedule_, block_temperature(),
-       std::move(monitors)},
-      failed_attempts);
+  results::StepReport r = report_of<Dim>({case_, mesh(), state_, accepted, step, face_length_,
+                                          schedule_, block_temperature(), std::move(monitors)},
+                                         failed_attempts);
   if (!state_.slab.started) return r;
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;

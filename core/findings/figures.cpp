@@ -172,8 +172,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   for (const thermal::FaceWater& water : view.heat.water) {
     f.water_boiled_away = f.water_boiled_away || water.boiled_away;
     f.water_thrown_off = f.water_thrown_off || water.thrown_off;
-    if (water.capacity > 0.0)
-      f.water_share = std::max(f.water_share, water.taken / water.capacity);
+    f.water_share = std::max(f.water_share, water.share());
   }
   f.metal_depth = view.metal_level;
   f.sump_depth =

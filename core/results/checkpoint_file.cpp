@@ -146,7 +146,7 @@ std::string format_in_words(std::uint32_t version) {
 std::string fault_of(const Preamble& preamble, std::string_view content) {
   if (!has_magic(preamble)) return "not a checkpoint";
   if (content.size() != preamble.size) return "truncated";
-  if (crc32c(content.data(), content.size()) != preamble.checksum) return "checksum";
+  if (storage::crc32c(content.data(), content.size()) != preamble.checksum) return "checksum";
   return "";
 }
 
@@ -155,7 +155,7 @@ std::string fault_of(const Preamble& preamble, std::string_view content) {
 void write_checkpoint(const std::filesystem::path& path, const Sections& content) {
   const std::string body = encode(content);
   Preamble preamble;
-  preamble.checksum = crc32c(body.data(), body.size());
+  preamble.checksum = storage::crc32c(body.data(), body.size());
   preamble.size = body.size();
   std::string bytes(reinterpret_cast<const char*>(&preamble), sizeof preamble);
   storage::replace_file(path, bytes += body, storage::readable_by_all);

@@ -15,7 +15,6 @@ namespace dccast::results {
 
 namespace fs = std::filesystem;
 
-
 namespace {
 
 /// Position at which a journal is truncated to continue after a step, and the records found up to

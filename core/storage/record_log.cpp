@@ -5,7 +5,7 @@
 
 #include "core/storage/storage_error.hpp"
 
-namespace dccast {
+namespace dccast::storage {
 
 namespace {
 
@@ -50,10 +50,6 @@ std::uint32_t crc32c(const void* bytes, std::size_t size, std::uint32_t so_far) 
   for (; size > 0; --size, ++at) sum = (sum >> 8) ^ tables[0][(sum ^ *at) & 0xFFu];
   return ~sum;
 }
-
-}  // namespace dccast
-
-namespace dccast::storage {
 
 namespace {
 

@@ -89,12 +89,12 @@ void SurfaceCooling::resize(std::size_t nodes) {
 void SurfaceCooling::begin_step(const HeatForms& forms,
                                 const material::ThermalProperties& properties,
                                 const HeatField& field, const HeatStepInput& input) {
-  const double height = forms.divide_side(
-      cooling_,
-      {input.metal_level,
-       {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
-       input.rise},
-      side_);
+  const double height =
+      forms.divide_side(cooling_,
+                        {input.metal_level,
+                         {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
+                         input.rise},
+                        side_);
   lay_water(forms, properties, field, input, height);
   lay_bottom(forms, field, input);
 }
@@ -127,9 +127,8 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
     return std::pair(side_[i].face, forms.side_column()[std::size_t(side_[i].node)]);
   };
   for (auto first = column_order_.begin(); first != column_order_.end();) {
-    const auto last = std::find_if(first, column_order_.end(), [&](std::size_t i) {
-      return column(i) != column(*first);
-    });
+    const auto last = std::find_if(first, column_order_.end(),
+                                   [&](std::size_t i) { return column(i) != column(*first); });
     double area = 0.0;
     for (auto at = first; at != last; ++at) area += side_[*at].weight;
     const auto wet = std::stable_partition(
@@ -156,8 +155,7 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
                       properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
                       wetted});
   }
-  const FilmHeat heat = march_film(water, supply, width, input.time_step, pieces, film_);
-  total.capacity += heat.capacity;
+  total.capacity += film_capacity(supply, width);
   if (!water.boiling_follows_flow) {
     film_.clear();
     for (const WetPiece& piece : pieces)
@@ -166,8 +164,9 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
                        .critical_heat_flux = water.critical_heat_flux,
                        .film_coefficient = water.film_boiling_coefficient});
   } else {
-    total.boiled_away = total.boiled_away || heat.boiled_away;
-    total.thrown_off = total.thrown_off || heat.thrown_off;
+    const FilmEnd end = march_film(water, supply, width, input.time_step, pieces, film_);
+    total.boiled_away = total.boiled_away || end.boiled_away;
+    total.thrown_off = total.thrown_off || end.thrown_off;
   }
   for (std::size_t k = 0; k < shares.size(); ++k) {
     if (k >= film_.size()) {
@@ -320,10 +319,9 @@ void SurfaceCooling::finish_step(const HeatForms& forms, std::span<const Thermal
                                    cooling_.bottom_block.temperature(input.time - input.time_step));
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const SurfaceState surface = surface_of(state[std::size_t(nodes[i])]);
-    block_->finish(bottom_flux(cooling_.bottom_block, bottom_[i], surface).into_block,
-                   bottom_[i].water,
-                   std::span(field.block_temperature)
-                       .subspan(i * BlockColumns::points, BlockColumns::points));
+    block_->finish(
+        bottom_flux(cooling_.bottom_block, bottom_[i], surface).into_block, bottom_[i].water,
+        std::span(field.block_temperature).subspan(i * BlockColumns::points, BlockColumns::points));
   }
 }
 

@@ -53,12 +53,15 @@ struct HeatStepInput {
 
 /// The water of one face in one step.
 struct FaceWater {
-  double capacity = 0.0;  ///< [W/m]; billet [W/rad], solid [W]: heat that all of it could take
-  double taken = 0.0;     ///< [W/m] the same units
-  double area = 0.0;      ///< [m]; [m2/rad], [m2] that it runs over
-  double wetted = 0.0;    ///< [m] of it that is not under a vapour film
+  double capacity = 0.0;     ///< [W/m]; billet [W/rad], solid [W]: heat that all of it could take
+  double taken = 0.0;        ///< [W/m] the same units
+  double area = 0.0;         ///< [m]; [m2/rad], [m2] that it runs over
+  double wetted = 0.0;       ///< [m] of it that is not under a vapour film
   bool boiled_away = false;  ///< somewhere less than the least flow is left
   bool thrown_off = false;   ///< somewhere the vapour film has thrown it off the face
+
+  double share() const { return capacity > 0.0 ? taken / capacity : 0.0; }  ///< [1]
+  double wetted_share() const { return area > 0.0 ? wetted / area : 0.0; }  ///< [1]
 };
 
 /// Heat flow out through side, bottom and level in one step. The cooling law of each place is fixed

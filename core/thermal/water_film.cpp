@@ -9,6 +9,12 @@ namespace {
 /// The vapour film counts as unbroken where less than this share [1] of the surface is wet.
 constexpr double hardly_wetted = 0.1;
 
+/// [W] that warms a mass flow [kg/s] to 100 °C and evaporates it.
+double heat_to_vapour(double mass_flow, double temperature) {
+  return mass_flow *
+         (water_specific_heat * std::max(0.0, boiling_point - temperature) + evaporation_heat);
+}
+
 /// The water of a column on its way down.
 class Stream {
 public:
@@ -19,11 +25,7 @@ public:
         temperature_(supply.temperature) {}
 
   Film film() const { return {temperature_, mass_flow_ / (water_density * width_)}; }
-  /// [W] that it can still take.
-  double capacity() const {
-    return mass_flow_ *
-           (water_specific_heat * std::max(0.0, boiling_point - temperature_) + evaporation_heat);
-  }
+  double capacity() const { return heat_to_vapour(mass_flow_, temperature_); }
   /// @param heat  [W], at most capacity()
   void take(double heat) {
     const double begin = temperature_, heat_capacity = mass_flow_ * water_specific_heat;
@@ -52,31 +54,35 @@ double wetted_in(const Wetting& wetting, double before, double in_the_end, doubl
 
 }  // namespace
 
+double film_capacity(const Film& film, double width) {
+  return heat_to_vapour(water_density * film.flow * width, film.temperature);
+}
+
 double wetted_after(const Wetting& wetting, double before, double in_the_end, double time_step) {
   return in_the_end + (before - in_the_end) * std::exp(-time_step / wetting.lag);
 }
 
-FilmHeat march_film(const Water& water, const Film& supply, double width, double time_step,
-                    std::span<const WetPiece> pieces, std::vector<WaterPlace>& place) {
+FilmEnd march_film(const Water& water, const Film& supply, double width, double time_step,
+                   std::span<const WetPiece> pieces, std::vector<WaterPlace>& place) {
   const Wetting& w = water.wetting;
   Stream stream(water, supply, width);
-  FilmHeat heat{.capacity = stream.capacity()};
+  FilmEnd end;
   place.clear();
   double vapour = 0.0, area = 0.0;  // [m] of unbroken vapour film, [m2] of the pieces so far
   std::vector<double> flux;
   for (const WetPiece& piece : pieces) {
     const Film film = stream.film();
-    heat.boiled_away = film.flow < w.least_flow;
-    heat.thrown_off = vapour > w.throw_off_length;
-    if (heat.boiled_away || heat.thrown_off) break;
+    end.boiled_away = film.flow < w.least_flow;
+    end.thrown_off = vapour > w.throw_off_length;
+    if (end.boiled_away || end.thrown_off) break;
     const double depth = piece.at.distance - water.from, hot = piece.surface_temperature;
     const double rewetting = rewetting_temperature(w, film);
-    const WaterPlace here{.film = film,
-                          .wetted = wetted_in(w, piece.wetted, wet_in_the_end(w, hot, rewetting),
-                                              time_step),
-                          .rewetting = rewetting,
-                          .critical_heat_flux = critical_heat_flux(water, film, depth),
-                          .film_coefficient = film_coefficient(w, film, depth)};
+    const WaterPlace here{
+        .film = film,
+        .wetted = wetted_in(w, piece.wetted, wet_in_the_end(w, hot, rewetting), time_step),
+        .rewetting = rewetting,
+        .critical_heat_flux = critical_heat_flux(water, film, depth),
+        .film_coefficient = film_coefficient(w, film, depth)};
     const double wanted = water_flux(water, here, {hot, 0.0}, piece.at).flux;
     const double taken = std::min(wanted * piece.area, stream.capacity());
     stream.take(taken);
@@ -88,7 +94,7 @@ FilmHeat march_film(const Water& water, const Film& supply, double width, double
   }
   const double spare = area > 0.0 ? stream.capacity() / area : 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) place[i].largest_flux = flux[i] + spare;
-  return heat;
+  return end;
 }
 
 }  // namespace dccast::thermal

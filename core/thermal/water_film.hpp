@@ -9,18 +9,21 @@ namespace dccast::thermal {
 
 /// A piece of a face that water runs over, at the start of a step.
 struct WetPiece {
-  double area = 0.0;                 ///< [m2]; 2D [m], axisymmetric [m2/rad]
+  double area = 0.0;  ///< [m2]; 2D [m], axisymmetric [m2/rad]
   SidePlace at;
   double surface_temperature = 0.0;  ///< [°C]
   double wetted = 0.0;               ///< [1]
 };
 
-/// Heat of the water of one column: of the whole face together, its share of the capacity.
-struct FilmHeat {
-  double capacity = 0.0;   ///< [W]; 2D [W/m]: to heat the water to 100 °C and to evaporate it
+/// Why the film of a column does not reach the bottom of the slab, if it does not.
+struct FilmEnd {
   bool boiled_away = false;
   bool thrown_off = false;
 };
+
+/// What the water of a column can take [W]; 2D [W/m]: warmed to 100 °C and evaporated.
+/// @param width  [m] of the column along the perimeter; axisymmetric [m2/rad / m]
+double film_capacity(const Film& supply, double width);
 
 /// Marches the film of one column of a face down from the water line.
 ///
@@ -42,8 +45,8 @@ struct FilmHeat {
 /// @param width    [m] of the column along the perimeter; axisymmetric [m2/rad / m]
 /// @param pieces   from the water line down
 /// @param place    overwritten, (piece); those beyond the end of the film are missing
-FilmHeat march_film(const Water& water, const Film& supply, double width, double time_step,
-                    std::span<const WetPiece> pieces, std::vector<WaterPlace>& place);
+FilmEnd march_film(const Water& water, const Film& supply, double width, double time_step,
+                   std::span<const WetPiece> pieces, std::vector<WaterPlace>& place);
 
 /// Wetted share of a surface [1] after a step. @param before  [1] @param in_the_end  [1]
 /// @param time_step  [s]

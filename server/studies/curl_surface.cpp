@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/statistics/principal_components.hpp"
+#include "core/statistics/sampling.hpp"
 #include "proto/values/interpolation.hpp"
-#include "server/studies/curl_components.hpp"
-#include "server/studies/sweep_design.hpp"
 
 namespace dccast::studies {
 
@@ -61,9 +61,9 @@ Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all) {
 
 /// A spread over the domain, and its corners, where surfaces are least certain.
 Eigen::MatrixXd candidate_places(std::size_t inputs) {
-  auto places = latin_hypercube(candidates, static_cast<int>(inputs), 1);
+  auto places = statistics::latin_hypercube(candidates, static_cast<int>(inputs), 1);
   if (inputs <= most_inputs_with_corners)
-    for (const auto& corner : grid(std::vector<int>(inputs, 2)))
+    for (const auto& corner : statistics::grid(std::vector<int>(inputs, 2)))
       places.emplace_back(corner.begin(), corner.end());
   return places_of(places);
 }
@@ -188,8 +188,8 @@ private:
   std::vector<double> time_s_;
   std::vector<std::vector<Eigen::Index>> figure_;  ///< (monitor, instant); -1: not known
   Eigen::MatrixXd places_;
-  Components curls_;
-  Components lengths_;
+  statistics::PrincipalComponents curls_;
+  statistics::PrincipalComponents lengths_;
   double error_m_ = 0.0;
   std::vector<double> next_place_;
 };

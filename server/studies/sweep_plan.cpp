@@ -10,10 +10,10 @@
 #include <set>
 #include <utility>
 
+#include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/studies/plans.hpp"
-#include "server/studies/sweep_design.hpp"
 
 namespace dccast::studies {
 
@@ -208,7 +208,7 @@ std::vector<std::vector<int>> indices_of(const v1::SweepPlan& sweep) {
   if (sweep.design() == v1::SweepPlan::GRID) {
     std::vector<int> sizes;
     for (const Axis& axis : sweep.axes()) sizes.push_back(axis.values_size());
-    return grid(sizes);
+    return statistics::grid(sizes);
   }
   std::vector<std::vector<int>> indices;
   for (int i = 0; i < sweep.axes(0).values_size(); ++i)
@@ -221,7 +221,8 @@ std::vector<std::vector<std::string>> hypercube_values(const v1::CreateStudyRequ
   std::vector<Range> ranges;
   for (const Axis& axis : sweep.axes()) ranges.emplace_back(request.case_(), axis);
   std::vector<std::vector<std::string>> values;
-  for (const auto& place : latin_hypercube(sweep.runs(), sweep.axes_size(), sweep.seed())) {
+  for (const auto& place :
+       statistics::latin_hypercube(sweep.runs(), sweep.axes_size(), sweep.seed())) {
     auto& run = values.emplace_back();
     for (std::size_t axis = 0; axis < ranges.size(); ++axis)
       run.push_back(ranges[axis].at(place[axis]));

@@ -17,9 +17,10 @@ PARTS_SEEN = {
 }
 
 # A core room sees the rooms before it. Those named here see less.
-CORE_ROOMS = ["base", "storage", "mesh", "fem", "linalg", "material", "thermal", "mechanics", "results",
-              "case", "findings", "casting"]
+CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "mechanics",
+              "results", "case", "findings", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
+CORE_ROOMS_SEEN["statistics"] = {"statistics"}
 CORE_ROOMS_SEEN["results"] = {"results", "storage", "base"}
 for room in ("mesh", "fem", "linalg", "material", "thermal", "mechanics"):  # no files
     CORE_ROOMS_SEEN[room] -= {"storage"}
@@ -28,7 +29,7 @@ CORE_ROOMS_SEEN["mechanics"] -= {"thermal"}  # the two meet only from case on
 # The daemon never runs a solver: of the server only these rooms see core, the others only what knows
 # no physics.
 SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
-CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage"}
+CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage", "statistics"}
 
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/studies/sweep_design.hpp"
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::studies {
 namespace {
@@ -41,7 +41,8 @@ std::vector<double> place_in_domain(const std::vector<double>& unit) {
 
 CurlSurface surface_of(int runs) {
   std::vector<SurfaceRun> all;
-  for (const auto& unit : latin_hypercube(runs, 2, 1)) all.push_back(run_at(place_in_domain(unit)));
+  for (const auto& unit : statistics::latin_hypercube(runs, 2, 1))
+    all.push_back(run_at(place_in_domain(unit)));
   return CurlSurface(domain, all, {"corner", "elsewhere"});
 }
 
@@ -51,7 +52,7 @@ TEST(CurlSurface, PredictsCurvesItHasNotSeenWithinWhatItSays) {
   EXPECT_LT(surface.cross_validated_error_m(), 0.05e-3);
   int inside = 0, asked = 0;
   double square = 0.0;
-  for (const auto& unit : latin_hypercube(50, 2, 77)) {
+  for (const auto& unit : statistics::latin_hypercube(50, 2, 77)) {
     const auto place = place_in_domain(unit);
     const auto curves = surface.predict(place);
     ASSERT_EQ(curves.size(), 2u);
@@ -80,7 +81,7 @@ TEST(CurlSurface, MoreRunsMakeItBetter) {
 
 TEST(CurlSurface, WantsTheRunThatItKnowsLeastOf) {
   std::vector<SurfaceRun> runs;  // nothing at high speed
-  for (const auto& unit : latin_hypercube(20, 2, 1))
+  for (const auto& unit : statistics::latin_hypercube(20, 2, 1))
     runs.push_back(run_at(place_in_domain({0.5 * unit[0], unit[1]})));
   const CurlSurface surface(domain, runs, {"corner"});
   EXPECT_GT(surface.next_place()[0], 0.85);

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "server/studies/plans.hpp"
-#include "server/studies/sweep_design.hpp"
 
 namespace dccast::studies {
 namespace {
@@ -107,17 +106,6 @@ TEST(SweepPlan, FaultsNameKeyValueAndWhatIsPermitted) {
   EXPECT_THAT(first(sweep_of(v1::SweepPlan::LATIN_HYPERCUBE, {{"mesh.rows", "10", "30"}}, 0)),
               HasSubstr("1 to 10000"));
   EXPECT_THAT(first(v1::CreateStudyRequest{}), HasSubstr("refinement, sweep"));
-}
-
-TEST(SweepDesign, SpreadsItsPlaces) {
-  const auto places = latin_hypercube(10, 2, 3);
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    std::set<int> parts;
-    for (const auto& place : places) parts.insert(static_cast<int>(10 * place[axis]));
-    EXPECT_EQ(parts.size(), 10u);
-  }
-  EXPECT_EQ(grid({2, 3}).size(), 6u);
-  EXPECT_THAT(grid({2, 3})[4], ElementsAre(1, 1));
 }
 
 }  // namespace

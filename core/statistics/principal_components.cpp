@@ -1,18 +1,18 @@
-#include "server/studies/curl_components.hpp"
+#include "core/statistics/principal_components.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-namespace dccast::studies {
+namespace dccast::statistics {
 
 namespace {
 
 constexpr Eigen::Index most_components = 6;
 constexpr double share_left = 1e-6;  // of the sum of squares, that no component needs to carry
 
-/// Right singular vectors that carry all but `share_left` of the sum of squares, largest first: from
-/// the eigenvectors of the smaller product of the matrix with itself. That squares the condition,
-/// which the share bounds by 1e6; a singular value decomposition takes 20 s to compile.
+/// Right singular vectors that carry all but `share_left` of the sum of squares, largest first:
+/// from the eigenvectors of the smaller product of the matrix with itself. That squares the
+/// condition, which the share bounds by 1e6; a singular value decomposition takes 20 s to compile.
 /// @param matrix  (point, figure)  @return (figure, component), orthonormal
 Eigen::MatrixXd main_directions(const Eigen::MatrixXd& matrix) {
   const bool by_points = matrix.rows() < matrix.cols();
@@ -35,7 +35,8 @@ Eigen::MatrixXd main_directions(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& figures)
+PrincipalComponents::PrincipalComponents(const Eigen::MatrixXd& places,
+                                         const Eigen::MatrixXd& figures)
     : mean_(figures.colwise().mean()) {
   rest_ = figures.rowwise() - mean_;
   left_out_ = Eigen::VectorXd::Zero(figures.cols());
@@ -49,7 +50,7 @@ Components::Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& fig
 }
 
 /// A process that has found long lengths by chance says too little of its error between few points.
-void Components::leave_out_one_by_one(Eigen::Index inputs) {
+void PrincipalComponents::leave_out_one_by_one(Eigen::Index inputs) {
   Eigen::MatrixXd errors = rest_;
   for (std::size_t k = 0; k < amounts_.size(); ++k)
     errors += amounts_[k].left_out_errors() * shape_.col(static_cast<Eigen::Index>(k)).transpose();
@@ -58,7 +59,7 @@ void Components::leave_out_one_by_one(Eigen::Index inputs) {
   left_out_ = errors.colwise().squaredNorm().transpose() / free;
 }
 
-Components::Estimate Components::estimate(const Eigen::RowVectorXd& place) const {
+PrincipalComponents::Estimate PrincipalComponents::estimate(const Eigen::RowVectorXd& place) const {
   Estimate result{mean_.transpose(),
                   rest_.colwise().squaredNorm().transpose() / static_cast<double>(rest_.rows())};
   for (std::size_t k = 0; k < amounts_.size(); ++k) {
@@ -71,22 +72,22 @@ Components::Estimate Components::estimate(const Eigen::RowVectorXd& place) const
   return result;
 }
 
-Eigen::VectorXd Components::left_out_errors(Eigen::Index figure) const {
+Eigen::VectorXd PrincipalComponents::left_out_errors(Eigen::Index figure) const {
   Eigen::VectorXd errors = rest_.col(figure);
   for (std::size_t k = 0; k < amounts_.size(); ++k)
     errors += amounts_[k].left_out_errors() * shape_(figure, static_cast<Eigen::Index>(k));
   return errors;
 }
 
-std::size_t Components::bytes() const {
+std::size_t PrincipalComponents::bytes() const {
   const Eigen::Index points = rest_.rows();  // squared in the factor of each process
   return sizeof(double) *
          static_cast<std::size_t>(rest_.size() + shape_.size() +
                                   points * points * static_cast<Eigen::Index>(amounts_.size()));
 }
 
-Eigen::VectorXd Components::variance_of(const Eigen::MatrixXd& places,
-                                        const std::vector<Eigen::Index>& figures) const {
+Eigen::VectorXd PrincipalComponents::variance_of(const Eigen::MatrixXd& places,
+                                                 const std::vector<Eigen::Index>& figures) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());
   for (std::size_t k = 0; k < amounts_.size(); ++k) {
     double share = 0.0;
@@ -98,4 +99,4 @@ Eigen::VectorXd Components::variance_of(const Eigen::MatrixXd& places,
   return sum;
 }
 
-}  // namespace dccast::studies
+}  // namespace dccast::statistics

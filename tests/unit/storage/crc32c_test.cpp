@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dccast {
+namespace dccast::storage {
 namespace {
 
 // The test vectors of RFC 3720, appendix B.4, and the check value of the Castagnoli polynomial.
@@ -45,4 +45,4 @@ TEST(Crc32c, SeesEveryFlippedBit) {
 }
 
 }  // namespace
-}  // namespace dccast
+}  // namespace dccast::storage

@@ -1,14 +1,13 @@
-#include "server/studies/gaussian_process.hpp"
+#include "core/statistics/gaussian_process.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "server/studies/hyperparameters.hpp"
-#include "server/studies/sweep_design.hpp"
+#include "core/statistics/sampling.hpp"
 
-namespace dccast::studies {
+namespace dccast::statistics {
 namespace {
 
 Eigen::MatrixXd spread(int points, int inputs, std::uint64_t seed) {
@@ -146,4 +145,4 @@ TEST(GaussianProcess, IsConstantWhereNothingVaries) {
 }
 
 }  // namespace
-}  // namespace dccast::studies
+}  // namespace dccast::statistics

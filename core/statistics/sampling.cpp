@@ -1,11 +1,11 @@
-#include "server/studies/sweep_design.hpp"
+#include "core/statistics/sampling.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <random>
 
-namespace dccast::studies {
+namespace dccast::statistics {
 
 namespace {
 
@@ -83,4 +83,4 @@ Places latin_hypercube(int runs, int axes, std::uint64_t seed) {
   return best;
 }
 
-}  // namespace dccast::studies
+}  // namespace dccast::statistics

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace dccast::studies {
+namespace dccast::statistics {
 
 /// Every combination of indices below `sizes`, the last axis fastest. (run, axis)
 std::vector<std::vector<int>> grid(const std::vector<int>& sizes);
@@ -14,4 +14,4 @@ std::vector<std::vector<int>> grid(const std::vector<int>& sizes);
 /// @return (run, axis), each in (0, 1)
 std::vector<std::vector<double>> latin_hypercube(int runs, int axes, std::uint64_t seed);
 
-}  // namespace dccast::studies
+}  // namespace dccast::statistics

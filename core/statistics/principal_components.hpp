@@ -3,16 +3,16 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/studies/gaussian_process.hpp"
+#include "core/statistics/gaussian_process.hpp"
 
-namespace dccast::studies {
+namespace dccast::statistics {
 
 /// Rows of figures over a domain, one row for each place: principal components, and a Gaussian
 /// process for the amount of each.
-class Components {
+class PrincipalComponents {
 public:
   /// @param places  (point, input), scaled to 0 to 1  @param figures  (point, figure)
-  Components(const Eigen::MatrixXd& places, const Eigen::MatrixXd& figures);
+  PrincipalComponents(const Eigen::MatrixXd& places, const Eigen::MatrixXd& figures);
 
   struct Estimate {
     Eigen::VectorXd mean;      ///< by figure
@@ -38,4 +38,4 @@ private:
   Eigen::VectorXd left_out_;  ///< by figure: mean square of what points left out are off
 };
 
-}  // namespace dccast::studies
+}  // namespace dccast::statistics
