@@ -13,11 +13,10 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/jobs/checker_pool.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
-#include "server/service/answer_key.hpp"
-#include "server/service/grpc_trouble.hpp"
 #include "server/service/server.hpp"
 #include "server/state/store_guard.hpp"
 #include "server/studies/studies.hpp"
@@ -98,45 +97,14 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
                                     const DataDirectory& directory) {
   return {.directory = directory.studies(),
+          .jobs_directory = directory.jobs(),
           .check_timeout = milliseconds(config.check_timeout_s())};
 }
 
-studies::SolvedRun solved_run(const service::CaseIntake& intake, jobs::JobStore& store,
-                              const fs::path& jobs_directory, const std::string& job,
-                              const jobs::Patience& patience) {
-  studies::SolvedRun solved;
-  const auto complete = store.complete_case(job);
-  if (!complete || !solved.complete.ParseFromString(*complete))
-    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
-                                   "the case of job " + job + " cannot be read from the job store");
-  solved.frame = intake.stored_frame(jobs_directory / job, 0, patience).frame();
-  return solved;
-}
-
-studies::CaseDesk case_desk(const service::CaseIntake& intake, jobs::JobStore& store,
-                            const fs::path& jobs_directory) {
-  return {.examine =
-              [&intake](const v1::Case& submitted, const jobs::Attachments& attachments,
-                        const jobs::Patience& patience) {
-                service::ExaminedCase examined =
-                    intake.examine(submitted, attachments, {}, patience);
-                const auto& faults = examined.verdict.faults();
-                return studies::ExaminedRun{std::move(examined.complete),
-                                            {faults.begin(), faults.end()}};
-              },
-          .fingerprint = service::fingerprint,
-          .answer_key = service::answer_key,
-          .solved =
-              [&intake, &store, jobs_directory](const std::string& job,
-                                                const jobs::Patience& patience) {
-                return solved_run(intake, store, jobs_directory, job, patience);
-              }};
-}
-
-service::Ceilings ceilings(const v1::DaemonConfig& config) {
+intake::Ceilings ceilings(const v1::DaemonConfig& config) {
   const double memory = config.maximum_memory_bytes() > 0.0
                             ? config.maximum_memory_bytes()
-                            : service::memory_per_worker(worker_count(config));
+                            : intake::memory_per_worker(worker_count(config));
   return {config.maximum_nodes(), config.maximum_steps(), memory};
 }
 
@@ -259,9 +227,9 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::CheckerPool checkers(worker, {.kept = number_or_cores(config.checkers())});
   jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
-  const service::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
+  const intake::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
                                    ceilings(config));
-  const service::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
+  const intake::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
                                          ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
@@ -270,12 +238,13 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
-  studies::Studies studies(study_options(config, directory), study_store, scheduler,
-                           case_desk(intake, store, directory.jobs()));
+  studies::Studies studies(study_options(config, directory), study_store, scheduler, store,
+                           intake);
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,
       .store = store,
+      .studies = studies,
       .intake = intake,
       .checkers = checkers,
       .query_intake = query_intake,
@@ -295,7 +264,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .maximum_connections = connections};
   scheduler.recover();
   studies.recover();
-  service::PublicServer server(context, studies, config.listen());
+  service::PublicServer server(context, config.listen());
   checkers.warm_up();
   query_workers.warm_up();
   scheduler.start();

@@ -49,13 +49,26 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
                v1::JobState_Name(job.state()), values::escaped(cause));
   try {
     store_.update(record, durability_of(job.state()));
-    const std::lock_guard lock(mutex_);
-    kept_.erase(job.id());
+    {
+      const std::lock_guard lock(mutex_);
+      kept_.erase(job.id());
+    }
+    report(job);
   } catch (const std::exception& error) {
     spdlog::error("job {}: {}; its event log has what it is, the store follows", job.id(),
                   error.what());
     keep(record, error.what());
   }
+}
+
+void Ledger::observe(JobObserver observer) {
+  const std::lock_guard lock(observer_mutex_);
+  observer_ = std::move(observer);
+}
+
+void Ledger::report(const v1::Job& job) {
+  const std::lock_guard lock(observer_mutex_);
+  if (observer_) observer_(job);
 }
 
 void Ledger::keep(const JobRecord& record, const std::string& why) {
@@ -108,6 +121,7 @@ bool Ledger::retry() {
     } catch (const std::exception&) {
       return false;  // reported when it was refused first
     }
+    report(record.job);
     const std::lock_guard lock(mutex_);
     if (const auto there = kept_.find(id);
         there != kept_.end() && there->second.job.state() == record.job.state())

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -9,6 +10,8 @@
 #include "server/jobs/job_store.hpp"
 
 namespace dccast::jobs {
+
+using JobObserver = std::function<void(const v1::Job&)>;
 
 /// What every job is. A transition is written to the job's event log, which is the truth, then to
 /// the store, which is an index, then as one line with its cause to the program's log. What the
@@ -28,6 +31,11 @@ public:
   void settle(JobRecord& record, v1::JobState to, const std::string& cause);
   /// Takes a job for what it is without writing anything: the store gets it with retry().
   void keep(const JobRecord& record, const std::string& why);
+  /// Has the observer called with every job that the store has in another state, or no more, by the
+  /// thread that changed it: it must not wait, nor ask for a job. An empty one ends that; the last
+  /// call has returned then.
+  void observe(JobObserver observer);
+  void report(const v1::Job& job);
   /// Lets watchers see the last transition.
   void announce(const std::string& job_id);
 
@@ -47,6 +55,8 @@ private:
 
   JobStore& store_;
   EventLogs& logs_;
+  std::mutex observer_mutex_;
+  JobObserver observer_;
   mutable std::mutex mutex_;               ///< of all below
   std::map<std::string, JobRecord> kept_;  ///< by job
   std::string trouble_;

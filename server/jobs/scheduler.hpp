@@ -108,6 +108,8 @@ public:
   /// The event log of a job that exists.
   std::shared_ptr<EventLog> log(const std::string& id);
   std::vector<v1::Job> list(const JobStore::Page& page);
+  /// See Ledger::observe().
+  void observe(JobObserver observer) { ledger_.observe(std::move(observer)); }
   Reply cancel(const std::string& id, const std::string& reason);
   Reply pause(const std::string& id);
   Reply resume(const std::string& id);

@@ -288,6 +288,7 @@ Reply Scheduler::remove(const std::string& id) {
   std::error_code error;
   if (removed) std::filesystem::remove_all(*removed, error);
   if (error) spdlog::warn("job {}: part of its folder is left: {}", id, error.message());
+  ledger_.report(record->job);
   spdlog::info("job {}: deleted by request", id);
   return {Reply::Kind::done, {}};
 }

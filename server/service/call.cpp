@@ -3,14 +3,18 @@
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace dccast::service {
 
-Call call_of(grpc::CallbackServerContext& context, LocalUsers& users) {
-  return {.caller = users.name_of(context.peer()),
+CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, LocalUsers& users)
+    : peer_(context.peer()), deadline_(context.deadline()), users_(&users) {}
+
+Call CallOrigin::call(std::function<bool()> cancelled) const {
+  return {.caller = users_->name_of(peer_),
           .role = Role::admin,
-          .deadline = context.deadline(),
-          .cancelled = [&context] { return context.IsCancelled(); }};
+          .deadline = deadline_,
+          .cancelled = std::move(cancelled)};
 }
 
 std::optional<grpc::Status> no_longer_wanted(const Call& call) {

@@ -4,23 +4,25 @@
 #include <chrono>
 #include <string>
 
+#include "server/intake/case_intake.hpp"
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
-#include "server/service/case_intake.hpp"
 #include "server/service/query_answers.hpp"
+#include "server/studies/studies.hpp"
 
 namespace dccast::service {
 
-/// What the handlers work with; owned by the daemon.
+/// What the calls work with; owned by the daemon.
 struct Context {
   jobs::Scheduler& scheduler;
   jobs::EventLogs& logs;
   jobs::JobStore& store;
-  const CaseIntake& intake;
+  studies::Studies& studies;
+  const intake::CaseIntake& intake;
   jobs::CheckerPool& checkers;
-  const CaseIntake& query_intake;
+  const intake::CaseIntake& query_intake;
   jobs::CheckerPool& query_workers;
   std::string solver;  ///< identity of the solver that the workers run; empty: not known
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders

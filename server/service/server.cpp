@@ -1,17 +1,21 @@
 #include "server/service/server.hpp"
 
+#include <google/protobuf/descriptor.h>
+#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
+#include <grpcpp/support/server_interceptor.h>
 
 #include <chrono>
 #include <functional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "server/service/grpc_trouble.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::service {
 
@@ -33,7 +37,7 @@ void end_idle_connections(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000);
 }
 
-/// Hands accepted connections to gRPC, see Door.
+/// Hands accepted connections to gRPC, see Listener.
 std::function<void(int)> hand_over(
     std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor) {
   return [acceptor = std::move(acceptor)](int connection) {
@@ -43,6 +47,56 @@ std::function<void(int)> hand_over(
   };
 }
 
+using grpc::experimental::InterceptionHookPoints;
+
+/// @param method  "/dccast.v1.SimulationService/GetJob"
+bool is_a_call_of_ours(const std::string& method) {
+  const std::string service = v1::SimulationService::service_full_name();
+  const auto* declared =
+      google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(service);
+  return declared != nullptr && method.starts_with("/" + service + "/") &&
+         declared->FindMethodByName(method.substr(service.size() + 2)) != nullptr;
+}
+
+grpc::Status readable_status(const std::string& method) {
+  if (is_a_call_of_ours(method))
+    return {
+        grpc::StatusCode::INVALID_ARGUMENT,
+        "the request of " + method +
+            " cannot be read as the message that service.proto names; use a client made from it"};
+  return {grpc::StatusCode::UNIMPLEMENTED, "dccastd has no call " + method};
+}
+
+/// Lives as long as its call.
+class Answer final : public grpc::experimental::Interceptor {
+public:
+  explicit Answer(std::string method) : method_(std::move(method)) {}
+
+  void Intercept(grpc::experimental::InterceptorBatchMethods* batch) override {
+    if (batch->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
+      const grpc::Status status = batch->GetSendStatus();
+      // No handler of ours answers so: each that refuses gives its reason.
+      if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_message().empty())
+        batch->ModifySendStatus(readable_status(method_));
+    }
+    batch->Proceed();
+  }
+
+private:
+  const std::string method_;
+};
+
+/// A request whose bytes are no message of its call never reaches its handler: gRPC answers
+/// UNIMPLEMENTED without a text, as it does to a call that is not there. This makes the first
+/// INVALID_ARGUMENT, and gives both a text.
+class UnreadableRequests final : public grpc::experimental::ServerInterceptorFactoryInterface {
+public:
+  grpc::experimental::Interceptor* CreateServerInterceptor(
+      grpc::experimental::ServerRpcInfo* call) override {
+    return new Answer(call->method());
+  }
+};
+
 std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors() {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> all;
   all.push_back(std::make_unique<UnreadableRequests>());
@@ -51,8 +105,14 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
 
 }  // namespace
 
-PublicServer::PublicServer(Context& context, studies::Studies& studies, const std::string& listen)
-    : socket_(listen), service_(context, studies, socket_.address()) {
+void log_grpc_as_debug() {
+  gpr_set_log_function([](gpr_log_func_args* line) {
+    spdlog::debug("gRPC {}:{}: {}", line->file, line->line, line->message);
+  });
+}
+
+PublicServer::PublicServer(Context& context, const std::string& listen)
+    : listener_(listen), service_(context, listener_.address()) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -65,9 +125,8 @@ PublicServer::PublicServer(Context& context, studies::Studies& studies, const st
   permit_pings(builder);
   end_idle_connections(builder);
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + socket_.address());
-  door_ = std::make_unique<Door>(socket_.descriptor(), context.maximum_connections,
-                                 hand_over(std::move(acceptor)));
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + listener_.address());
+  listener_.start(context.maximum_connections, hand_over(std::move(acceptor)));
 }
 
 PublicServer::~PublicServer() {
@@ -79,7 +138,7 @@ void PublicServer::announce_end() {
 }
 
 void PublicServer::shut_down() {
-  door_.reset();  // gRPC takes no connection once it ends
+  listener_.stop();  // gRPC takes no connection once it ends
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
   server_->Wait();
 }

@@ -2,26 +2,36 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/service.grpc.pb.h"
 #include "server/service/call.hpp"
 #include "server/service/context.hpp"
-#include "server/service/lanes.hpp"
-#include "server/service/study_handlers.hpp"
+#include "server/service/work_pool.hpp"
 
 namespace dccast::service {
 
-/// Hands every call of SimulationService to its handler. Callback API: no thread waits for a
-/// stream.
+/// The calls of SimulationService; their status codes stand in service.proto. A call checks its
+/// request, asks jobs, studies or intake, and puts the outcome into the response. Callback API: no
+/// thread waits for a stream, and what waits for the disk or computes does so in a lane.
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
   /// @param address  where it listens
-  SimulationService(Context& context, studies::Studies& studies, const std::string& address);
+  SimulationService(Context& context, const std::string& address);
 
   using Unary = grpc::ServerUnaryReactor;
   using Wire = grpc::CallbackServerContext;
+  template <class Message>
+  using Stream = grpc::ServerWriteReactor<Message>;
+
+  // cases.cpp
   Unary* ValidateCase(Wire*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
+  Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
+  Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
+
+  // jobs.cpp
   Unary* SubmitJob(Wire*, const v1::SubmitJobRequest*, v1::Job*) override;
   Unary* GetJob(Wire*, const v1::GetJobRequest*, v1::Job*) override;
   Unary* ListJobs(Wire*, const v1::ListJobsRequest*, v1::ListJobsResponse*) override;
@@ -29,7 +39,17 @@ public:
   Unary* PauseJob(Wire*, const v1::PauseJobRequest*, v1::Job*) override;
   Unary* ResumeJob(Wire*, const v1::ResumeJobRequest*, v1::Job*) override;
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
+  Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
+
+  // results.cpp
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
+  Stream<v1::FetchResultResponse>* FetchResult(Wire*, const v1::FetchResultRequest*) override;
+  Stream<v1::FetchResultResponse>* FetchStudy(Wire*, const v1::FetchStudyRequest*) override;
+
+  // queries.cpp
+  Stream<v1::QueryButtCurlResponse>* QueryButtCurl(Wire*, const v1::QueryButtCurlRequest*) override;
+
+  // studies.cpp
   Unary* CreateStudy(Wire*, const v1::CreateStudyRequest*, v1::Study*) override;
   Unary* GetStudy(Wire*, const v1::GetStudyRequest*, v1::Study*) override;
   Unary* ListStudies(Wire*, const v1::ListStudiesRequest*, v1::ListStudiesResponse*) override;
@@ -38,41 +58,23 @@ public:
   Unary* DeleteStudy(Wire*, const v1::DeleteStudyRequest*, v1::DeleteStudyResponse*) override;
   Unary* EvaluateStudy(Wire*, const v1::EvaluateStudyRequest*, v1::StudyResult*) override;
   Unary* PredictStudy(Wire*, const v1::PredictStudyRequest*, v1::Prediction*) override;
-  Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
-  Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
-  grpc::ServerWriteReactor<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
-  grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchResult(
-      Wire*, const v1::FetchResultRequest*) override;
-  grpc::ServerWriteReactor<v1::QueryButtCurlResponse>* QueryButtCurl(
-      Wire*, const v1::QueryButtCurlRequest*) override;
-  grpc::ServerWriteReactor<v1::FetchResultResponse>* FetchStudy(
-      Wire*, const v1::FetchStudyRequest*) override;
-  grpc::ServerWriteReactor<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
+  Stream<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:
-  /// A call on its way to a lane.
-  struct Pending {
-    Wire* wire;
-    Unary* reactor;
-    std::size_t bytes;  ///< of its request
+  /// A part of a call and the lane that does it. It may throw: guarded().
+  struct Stage {
+    WorkPool& lane;
+    std::function<grpc::Status(const Call&)> work;
   };
+  struct UnaryCall;
 
-  /// Does `work` in a lane, for a call that is still wanted then, and `then` when it is over
-  /// without a fault; else answers why not.
-  void in_lane(WorkPool& lane, const Pending& pending,
-               std::function<grpc::Status(const Call&)> work, std::function<void()> then);
-  /// Answers by a handler in a lane.
-  template <class Of, class Request, class Response>
-  Unary* answer(WorkPool& lane, Wire* wire, Of& context, const Request* request, Response* response,
-                grpc::Status (*handler)(Of&, const Call&, const Request&, Response&));
-  template <class Request, class Response>
-  Unary* answer(WorkPool& lane, Wire* wire, const Request* request, Response* response,
-                grpc::Status (*handler)(Context&, const Call&, const Request&, Response&)) {
-    return answer(lane, wire, context_, request, response, handler);
-  }
+  /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends it.
+  /// @param request  lives as long as the call
+  Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
+  void do_stage(std::shared_ptr<const UnaryCall> call, std::size_t number);
+  CallOrigin origin_of(const Wire* wire) { return {*wire, users_}; }
 
   Context& context_;
-  StudyContext studies_;
   LocalUsers users_;
   Lanes lanes_;
 };

@@ -30,15 +30,6 @@ grpc::Status disk_refuses(const std::string& what) {
       what + "; the server's data directory takes nothing more: free space there, then try again"};
 }
 
-grpc::Status no_uuid(const std::string& given, const std::string& of_what,
-                     const std::string& origin) {
-  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
-  std::string message = "\"";
-  message += values::escaped(values::shortened(given));
-  message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
-  return {grpc::StatusCode::INVALID_ARGUMENT, message};
-}
-
 grpc::Status internal(const std::string& what) {
   const std::string shown = values::escaped(what, values::Lines::several);
   spdlog::error("{}", values::escaped(what));
@@ -126,33 +117,19 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
   }
 }
 
-grpc::Status check_id(const std::string& id) {
-  if (values::is_uuid(id)) return grpc::Status::OK;
-  return no_uuid(id, "job", "as SubmitJob and ListJobs give it");
-}
-
-grpc::Status check_study(const std::string& study) {
-  if (study.empty() || values::is_uuid(study)) return grpc::Status::OK;
-  return no_uuid(study, "study", "chosen by who submits the first job of the study");
-}
-
 grpc::Status too_many_waiting() {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED,
           "too many calls of this kind are waiting already; try again in a moment"};
 }
 
-grpc::Status check_text(const std::string& name, const std::string& text) {
-  if (const std::string fault = values::too_long(name, text); !fault.empty())
-    return {grpc::StatusCode::INVALID_ARGUMENT, fault};
-  if (const auto character = values::unprintable(text))
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            name + " contains " + *character + "; leave that character out"};
-  return grpc::Status::OK;
-}
-
 grpc::Status job_not_found(const std::string& id) {
   return {grpc::StatusCode::NOT_FOUND,
           "there is no job " + id + " here; ListJobs names those there are"};
+}
+
+grpc::Status study_not_found(const std::string& id) {
+  return {grpc::StatusCode::NOT_FOUND,
+          "there is no study " + id + " here; ListStudies names those there are"};
 }
 
 grpc::Status wrong_state(const v1::Job& job, const std::string& remedy) {
@@ -180,14 +157,25 @@ grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict) {
   return {grpc::StatusCode::INVALID_ARGUMENT, message, details.SerializeAsString()};
 }
 
-grpc::Status answer(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
-                    v1::Job* job) {
+grpc::Status status_of(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
+                       v1::Job* job) {
   if (reply.kind == jobs::Reply::Kind::not_found) return job_not_found(id);
   if (reply.kind == jobs::Reply::Kind::wrong_state) return wrong_state(reply.job, remedy);
   if (reply.kind == jobs::Reply::Kind::being_cancelled)
     return {grpc::StatusCode::ABORTED,
             "job " + id + " is being cancelled; try again when its worker has left it"};
   if (job != nullptr) *job = reply.job;
+  return grpc::Status::OK;
+}
+
+grpc::Status status_of(const studies::StudyReply& reply, const std::string& id,
+                       const std::string& remedy, v1::Study* study) {
+  using Kind = studies::StudyReply::Kind;
+  if (reply.kind == Kind::not_found) return study_not_found(id);
+  if (reply.kind == Kind::wrong_state)
+    return {grpc::StatusCode::FAILED_PRECONDITION,
+            "study " + id + " is " + v1::StudyState_Name(reply.study.state()) + "; " + remedy};
+  if (study != nullptr) *study = reply.study;
   return grpc::Status::OK;
 }
 

@@ -7,26 +7,18 @@
 
 #include "dccast/v1/service.pb.h"
 #include "server/jobs/scheduler.hpp"
+#include "server/studies/studies.hpp"
 
 namespace dccast::service {
 
 /// Runs a handler; what it throws becomes a status with a remedy. Nothing gets past it.
 grpc::Status guarded(const std::function<grpc::Status()>& handler);
 
-/// OK, or INVALID_ARGUMENT when this is no job id at all.
-grpc::Status check_id(const std::string& id);
-
-/// OK, or INVALID_ARGUMENT when this is neither a study id nor empty.
-grpc::Status check_study(const std::string& study);
-
-/// INVALID_ARGUMENT for a free text of a request that is too long, or is not one line that can be
-/// shown.
-grpc::Status check_text(const std::string& name, const std::string& text);
-
 /// RESOURCE_EXHAUSTED: the lane of this call is full.
 grpc::Status too_many_waiting();
 
 grpc::Status job_not_found(const std::string& id);
+grpc::Status study_not_found(const std::string& id);
 
 /// FAILED_PRECONDITION: the job's state does not permit it. @param remedy  what to do with a job
 /// that has not ended; one that has can only be submitted again
@@ -37,8 +29,11 @@ grpc::Status wrong_state(const v1::Job& job, const std::string& remedy);
 /// message says so.
 grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict);
 
-/// Puts a Reply into the answer: OK, NOT_FOUND, or wrong_state() with this remedy.
-grpc::Status answer(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
-                    v1::Job* job);
+/// Puts a reply into the answer: OK, NOT_FOUND, or FAILED_PRECONDITION with this remedy.
+/// @param job, study  may be null
+grpc::Status status_of(const jobs::Reply& reply, const std::string& id, const std::string& remedy,
+                       v1::Job* job);
+grpc::Status status_of(const studies::StudyReply& reply, const std::string& id,
+                       const std::string& remedy, v1::Study* study);
 
 }  // namespace dccast::service

@@ -45,7 +45,7 @@ void WorkPool::run() {
     try {
       work();
     } catch (const std::exception& error) {
-      // Whoever posts catches what it can name to its caller; this is what nobody foresaw.
+      // Posted work answers its caller for what it throws; this was not foreseen.
       spdlog::critical("posted work has thrown: {}", error.what());
     }
   }

@@ -76,11 +76,17 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     const std::lock_guard lock(plans_mutex_);
     if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
   }
-  const SolvedRun solved = desk_.solved(
-      job.id(), {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
-  const auto face = std::make_shared<const RunFace>(
-      RunFace{solved.complete.section(),
-              frames::steady_face(frames::contraction_of(solved.complete, solved.frame))});
+  v1::Case complete;
+  const auto kept = jobs_.complete_case(job.id());
+  if (!kept || !complete.ParseFromString(*kept))
+    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                   "the case of job " + job.id() +
+                                       " cannot be read from the job store");
+  const auto last = intake_.stored_frame(
+      options_.jobs_directory / job.id(), 0,
+      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  const auto face = std::make_shared<const RunFace>(RunFace{
+      complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
   const std::lock_guard lock(plans_mutex_);
   if (faces_.size() >= most_faces) faces_.erase(faces_.begin());
   faces_[job.id()] = face;
@@ -158,14 +164,13 @@ std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& re
                               [&] { return evaluated_runs(*record, {.histories = true}); });
 }
 
-bool Studies::ready_surface(const std::string& id) {
+void Studies::ready_surface(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record || !record->request.has_sweep()) return false;
+  if (!record || !record->request.has_sweep()) return;
   const RunCounts counts = store_.counts(id);
   const bool running = counts.ended() < counts.all();
   predictions_.prepare(*record, counts.of(v1::SUCCEEDED), running,
                        [&] { return evaluated_runs(*record, {.histories = true}); });
-  return running;
 }
 
 }  // namespace dccast::studies

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace dccast::studies {
@@ -31,5 +32,37 @@ struct OpeningBounds {
 /// @pre         three segments of the spacing fit into the length
 MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
                              const OpeningBounds& bounds);
+
+/// A mould that was cast in and the cold slab that came out of it, along the wide face.
+struct MouldTrial {
+  std::vector<double> x;        ///< [m] rising from the middle of the face
+  std::vector<double> opening;  ///< [m] half, by x
+  std::vector<double> cold;     ///< [m] half-thickness of the cold slab, by x
+
+  double residual(double wanted) const;  ///< [m] the largest distance from it
+};
+
+/// The flat slab that is wanted.
+struct MouldTarget {
+  double wanted = 0.0;     ///< [m] half-thickness of the cold slab
+  double tolerance = 0.0;  ///< [m] of it, anywhere along the face
+  OpeningBounds bounds{};
+};
+
+/// The trial whose slab is nearest to what is wanted; null without trials.
+const MouldTrial* best_trial(const std::vector<MouldTrial>& history, double wanted);
+
+/// The opening to cast in next, as mould makers correct one: that of the best trial, and what its
+/// cold slab lacks everywhere, brought back to three segments.
+///
+/// How much of a change of the opening the slab follows is not known at first and taken as all of
+/// it. With two trials or more, the share s of a change that contraction eats is fitted to all
+/// changes between trials in a row (least squares over the face), and the correction divided by
+/// 1 - s: the secant of the one unknown that matters.
+///
+/// @return  nothing when the search is over: a trial is within the tolerance, or three segments
+///          promise no slab that is nearer to flat by a tenth
+std::optional<MouldOpening> next_opening(const std::vector<MouldTrial>& history,
+                                         const MouldTarget& target);
 
 }  // namespace dccast::studies

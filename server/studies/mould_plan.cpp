@@ -6,8 +6,8 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
-#include "server/studies/next_opening.hpp"
-#include "server/studies/plans.hpp"
+#include "server/studies/mould_opening.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

@@ -11,7 +11,7 @@
 
 #include "dccast/v1/service.pb.h"
 #include "server/studies/study_plan.hpp"
-#include "server/studies/study_record.hpp"
+#include "server/studies/study_file.hpp"
 
 namespace dccast::studies {
 

@@ -6,7 +6,7 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/studies/extrapolation.hpp"
-#include "server/studies/plans.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

@@ -85,13 +85,16 @@ std::vector<RunRecord> runs_to_queue(int count) {
   return runs;
 }
 
-Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk)
+Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
+                 jobs::JobStore& jobs, const intake::CaseIntake& intake)
     : options_(std::move(options)),
       store_(store),
       scheduler_(scheduler),
-      desk_(std::move(desk)),
-      notifier_([&store] { return store.version(); }),
-      surface_keeper_([this](const std::string& id) { return ready_surface(id); }) {}
+      jobs_(jobs),
+      intake_(intake),
+      surface_keeper_([this](const std::string& id) { ready_surface(id); }) {
+  scheduler_.observe([this](const v1::Job& job) { on_job(job); });
+}
 
 Studies::~Studies() {
   stop();
@@ -109,10 +112,11 @@ void Studies::start() {
   feeder_ = std::jthread([this](const std::stop_token& stop) { feed(stop); });
   constexpr int likely_asked = 5;  // of the studies that are there, the newest
   for (const StudyRecord& study : store_.list({.size = likely_asked}))
-    surface_keeper_.follow(study.id);
+    surface_keeper_.look_at(study.id);
 }
 
 void Studies::stop() {
+  scheduler_.observe({});
   surface_keeper_.stop();
   if (!feeder_.joinable()) return;
   feeder_.request_stop();
@@ -120,7 +124,7 @@ void Studies::stop() {
 }
 
 v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::string& owner) {
-  const std::string sha256 = desk_.fingerprint(request.case_(), request.attachments());
+  const std::string sha256 = intake::fingerprint(request.case_(), request.attachments());
   const std::lock_guard lock(requests_mutex_);
   if (!request.request_id().empty())
     if (auto there = store_.find_request(request.request_id()))
@@ -145,7 +149,6 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::
                                " already; choose a new request_id");
   write_study_file(options_.directory, record);
   spdlog::info("study {}: {} runs", record.id, runs);
-  surface_keeper_.follow(record.id);
   wake_feeder();
   return view(record);
 }
@@ -170,7 +173,6 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
   for (const RunRecord& run : store_.runs(record.id))
     if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run.number);
   store_.queue_again(record.id, deleted);
-  surface_keeper_.follow(record.id);
   wake_feeder();
   return view(record);
 }
@@ -224,7 +226,7 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   }
   for (const auto& [job, about] : jobs_of(id))
     if (!jobs::is_terminal(about.state())) scheduler_.cancel(job, reason);
-  notifier_.note(id);
+  note_change(id);
   return {StudyReply::Kind::done, view(store_.find(id).value_or(*record))};
 }
 
@@ -242,8 +244,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run.number);
   }
   store_.queue_again(id, again);
-  notifier_.note(id);
-  surface_keeper_.follow(id);
+  note_change(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};
 }
@@ -258,7 +259,7 @@ StudyReply Studies::remove(const std::string& id) {
     if (!jobs::is_terminal(about.state())) return {StudyReply::Kind::wrong_state, study};
   store_.begin_removal(id);
   remove_now(id);
-  notifier_.note(id);
+  note_change(id);
   spdlog::info("study {}: deleted by request", id);
   return {StudyReply::Kind::done};
 }

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/intake/case_intake.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
@@ -25,32 +26,9 @@
 
 namespace dccast::studies {
 
-/// A case with defaults and alloy card, and what is wrong with it.
-struct ExaminedRun {
-  v1::Case complete;
-  std::vector<v1::Fault> faults;
-};
-
-/// A run that succeeded: its case with defaults and alloy card, and the last frame of its results.
-struct SolvedRun {
-  v1::Case complete;
-  v1::Frame frame;
-};
-
-/// What studies need to know of cases; the service knows it.
-struct CaseDesk {
-  std::function<ExaminedRun(const v1::Case&, const jobs::Attachments&, const jobs::Patience&)>
-      examine;
-  /// SHA-256 of a case and its attachments.
-  std::function<std::string(const v1::Case&, const jobs::Attachments&)> fingerprint;
-  /// What two complete cases with the same answer have in common.
-  std::function<std::string(const v1::Case&, const jobs::Attachments&)> answer_key;
-  /// @throws jobs::WorkerDidNotAnswer
-  std::function<SolvedRun(const std::string& job, const jobs::Patience&)> solved;
-};
-
 struct StudyOptions {
-  std::filesystem::path directory;  ///< of the study files
+  std::filesystem::path directory;       ///< of the study files
+  std::filesystem::path jobs_directory;  ///< of the jobs' folders
   int waiting = 16;                 ///< jobs of one study that wait in the queue at once
   std::chrono::milliseconds check_timeout{30000};
 };
@@ -69,14 +47,16 @@ struct StudyReply {
 /// nothing then.
 class Studies {
 public:
-  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, CaseDesk desk);
+  /// @param jobs  where the complete cases of runs are
+  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
+          jobs::JobStore& jobs, const intake::CaseIntake& intake);
   ~Studies();
 
   /// Puts in order what the last daemon left; before start().
   void recover();
   /// Begins to queue runs.
   void start();
-  /// Queues no further run and tells no watcher any more.
+  /// Queues no further run and wakes no watcher any more.
   void stop();
 
   /// The study of a request whose plan and cases are sound. With a request_id that is known: that
@@ -113,7 +93,9 @@ private:
   /// Nothing when the run was cancelled meanwhile.
   void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
   void wake_feeder();
-  bool rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most);
+  void on_job(const v1::Job& job);
+  void note_change(const std::string& id);
+  void rest(const std::stop_token& stop, std::chrono::steady_clock::duration most);
 
   v1::Study view(const StudyRecord& record);
   std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);
@@ -133,15 +115,16 @@ private:
     int before = INT_MAX;  ///< only runs of a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
-  /// Has the response surface of a sweep built. @return whether it may get more runs
-  bool ready_surface(const std::string& id);
+  /// Has the response surface of a sweep built, of the runs that have succeeded.
+  void ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);
   void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
 
   const StudyOptions options_;
   StudyStore& store_;
   jobs::Scheduler& scheduler_;
-  const CaseDesk desk_;
+  jobs::JobStore& jobs_;
+  const intake::CaseIntake& intake_;
   StudyNotifier notifier_;
   Predictions predictions_;
 
@@ -154,7 +137,7 @@ private:
   std::map<std::string, std::shared_ptr<const RunFace>> faces_;         ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
-  bool feeder_has_news_ = true;
+  bool feeder_woken_ = true;
   std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a checker
   std::jthread feeder_;
   SurfaceKeeper surface_keeper_;

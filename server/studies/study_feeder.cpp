@@ -15,9 +15,8 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr std::chrono::seconds try_again{1};            // after the queue or the disk took nothing
-constexpr std::chrono::milliseconds look_interval{50};  // for jobs that have left the queue
-constexpr int most_unanswered = 3;                      // checks of one run
+constexpr std::chrono::seconds try_again{1};  // after the queue or the disk took nothing
+constexpr int most_unanswered = 3;            // checks of one run
 
 std::string text_of(const v1::Fault& fault) {
   std::string text =
@@ -30,7 +29,7 @@ jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
   jobs::NewJob job;
   job.study = study.id;
   job.title = planned.description.title();
-  // A study must not stand in the way of a question, unless it is told to.
+  // A study must not stand in the way of a question, unless its request sets a priority.
   job.priority =
       study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
   job.owner = study.owner;
@@ -45,32 +44,35 @@ jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
 
 void Studies::wake_feeder() {
   const std::lock_guard lock(feeder_mutex_);
-  feeder_has_news_ = true;
+  feeder_woken_ = true;
   feeder_wake_.notify_all();
 }
 
-/// Waits for news, at most so long. @return whether there is some, or the end
-bool Studies::rest(const std::stop_token& stop, std::optional<std::chrono::milliseconds> most) {
+/// A job of a study is in another state: there may be room for the next run, or a reason for it.
+void Studies::on_job(const v1::Job& job) {
+  if (job.study().empty()) return;
+  note_change(job.study());
+  wake_feeder();
+}
+
+void Studies::note_change(const std::string& id) {
+  notifier_.note(id);
+  surface_keeper_.look_at(id);
+}
+
+/// Waits until it is woken, at most so long.
+void Studies::rest(const std::stop_token& stop, std::chrono::steady_clock::duration most) {
   std::unique_lock lock(feeder_mutex_);
-  const auto has_news = [this] { return feeder_has_news_; };
-  if (most)
-    feeder_wake_.wait_for(lock, stop, *most, has_news);
-  else
-    feeder_wake_.wait(lock, stop, has_news);
-  return std::exchange(feeder_has_news_, false) || stop.stop_requested();
+  feeder_wake_.wait_for(lock, stop, most, [this] { return feeder_woken_; });
+  feeder_woken_ = false;
 }
 
 void Studies::feed(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     try {
-      const std::int64_t seen = store_.version();
       while (feed_round() && !stop.stop_requested()) {
       }
-      // Runs are left that wait for room: until a job has left the queue nothing can be done.
-      const bool some_left = !store_.to_feed().empty();
-      while (some_left && !rest(stop, look_interval) && store_.version() == seen) {
-      }
-      if (!some_left) rest(stop, std::nullopt);
+      rest(stop, std::chrono::hours(24));
     } catch (const std::exception& error) {
       spdlog::warn("studies wait to be queued: {}", error.what());
       rest(stop, try_again);
@@ -94,7 +96,7 @@ bool Studies::feed_study(const std::string& id) {
   const auto plan = plan_of(*study);
   const Fed fed = run->number < plan->runs() ? feed_run(*study, *run, plan->run(run->number))
                                              : feed_grown(*study, *plan, *run);
-  notifier_.note(id);
+  note_change(id);
   return fed != Fed::later;
 }
 
@@ -122,22 +124,22 @@ Studies::Fed Studies::not_needed(const StudyRecord& study, const RunRecord& run)
 }
 
 Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned) {
-  ExaminedRun examined;
+  intake::ExaminedCase examined;
   try {
     examined =
-        desk_.examine(planned.description, study.request.attachments(),
-                      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+        intake_.examine(planned.description, study.request.attachments(), {},
+                        {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     return not_examined(study, run, error);
   }
-  if (!examined.faults.empty()) {
-    refuse(study, run, planned.name + " is refused: " + text_of(examined.faults.front()));
+  if (examined.verdict.faults_size() > 0) {
+    refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
     return Fed::refused;
   }
   jobs::NewJob job = new_job(study, planned);
-  job.case_sha256 = desk_.fingerprint(planned.description, study.request.attachments());
+  job.case_sha256 = intake::fingerprint(planned.description, study.request.attachments());
   job.complete_case = examined.complete.SerializeAsString();
-  job.answer_key = desk_.answer_key(examined.complete, study.request.attachments());
+  job.answer_key = intake::answer_key(examined.complete, study.request.attachments());
   try {
     make_job(study, std::move(run), planned.key, std::move(job));
   } catch (const jobs::RequestIdTaken& error) {

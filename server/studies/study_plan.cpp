@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "server/studies/plans.hpp"
 
 namespace dccast::studies {
 

@@ -151,13 +151,6 @@ std::vector<std::string> StudyStore::select_ids(const std::string& sql) {
   return ids;
 }
 
-std::int64_t StudyStore::version() {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, "PRAGMA data_version");
-  statement.step();
-  return statement.integer(0);
-}
-
 std::vector<std::string> StudyStore::ids() {
   return select_ids("SELECT id FROM study WHERE removing = 0");
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/jobs/sqlite.hpp"
-#include "server/studies/study_record.hpp"
+#include "server/studies/study_file.hpp"
 
 namespace dccast::studies {
 
@@ -36,14 +36,12 @@ public:
   bool insert(const StudyRecord& record, const std::vector<RunRecord>& runs);
   /// Replaces the request and adds runs.
   void extend(const StudyRecord& record, const std::vector<RunRecord>& more);
-  /// Marks a study whose removal has begun; nothing but removing() tells of it from then on.
+  /// Marks a study whose removal has begun; only removing() returns it from then on.
   void begin_removal(const std::string& id);
   void erase(const std::string& id);
 
   std::optional<StudyRecord> find(const std::string& id);
   std::optional<StudyRecord> find_request(const std::string& request_id);
-  /// Changes whenever somebody else has written to the file: when jobs have changed.
-  std::int64_t version();
   std::vector<std::string> ids();
   std::vector<std::string> removing();
 

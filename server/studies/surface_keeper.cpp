@@ -13,7 +13,8 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr std::chrono::milliseconds look_interval{500};
+// Runs that end within it are taken together.
+constexpr std::chrono::milliseconds least_interval{500};
 
 /// On Linux the priority is that of a thread. Where it cannot be lowered the thread works on.
 void step_back() {
@@ -27,9 +28,9 @@ void step_back() {
 SurfaceKeeper::SurfaceKeeper(Ready ready)
     : ready_(std::move(ready)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-void SurfaceKeeper::follow(const std::string& study) {
+void SurfaceKeeper::look_at(const std::string& study) {
   const std::lock_guard lock(mutex_);
-  followed_.insert(study);
+  to_look_at_.insert(study);
   changed_.notify_all();
 }
 
@@ -39,12 +40,11 @@ void SurfaceKeeper::stop() {
 }
 
 /// What cannot be built now is built when it is asked for.
-bool SurfaceKeeper::may_get_more(const std::string& study) const {
+void SurfaceKeeper::build(const std::string& study) const {
   try {
-    return ready_(study);
+    ready_(study);
   } catch (const std::exception& error) {
     spdlog::warn("study {}: no response surface yet: {}", study, error.what());
-    return false;
   }
 }
 
@@ -52,16 +52,13 @@ void SurfaceKeeper::run(const std::stop_token& stop) {
   step_back();
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    changed_.wait(lock, stop, [this] { return !followed_.empty(); });
-    const std::set<std::string> studies = std::exchange(followed_, {});
-    std::set<std::string> go_on;
+    changed_.wait(lock, stop, [this] { return !to_look_at_.empty(); });
+    const std::set<std::string> studies = std::exchange(to_look_at_, {});
     lock.unlock();
     for (const std::string& study : studies)
-      if (!stop.stop_requested() && may_get_more(study)) go_on.insert(study);
+      if (!stop.stop_requested()) build(study);
     lock.lock();
-    followed_.merge(go_on);
-    if (!followed_.empty())
-      changed_.wait_for(lock, stop, look_interval, [] { return false; });  // or the end
+    changed_.wait_for(lock, stop, least_interval, [] { return false; });  // or the end
   }
 }
 

@@ -13,7 +13,7 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "server/studies/plans.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

@@ -11,16 +11,16 @@
 namespace dccast::studies {
 namespace {
 
-/// Studies that get no more runs after some looks.
+/// Looks at studies, counted.
 struct Looks {
   std::mutex mutex;
   std::condition_variable changed;
   std::map<std::string, int> of;
 
-  bool look(const std::string& study, int most) {
+  void look(const std::string& study) {
     const std::lock_guard lock(mutex);
+    ++of[study];
     changed.notify_all();
-    return ++of[study] < most;
   }
   bool until(const std::string& study, int count) {
     std::unique_lock lock(mutex);
@@ -28,33 +28,35 @@ struct Looks {
   }
 };
 
-TEST(SurfaceKeeper, LooksUntilAStudyGetsNoMoreRuns) {
+TEST(SurfaceKeeper, LooksAtAStudyOnceForEachTimeItChanges) {
   Looks looks;
-  SurfaceKeeper keeper([&](const std::string& study) { return looks.look(study, 2); });
-  keeper.follow("a");
-  ASSERT_TRUE(looks.until("a", 2));
-  keeper.follow("b");
+  SurfaceKeeper keeper([&](const std::string& study) { looks.look(study); });
+  keeper.look_at("a");
+  ASSERT_TRUE(looks.until("a", 1));
+  keeper.look_at("b");
+  ASSERT_TRUE(looks.until("b", 1));
+  keeper.look_at("b");
   ASSERT_TRUE(looks.until("b", 2));
   keeper.stop();
-  EXPECT_EQ(looks.of["a"], 2);
+  EXPECT_EQ(looks.of["a"], 1);
 }
 
 TEST(SurfaceKeeper, WhatCannotBeBuiltEndsNothing) {
   Looks looks;
-  SurfaceKeeper keeper([&](const std::string& study) -> bool {
-    looks.look(study, 1);
+  SurfaceKeeper keeper([&](const std::string& study) {
+    looks.look(study);
     throw std::runtime_error("the disk is gone");
   });
-  keeper.follow("a");
+  keeper.look_at("a");
   ASSERT_TRUE(looks.until("a", 1));
-  keeper.follow("b");
+  keeper.look_at("b");
   EXPECT_TRUE(looks.until("b", 1));
 }
 
 TEST(SurfaceKeeper, EndsWithoutAStudy) {
-  SurfaceKeeper keeper([](const std::string&) { return true; });
+  SurfaceKeeper keeper([](const std::string&) {});
   keeper.stop();
-  keeper.follow("a");
+  keeper.look_at("a");
 }
 
 }  // namespace

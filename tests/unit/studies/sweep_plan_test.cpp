@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "server/studies/plans.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 namespace {

@@ -1,0 +1,225 @@
+#include "server/intake/case_intake.hpp"
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/json_util.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "dccast/v1/worker.pb.h"
+#include "proto/case_file/case_file.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
+#include "server/intake/attachment_names.hpp"
+
+namespace dccast::intake {
+
+namespace {
+
+/// Parses what the worker program answered. @throws jobs::WorkerDidNotAnswer
+template <class Message>
+Message parsed(const std::string& bytes) {
+  Message message;
+  if (!message.ParseFromString(bytes))
+    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                   "the checker's answer cannot be read");
+  return message;
+}
+
+/// What the core would find is not known until the first fault is fixed.
+void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
+  v1::Fault& waiting = *verdict.add_warnings();
+  waiting.set_field(verdict.faults(0).field());
+  waiting.set_message("further checks wait until this is fixed");
+}
+
+/// Adds the core's faults, save those of keys that have one already.
+void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict) {
+  std::set<std::string> faulty;
+  for (const v1::Fault& fault : verdict.faults()) faulty.insert(fault.field());
+  for (v1::Fault& fault : *from_core.mutable_faults())
+    if (!faulty.contains(fault.field())) *verdict.add_faults() = std::move(fault);
+  verdict.mutable_warnings()->MergeFrom(from_core.warnings());
+  if (verdict.faults_size() == 0 && from_core.has_estimate())
+    *verdict.mutable_estimate() = from_core.estimate();
+  *verdict.mutable_findings() = std::move(*from_core.mutable_findings());
+}
+
+std::string gigabytes(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g GB", bytes * 1e-9);
+  return text;
+}
+
+void add_fault(v1::ValidateCaseResponse& verdict, const char* field, const std::string& value,
+               const std::string& most, const std::string& setting, const std::string& remedy) {
+  v1::Fault& fault = *verdict.add_faults();
+  fault.set_field(field);
+  fault.set_value(value);
+  fault.set_message("the case has " + value + ", more than this dccastd takes");
+  fault.set_permitted("at most " + most);
+  fault.set_remedy(remedy + ", or have " + setting + " raised in the settings of dccastd");
+}
+
+/// Faults instead of the estimate when it is beyond a ceiling.
+void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
+  if (!verdict.has_estimate()) return;
+  const auto& estimate = verdict.estimate();
+  const char* coarser = "make the mesh coarser";
+  if (estimate.nodes() > ceilings.nodes)
+    add_fault(verdict, "mesh", std::to_string(estimate.nodes()) + " nodes at its end",
+              std::to_string(ceilings.nodes), "maximum_nodes", coarser);
+  if (estimate.steps() > ceilings.steps)
+    add_fault(verdict, "time", std::to_string(estimate.steps()) + " steps",
+              std::to_string(ceilings.steps), "maximum_steps", "take longer steps");
+  if (estimate.memory_bytes() > ceilings.memory_bytes)
+    add_fault(verdict, "mesh", gigabytes(estimate.memory_bytes()) + " of estimated memory",
+              gigabytes(ceilings.memory_bytes), "maximum_memory", coarser);
+  if (verdict.faults_size() > 0) verdict.clear_estimate();
+}
+
+std::string printable(const std::string& text) {
+  return values::escaped(text, values::Lines::several);
+}
+
+}  // namespace
+
+double memory_per_worker(int workers) {
+  double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  std::ifstream group("/sys/fs/cgroup/memory.max");
+  if (double permitted = 0.0; group >> permitted) memory = std::min(memory, permitted);
+  return 0.9 * memory / std::max(workers, 1);
+}
+
+CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+                       std::filesystem::path check_directory, const Ceilings& ceilings)
+    : checkers_(checkers),
+      alloy_directory_(std::move(alloy_directory)),
+      check_directory_(std::move(check_directory)),
+      ceilings_(ceilings) {
+  for (const std::string& name : case_file::alloy_names(alloy_directory_)) {
+    const auto card = case_file::alloy_card(name, alloy_directory_);
+    if (!card.ok())
+      throw std::runtime_error("alloy card " + name + ": " + card.faults.front().field() + ": " +
+                               card.faults.front().message());
+    alloys_.push_back(card.alloy);
+  }
+}
+
+ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
+                                 std::vector<std::string> faulty_keys,
+                                 const jobs::Patience& patience, jobs::Question question) const {
+  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), patience, question);
+  make_printable(examined.verdict);  // it repeats values that are refused for what they hold
+  return examined;
+}
+
+ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
+                                std::vector<std::string> faulty_keys,
+                                const jobs::Patience& patience, jobs::Question question) const {
+  ExaminedCase examined{submitted, {}};
+  v1::ValidateCaseResponse& verdict = examined.verdict;
+  check_attachment_names(submitted, attachments, verdict);
+  const bool can_be_stored = std::ranges::none_of(
+      verdict.faults(), [](const v1::Fault& fault) { return fault.field() == attachments_field; });
+  for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
+  for (const v1::Fault& fault : verdict.faults()) faulty_keys.push_back(fault.field());
+  if (!can_be_stored) {
+    note_that_checks_wait(verdict);
+    return examined;
+  }
+  try {
+    merge(ask_core(question, examined.complete, attachments, faulty_keys, patience), verdict);
+  } catch (const jobs::WorkerDidNotAnswer&) {
+    if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
+    note_that_checks_wait(verdict);
+  }
+  hold_against(ceilings_, verdict);
+  return examined;
+}
+
+std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
+  case_file::apply_defaults(submitted);
+  const auto card = this->card(submitted.alloy().card());
+  if (card.ok()) case_file::complete_alloy(card.alloy, *submitted.mutable_alloy());
+  std::vector<v1::Fault> faults = card.faults;
+  const auto ranges = case_file::check_ranges(submitted);
+  faults.insert(faults.end(), ranges.begin(), ranges.end());
+  return faults;
+}
+
+// Those that are there were read at the start; reading one takes longer than a whole check.
+case_file::AlloyCard CaseIntake::card(const std::string& name) const {
+  const auto found =
+      std::ranges::find(alloys_, name, [](const v1::Alloy& alloy) { return alloy.card(); });
+  if (found != alloys_.end()) return {*found, {}};
+  return case_file::alloy_card(name, alloy_directory_);
+}
+
+v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Case& complete,
+                                              const jobs::Attachments& attachments,
+                                              const std::vector<std::string>& faulty_keys,
+                                              const jobs::Patience& patience) const {
+  std::optional<jobs::CheckFolder> folder;
+  if (!attachments.empty()) folder.emplace(check_directory_, attachments);
+  v1::WorkerOrder question;
+  *question.mutable_case_() = complete;
+  question.set_directory(folder ? folder->path() : check_directory_);
+  *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
+  return parsed<v1::ValidateCaseResponse>(
+      checkers_.ask(asked, question.SerializeAsString(), patience));
+}
+
+v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
+                                                 int number, const jobs::Patience& patience) const {
+  const std::string question = std::to_string(number) + " " + job_folder.string();
+  return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, patience));
+}
+
+std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);
+  if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
+  std::set<std::string> files;  // in any order they are the same files
+  for (const v1::Attachment& attachment : attachments)
+    files.insert(attachment.name() + " " + values::sha256(attachment.content()));
+  for (const std::string& file : files) text += "\n" + file;
+  return values::sha256(text);
+}
+
+std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) {
+  complete.clear_title();
+  complete.clear_checkpoint();
+  return fingerprint(complete, attachments);
+}
+
+void make_printable(google::protobuf::Message& message) {
+  using google::protobuf::FieldDescriptor;
+  const auto* reflection = message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const bool text = field->type() == FieldDescriptor::TYPE_STRING;
+    const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
+    for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {
+      if (text && field->is_repeated())
+        reflection->SetRepeatedString(
+            &message, field, i, printable(reflection->GetRepeatedString(message, field, i)));
+      else if (text)
+        reflection->SetString(&message, field, printable(reflection->GetString(message, field)));
+      else
+        make_printable(field->is_repeated()
+                           ? *reflection->MutableRepeatedMessage(&message, field, i)
+                           : *reflection->MutableMessage(&message, field));
+    }
+  }
+}
+
+}  // namespace dccast::intake

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/service.pb.h"
+#include "proto/case_file/alloy_cards.hpp"
+#include "server/jobs/checker_pool.hpp"
+#include "server/jobs/job_folder.hpp"
+
+namespace dccast::intake {
+
+/// How large a case may be here, whatever it permits itself.
+struct Ceilings {
+  std::int64_t nodes = 0;  ///< at its end
+  std::int64_t steps = 0;
+  double memory_bytes = 0.0;  ///< as estimated
+};
+
+/// The memory each of so many workers can have on this machine: its memory, or what the control
+/// group leaves of it, less a tenth for everything else [bytes].
+double memory_per_worker(int workers);
+
+/// A case with its defaults and its alloy filled in, and what is wrong with it.
+struct ExaminedCase {
+  v1::Case complete;
+  v1::ValidateCaseResponse verdict;
+};
+
+/// Examines cases before they are queued. What single values permit is checked here by the schema;
+/// how they fit together is checked by the core, in a checker: a mesh or temperature file that
+/// brings it down costs one answer.
+class CaseIntake {
+public:
+  /// @param checkers         outlives this object
+  /// @param alloy_directory  further alloy cards; empty: only those that are built in
+  /// @param check_directory  where attachments are put while a case is checked
+  /// @throws std::runtime_error  an alloy card has faults
+  CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+             std::filesystem::path check_directory, const Ceilings& ceilings);
+
+  /// @param faulty_keys  paths of keys that the client could not read
+  /// @param question     check, or judge for a verdict with findings
+  /// @throws std::system_error, jobs::WorkerDidNotAnswer
+  ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
+                       std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                       jobs::Question question = jobs::Question::check) const;
+
+  /// The times of all frames that a job has stored, and one of them; without it when there are
+  /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
+  v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder, int number,
+                                       const jobs::Patience& patience) const;
+
+  const std::vector<v1::Alloy>& alloys() const { return alloys_; }
+  const Ceilings& ceilings() const { return ceilings_; }
+
+private:
+  ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
+                      std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                      jobs::Question question) const;
+  /// Fills in defaults and the alloy card. @return what is wrong with single values
+  std::vector<v1::Fault> complete(v1::Case& submitted) const;
+  v1::ValidateCaseResponse ask_core(jobs::Question question, const v1::Case& complete,
+                                    const jobs::Attachments& attachments,
+                                    const std::vector<std::string>& faulty_keys,
+                                    const jobs::Patience& patience) const;
+  /// The card of this name; with faults when there is none.
+  case_file::AlloyCard card(const std::string& name) const;
+
+  jobs::CheckerPool& checkers_;
+  std::filesystem::path alloy_directory_;
+  std::filesystem::path check_directory_;
+  const Ceilings ceilings_;
+  std::vector<v1::Alloy> alloys_;
+};
+
+/// SHA-256 of a case and its attachments: two submissions with one request_id are the same when it
+/// is. Taken over the case's canonical JSON, which no library version changes.
+std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments);
+
+/// SHA-256 of everything that decides the figures of a run: the complete case without its title and
+/// its checkpoints, and its attachments. Two cases with one key have, from one solver, one answer.
+/// @param complete  with defaults and alloy card
+std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
+
+/// Writes out what would act on a terminal in every text of a message. Cases of today are held
+/// against that when they are taken; those of an earlier version may hold anything.
+void make_printable(google::protobuf::Message& message);
+
+}  // namespace dccast::intake

@@ -1,0 +1,61 @@
+// Calls about cases and the server itself.
+#include <google/protobuf/stubs/common.h>
+#include <grpcpp/grpcpp.h>
+
+#include "server/jobs/quarantine.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+
+using Unary = SimulationService::Unary;
+
+Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest* request,
+                                       v1::ValidateCaseResponse* response) {
+  const auto work = [=, this](const Call& call) {
+    *response = context_.intake
+                    .examine(request->case_(), request->attachments(),
+                             {request->faulty_keys().begin(), request->faulty_keys().end()},
+                             patience(call, context_.check_timeout), jobs::Question::judge)
+                    .verdict;
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.checks, work}});
+}
+
+Unary* SimulationService::ListAlloys(Wire* wire, const v1::ListAlloysRequest* request,
+                                     v1::ListAlloysResponse* response) {
+  const auto work = [=, this](const Call&) {
+    for (const v1::Alloy& alloy : context_.intake.alloys()) *response->add_alloys() = alloy;
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.status, work}});
+}
+
+Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoRequest* request,
+                                        v1::GetServerInfoResponse* response) {
+  const auto work = [=, this](const Call&) {
+    const intake::Ceilings& ceilings = context_.intake.ceilings();
+    response->set_version(context_.version);
+    response->set_workers(context_.workers);
+    response->set_queued(context_.scheduler.queued());
+    response->set_running(context_.scheduler.running());
+    response->set_maximum_message_bytes(context_.maximum_message_bytes);
+    response->set_maximum_queued(context_.maximum_queued);
+    response->set_storage_fault(context_.scheduler.held());
+    response->set_quarantined(
+        static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
+    response->set_paused(context_.store.count(v1::PAUSED));
+    response->set_maximum_nodes(ceilings.nodes);
+    response->set_maximum_steps(ceilings.steps);
+    response->set_maximum_memory_bytes(ceilings.memory_bytes);
+    // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
+    std::string& build = *response->mutable_build() = "g++ ";
+    build += __VERSION__;
+    build += ", gRPC " + grpc::Version() + ", protobuf " +
+             google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION);
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.status, work}});
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,245 @@
+// Calls about jobs. Their results are in results.cpp.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
+#include "server/service/message_stream.hpp"
+#include "server/service/request_checks.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+
+using Unary = SimulationService::Unary;
+
+namespace {
+
+/// SubmitJob's first half: everything that can be wrong with the case.
+grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequest& request,
+                     intake::ExaminedCase& examined) {
+  if (const auto status = check_study_of_job(request.study()); !status.ok()) return status;
+  if (const auto status = check_text("request_id", request.request_id()); !status.ok())
+    return status;
+  if (const auto status = check_labels(request.labels()); !status.ok()) return status;
+  if (const auto status = check_changes(request.changes()); !status.ok()) return status;
+  examined = context.intake.examine(request.case_(), request.attachments(), {},
+                                    patience(call, context.check_timeout));
+  return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
+}
+
+/// Its second half: the job on the disk.
+v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
+               const intake::ExaminedCase& examined) {
+  return context.scheduler.submit(
+      {.request_id = request.request_id(),
+       .study = request.study(),
+       .title = request.case_().title(),
+       .priority = request.priority(),
+       .owner = call.caller,
+       .case_sha256 = intake::fingerprint(request.case_(), request.attachments()),
+       .submitted_case = request.case_().SerializeAsString(),
+       .complete_case = examined.complete.SerializeAsString(),
+       .labels = {request.labels().begin(), request.labels().end()},
+       .changes = {request.changes().begin(), request.changes().end()},
+       .answer_key = intake::answer_key(examined.complete, request.attachments())},
+      request.attachments());
+}
+
+/// Cuts a text between two characters of UTF-8.
+void cut(std::string& text, std::size_t most) {
+  if (text.size() <= most) return;
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+  text.resize(end);
+  text += "...";
+}
+
+/// Cuts a job until it is fit for an answer with others: first its title to 1 KiB, then the monitors
+/// of its last step, the residuals and the texts of its failure. Cases of today are bounded by the
+/// schema; those in a store of an earlier version may hold anything.
+void fit_into_list(v1::Job& job) {
+  constexpr std::size_t most_of_a_title = 1024;
+  constexpr std::size_t most_of_a_job = 64 * 1024;
+  constexpr int most_residuals = 1000;
+  cut(*job.mutable_title(), most_of_a_title);
+  if (job.ByteSizeLong() <= most_of_a_job) return;
+  if (job.has_last_step()) job.mutable_last_step()->clear_monitors();
+  if (!job.has_failure()) return;
+  v1::Failure& failure = *job.mutable_failure();
+  cut(*failure.mutable_message(), most_of_a_job / 8);
+  if (failure.residual_history_size() > most_residuals)
+    failure.mutable_residual_history()->Truncate(most_residuals);
+  while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_causes_size() > 0)
+    failure.mutable_further_causes()->RemoveLast();
+}
+
+/// Adds jobs until the page is full, by number or by bytes; then there is a next one.
+void fill(Context& context, jobs::JobStore::Page rest, int size, v1::ListJobsResponse& response) {
+  // Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
+  constexpr int rows_at_a_time = 32;
+  std::size_t bytes = 0;
+  for (;;) {
+    rest.size = std::min(rows_at_a_time, size + 1 - response.jobs_size());
+    auto jobs = context.scheduler.list(rest);
+    const bool last_rows = static_cast<int>(jobs.size()) < rest.size;
+    for (v1::Job& job : jobs) {
+      fit_into_list(job);
+      bytes += job.ByteSizeLong();
+      const bool full = response.jobs_size() == size || bytes > page_bytes;
+      if (full && response.jobs_size() > 0) {
+        const v1::Job& last = response.jobs(response.jobs_size() - 1);
+        return response.set_next_page_token(
+            age_token(jobs::milliseconds(last.create_time()), last.id()));
+      }
+      *response.add_jobs() = std::move(job);
+    }
+    if (last_rows) return;
+    const v1::Job& last = response.jobs(response.jobs_size() - 1);
+    rest.before_ms = jobs::milliseconds(last.create_time());
+    rest.before_id = last.id();
+  }
+}
+
+/// A cursor into the job's event log.
+class JobStream final : public MessageStream<v1::JobEvent>, public jobs::Watcher {
+public:
+  JobStream(WorkPool& lane, CallOrigin origin, Context& context, v1::WatchJobRequest request)
+      : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
+
+  void on_appended() override { wake(); }
+
+private:
+  grpc::Status open(const Call&) override {
+    if (const auto status = check_job_id(request_.id()); !status.ok()) return status;
+    if (!context_.scheduler.find(request_.id())) return job_not_found(request_.id());
+    log_ = context_.scheduler.log(request_.id());
+    cursor_.sequence = std::max<std::int64_t>(request_.from_sequence(), 1);
+    if (cursor_.sequence > log_->last_sequence() + 1)
+      return {grpc::StatusCode::OUT_OF_RANGE,
+              "job " + request_.id() + " has " + std::to_string(log_->last_sequence()) +
+                  " events so far; watch from one of them, or the next"};
+    context_.logs.watch(request_.id(), std::static_pointer_cast<JobStream>(shared_from_this()));
+    return grpc::Status::OK;
+  }
+
+  NextMessage<v1::JobEvent> next() override {
+    try {
+      if (auto event = log_->read(cursor_)) {
+        intake::make_printable(*event);
+        return {.message = std::move(*event)};
+      }
+    } catch (const std::exception& error) {
+      spdlog::error("{}", error.what());
+      return {.end = grpc::Status(
+                  grpc::StatusCode::DATA_LOSS,
+                  std::string(error.what()) + "; `dccastd check` says what is left of it")};
+    }
+    if (log_->terminal_event()) return {.end = grpc::Status::OK};
+    if (!context_.leaving) return {};
+    return {.end = grpc::Status(
+                grpc::StatusCode::UNAVAILABLE,
+                "dccastd is shutting down; the job goes on when it is back: watch again from " +
+                    std::to_string(cursor_.sequence))};
+  }
+
+  Context& context_;
+  const v1::WatchJobRequest request_;
+  std::shared_ptr<jobs::EventLog> log_;
+  jobs::EventLog::Cursor cursor_;
+};
+
+}  // namespace
+
+Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* request, v1::Job* job) {
+  const auto examined = std::make_shared<intake::ExaminedCase>();
+  const auto check = [=, this](const Call& call) {
+    return examine(context_, call, *request, *examined);
+  };
+  const auto keep = [=, this](const Call& call) {
+    *job = submit(context_, call, *request, *examined);
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
+}
+
+Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {
+  const auto work = [=, this](const Call&) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    auto found = context_.scheduler.find(request->id());
+    if (!found) return job_not_found(request->id());
+    *job = std::move(*found);
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.status, work}});
+}
+
+Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
+                                   v1::ListJobsResponse* response) {
+  const auto work = [=, this](const Call&) {
+    AgePage page;
+    if (const auto status = check_study_of_job(request->study()); !status.ok()) return status;
+    if (const auto status = check_labels(request->labels()); !status.ok()) return status;
+    if (const auto status =
+            read_page("ListJobs", request->page_token(), request->page_size(), page);
+        !status.ok())
+      return status;
+    jobs::JobStore::Page wanted;
+    wanted.before_ms = page.before_ms;
+    wanted.before_id = page.before_id;
+    for (const int state : request->states())
+      wanted.states.push_back(static_cast<v1::JobState>(state));
+    wanted.study = request->study();
+    wanted.owner = request->owner();
+    wanted.id_prefix = request->id_prefix();
+    wanted.labels.assign(request->labels().begin(), request->labels().end());
+    fill(context_, std::move(wanted), page.size, *response);
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.status, work}});
+}
+
+Unary* SimulationService::CancelJob(Wire* wire, const v1::CancelJobRequest* request, v1::Job* job) {
+  const auto work = [=, this](const Call&) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    if (const auto status = check_text("reason", request->reason()); !status.ok()) return status;
+    return status_of(context_.scheduler.cancel(request->id(), request->reason()), request->id(), "",
+                     job);
+  };
+  return answer(wire, *request, {{lanes_.durable, work}});
+}
+
+Unary* SimulationService::PauseJob(Wire* wire, const v1::PauseJobRequest* request, v1::Job* job) {
+  const auto work = [=, this](const Call&) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    return status_of(context_.scheduler.pause(request->id()), request->id(), "", job);
+  };
+  return answer(wire, *request, {{lanes_.durable, work}});
+}
+
+Unary* SimulationService::ResumeJob(Wire* wire, const v1::ResumeJobRequest* request, v1::Job* job) {
+  const auto work = [=, this](const Call&) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    return status_of(context_.scheduler.resume(request->id()), request->id(),
+                     "it is not paused and goes on by itself", job);
+  };
+  return answer(wire, *request, {{lanes_.durable, work}});
+}
+
+Unary* SimulationService::DeleteJob(Wire* wire, const v1::DeleteJobRequest* request,
+                                    v1::DeleteJobResponse*) {
+  const auto work = [=, this](const Call&) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    return status_of(context_.scheduler.remove(request->id()), request->id(), "cancel it first",
+                     nullptr);
+  };
+  return answer(wire, *request, {{lanes_.durable, work}});
+}
+
+SimulationService::Stream<v1::JobEvent>* SimulationService::WatchJob(
+    Wire* wire, const v1::WatchJobRequest* request) {
+  return begin_stream<JobStream>(lanes_.status, origin_of(wire), context_, *request);
+}
+
+}  // namespace dccast::service

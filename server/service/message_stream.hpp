@@ -1,0 +1,167 @@
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/service/call.hpp"
+#include "server/service/status.hpp"
+#include "server/service/work_pool.hpp"
+
+namespace dccast::service {
+
+/// What a stream does next: sends a message, or ends, or waits to be woken where there is neither.
+template <class Message>
+struct NextMessage {
+  std::optional<Message> message = std::nullopt;
+  std::optional<grpc::Status> end = std::nullopt;
+};
+
+/// A stream of messages to a client, one under way at a time. It is opened in a lane, asks for the
+/// next message when it is woken and when one is sent, by one thread at a time, and lives until
+/// gRPC has done with it and no one else holds it. Only begin(), wake() and gRPC call it.
+template <class Message>
+class MessageStream : public grpc::ServerWriteReactor<Message>,
+                      public std::enable_shared_from_this<MessageStream<Message>> {
+public:
+  MessageStream(WorkPool& lane, CallOrigin origin) : lane_(lane), origin_(std::move(origin)) {}
+
+  void begin() {
+    self_ = this->shared_from_this();
+    const bool taken = lane_.post([self = self_] { self->open_in_lane(); }, kept_bytes());
+    if (!taken) end(too_many_waiting());
+  }
+
+  /// There may be a next message.
+  void wake() {
+    {
+      const std::lock_guard lock(mutex_);
+      woken_ = true;
+    }
+    look();
+  }
+
+  void OnWriteDone(bool ok) final {
+    {
+      const std::lock_guard lock(mutex_);
+      writing_ = false;
+      woken_ = true;
+      cancelled_ = cancelled_ || !ok;
+    }
+    look();
+  }
+
+  void OnCancel() final {
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+    }
+    look();
+  }
+
+  void OnDone() final { self_.reset(); }
+
+protected:
+  /// Finds what is to be sent; what it throws is answered as guarded() has it.
+  virtual grpc::Status open(const Call& call) = 0;
+  virtual NextMessage<Message> next() = 0;
+  /// Whether next() waits for the store and is for a thread of the lane.
+  virtual bool looks_in_lane() const { return false; }
+
+  /// What a stream keeps in memory of its request while it waits to be opened.
+  virtual std::size_t kept_bytes() const { return 0; }
+
+  /// next() may be called from now on: at the end of open() at the latest.
+  void set_open() {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+  }
+
+private:
+  void open_in_lane() {
+    const grpc::Status status = guarded([&] {
+      const Call call = origin_.call([this] { return cancelled(); });
+      const auto unwanted = no_longer_wanted(call);
+      return unwanted ? *unwanted : open(call);
+    });
+    if (!status.ok()) return end(status);
+    set_open();
+    wake();
+  }
+
+  bool cancelled() {
+    const std::lock_guard lock(mutex_);
+    return cancelled_;
+  }
+
+  void end(const grpc::Status& status) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(ended_, true)) return;
+    }
+    this->Finish(status);
+  }
+
+  /// Sends the next message unless something else is under way.
+  void look() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!open_ || writing_ || looking_ || ended_ || !(woken_ || cancelled_)) return;
+      looking_ = true;
+      woken_ = false;
+    }
+    if (!looks_in_lane()) return send_next();
+    if (!lane_.post([self = this->shared_from_this()] { self->send_next(); }))
+      end(too_many_waiting());
+  }
+
+  NextMessage<Message> guarded_next() {
+    if (cancelled()) return {.end = grpc::Status::CANCELLED};
+    NextMessage<Message> found;
+    const grpc::Status status = guarded([&] {
+      found = next();
+      return grpc::Status::OK;
+    });
+    if (!status.ok()) return {.end = status};
+    return found;
+  }
+
+  void send_next() {
+    NextMessage<Message> found = guarded_next();
+    {
+      const std::lock_guard lock(mutex_);
+      looking_ = false;
+      writing_ = found.message.has_value();
+      if (found.message) message_ = std::move(*found.message);
+    }
+    if (found.message) return this->StartWrite(&message_);
+    if (found.end) return end(*found.end);
+    look();  // what came meanwhile
+  }
+
+  WorkPool& lane_;
+  const CallOrigin origin_;
+  std::shared_ptr<MessageStream> self_;
+  std::mutex mutex_;  ///< of all below
+  Message message_;
+  bool open_ = false;
+  bool woken_ = false;
+  bool looking_ = false;
+  bool writing_ = false;
+  bool cancelled_ = false;
+  bool ended_ = false;
+};
+
+/// Begins a stream that deletes itself when its call is done.
+template <class Stream, class... Arguments>
+Stream* begin_stream(Arguments&&... arguments) {
+  const auto stream = std::make_shared<Stream>(std::forward<Arguments>(arguments)...);
+  stream->begin();
+  return stream.get();
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,268 @@
+// The call of near-real-time queries: answered by a run of its own, or by one that was there.
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "dccast/v1/worker.pb.h"
+#include "proto/values/digests.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
+#include "server/service/message_stream.hpp"
+#include "server/service/request_checks.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+using v1::RunEnd;
+using Response = v1::QueryButtCurlResponse;
+
+using SendQueryResponse = std::function<void(Response)>;
+
+constexpr std::chrono::hours longest_query{24};
+constexpr std::size_t most_steps_at_once = 1000;
+constexpr std::size_t most_bytes_at_once = 1'000'000;
+
+Response accepted(const intake::ExaminedCase& examined, bool from_store, const std::string& job) {
+  Response response;
+  response.mutable_accepted()->set_from_store(from_store);
+  response.mutable_accepted()->set_job(job);
+  *response.mutable_accepted()->mutable_case_() = examined.complete;
+  return response;
+}
+
+v1::JobState state_of(RunEnd::Outcome outcome) {
+  if (outcome == RunEnd::SUCCEEDED) return v1::SUCCEEDED;
+  return outcome == RunEnd::FAILED ? v1::FAILED : v1::CANCELLED;
+}
+
+/// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
+std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
+  QueryAnswer answer;
+  try {
+    const auto log = context.scheduler.log(job.id());
+    for (std::optional<jobs::StepPlace> place(jobs::StepPlace{}); place;) {
+      const auto page = context.step_indexes.of(job.id())->page(*log, *place, most_steps_at_once,
+                                                                most_bytes_at_once);
+      if (!page) return std::nullopt;
+      for (const v1::StepReport& step : page->steps) *answer.emplace_back().mutable_step() = step;
+      place = page->next;
+    }
+  } catch (const std::exception& error) {
+    spdlog::warn("job {} cannot answer a query: {}", job.id(), error.what());
+    return std::nullopt;
+  }
+  for (const v1::Finding& finding : job.findings())
+    *answer.emplace_back().mutable_finding() = finding;
+  if (job.has_validity_loss()) *answer.emplace_back().mutable_validity_lost() = job.validity_loss();
+  Response::Ended& ended = *answer.emplace_back().mutable_ended();
+  ended.set_state(v1::SUCCEEDED);
+  ended.set_solver_s(job.last_step().solver_s());
+  return answer;
+}
+
+/// One query whose case is sound.
+class Query {
+public:
+  Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
+        const intake::ExaminedCase& examined, const SendQueryResponse& send)
+      : context_(context),
+        request_(request),
+        examined_(examined),
+        caller_(call.caller),
+        send_(send),
+        key_(intake::answer_key(examined.complete, request.attachments())) {}
+
+  /// @return whether the answer was there already
+  bool answer_from_store() {
+    if (const auto id = context_.store.find_answer(key_, context_.solver)) {
+      const auto job = context_.scheduler.find(*id);
+      const auto answer = job ? answer_of_job(context_, *job) : std::nullopt;
+      if (answer) return replay(*answer, *id);
+    }
+    if (request_.keep()) return false;
+    const auto answer = context_.query_answers.find(key_);
+    return answer && replay(*answer, "");
+  }
+
+  grpc::Status run(const jobs::Patience& patience) {
+    const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
+    run_.folder = folder.path();
+    run_.begun = jobs::now();
+    if (request_.keep()) run_.id = values::random_uuid();
+    send_(accepted(examined_, false, run_.id));
+    for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
+    const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
+    const std::string last = context_.query_workers.ask(
+        question, order().SerializeAsString(), patience, [this](auto part) { take(part); });
+    if (!run_.end.ParseFromString(last))
+      throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
+                                     "the end of a query's run cannot be read");
+    return end();
+  }
+
+private:
+  bool replay(const QueryAnswer& answer, const std::string& job) {
+    send_(accepted(examined_, true, job));
+    for (const Response& response : answer) send_(response);
+    return true;
+  }
+
+  v1::WorkerOrder order() const {
+    v1::WorkerOrder order;
+    *order.mutable_case_() = examined_.complete;
+    order.set_directory(run_.folder);
+    order.set_threads(context_.query_threads);
+    if (request_.keep()) return order;
+    v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
+    checkpoint.set_every_steps(0);  // no one resumes it
+    checkpoint.set_every_s(0.0);
+    return order;
+  }
+
+  void pass_on(Response response) {
+    answer_.push_back(response);
+    send_(std::move(response));
+  }
+
+  void pass_on(const v1::Finding& finding) {
+    const std::string content = finding.SerializeAsString();
+    if (std::exchange(reported_[finding.code()], content) == content) return;
+    Response response;
+    *response.mutable_finding() = finding;
+    pass_on(std::move(response));
+  }
+
+  void take(std::string_view part) {
+    v1::JobEvent event;
+    if (!event.ParseFromString(std::string(part))) return;
+    if (request_.keep()) {
+      *event.mutable_time() = jobs::now();
+      run_.events.push_back(event);
+    }
+    if (event.has_finding()) return pass_on(event.finding());
+    Response response;
+    if (event.has_step()) {
+      solver_s_ = event.step().solver_s();
+      *response.mutable_step() = std::move(*event.mutable_step());
+    } else if (event.has_validity_lost()) {
+      *response.mutable_validity_lost() = event.validity_lost();
+    } else {
+      return;
+    }
+    pass_on(std::move(response));
+  }
+
+  grpc::Status end() {
+    const bool succeeded = run_.end.outcome() == RunEnd::SUCCEEDED;
+    if (request_.keep()) keep_job();
+    Response response;
+    response.mutable_ended()->set_state(state_of(run_.end.outcome()));
+    if (run_.end.has_failure())
+      *response.mutable_ended()->mutable_failure() = run_.end.failure();
+    response.mutable_ended()->set_solver_s(solver_s_);
+    pass_on(std::move(response));
+    if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));
+    return grpc::Status::OK;
+  }
+
+  void keep_job() {
+    context_.scheduler.keep({.request_id = "",
+                             .title = request_.case_().title(),
+                             .owner = caller_,
+                             .case_sha256 = intake::fingerprint(request_.case_(), request_.attachments()),
+                             .submitted_case = request_.case_().SerializeAsString(),
+                             .complete_case = examined_.complete.SerializeAsString(),
+                             .changes = {request_.changes().begin(), request_.changes().end()},
+                             .answer_key = key_},
+                            request_.attachments(), run_);
+  }
+
+  Context& context_;
+  const v1::QueryButtCurlRequest& request_;
+  const intake::ExaminedCase& examined_;
+  const std::string& caller_;
+  const SendQueryResponse& send_;
+  const std::string key_;
+  jobs::FinishedRun run_;
+  QueryAnswer answer_;
+  std::map<std::string, std::string> reported_;  // findings as they were sent, by code
+  double solver_s_ = 0.0;
+};
+
+/// Answers a query, from the store or by a run of its own: `send` is called in order, from this
+/// thread. The run ends at once when the call is cancelled. May throw: guarded().
+grpc::Status answer_query(Context& context, const Call& call,
+                          const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
+  if (const auto status = check_changes(request.changes()); !status.ok()) return status;
+  const intake::ExaminedCase examined = context.query_intake.examine(
+      request.case_(), request.attachments(), {}, patience(call, context.check_timeout));
+  if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
+  Query query(context, call, request, examined, send);
+  if (query.answer_from_store()) return grpc::Status::OK;
+  return query.run(patience(call, longest_query));
+}
+
+/// One query: what the thread of its run has passed on and gRPC has not sent yet.
+class QueryStream final : public MessageStream<Response> {
+public:
+  QueryStream(WorkPool& lane, CallOrigin origin, Context& context,
+              v1::QueryButtCurlRequest request)
+      : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
+
+private:
+  /// Runs from the beginning to the end of the query, whose responses are sent meanwhile.
+  grpc::Status open(const Call& caller) override {
+    set_open();
+    Call call = caller;
+    call.cancelled = [this, &caller] { return caller.cancelled() || context_.leaving; };
+    grpc::Status status = guarded([&] {
+      return answer_query(context_, call, request_,
+                          [this](Response response) { send(std::move(response)); });
+    });
+    if (status.error_code() == grpc::StatusCode::CANCELLED && context_.leaving)
+      status = {grpc::StatusCode::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+    const std::lock_guard lock(mutex_);
+    end_ = std::move(status);
+    return grpc::Status::OK;
+  }
+
+  std::size_t kept_bytes() const override { return request_.ByteSizeLong(); }
+
+  void send(Response response) {
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::move(response));
+    }
+    wake();
+  }
+
+  NextMessage<Response> next() override {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return {.end = end_};
+    NextMessage<Response> found{.message = std::move(waiting_.front())};
+    waiting_.pop_front();
+    return found;
+  }
+
+  Context& context_;
+  const v1::QueryButtCurlRequest request_;
+  std::mutex mutex_;  ///< of all below
+  std::deque<Response> waiting_;
+  std::optional<grpc::Status> end_;
+};
+
+}  // namespace
+
+SimulationService::Stream<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
+    Wire* wire, const v1::QueryButtCurlRequest* request) {
+  return begin_stream<QueryStream>(lanes_.queries, origin_of(wire), context_, *request);
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,101 @@
+#include "server/service/request_checks.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+constexpr int most_labels = 20;
+constexpr std::size_t longest_label = 64;             // bytes
+constexpr std::size_t most_bytes_of_changes = 16384;  // they are shown in lists of 1000 jobs
+constexpr int largest_page = 1000;
+
+grpc::Status refused(const std::string& what) {
+  return {grpc::StatusCode::INVALID_ARGUMENT, what};
+}
+
+grpc::Status check_uuid(const std::string& given, const std::string& of_what,
+                        const std::string& origin) {
+  if (values::is_uuid(given)) return grpc::Status::OK;
+  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
+  std::string message = "\"";
+  message += values::escaped(values::shortened(given));
+  message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
+  return refused(message);
+}
+
+bool read_age_token(const std::string& token, AgePage& page) {
+  if (token.empty()) return true;
+  const auto dot = token.find('.');
+  if (dot == std::string::npos || !values::is_uuid(token.substr(dot + 1))) return false;
+  page.before_id = token.substr(dot + 1);
+  const auto [end, error] = std::from_chars(token.data(), token.data() + dot, page.before_ms);
+  return error == std::errc() && end == token.data() + dot;
+}
+
+}  // namespace
+
+grpc::Status check_job_id(const std::string& id) {
+  return check_uuid(id, "job", "as SubmitJob and ListJobs give it");
+}
+
+grpc::Status check_study_id(const std::string& id) {
+  return check_uuid(id, "study", "chosen by who submits the first job of the study");
+}
+
+grpc::Status check_study_of_job(const std::string& study) {
+  return study.empty() ? grpc::Status::OK : check_study_id(study);
+}
+
+grpc::Status check_text(const std::string& name, const std::string& text) {
+  if (const std::string fault = values::too_long(name, text); !fault.empty()) return refused(fault);
+  if (const auto character = values::unprintable(text))
+    return refused(name + " contains " + *character + "; leave that character out");
+  return grpc::Status::OK;
+}
+
+grpc::Status check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels) {
+  if (labels.size() > most_labels)
+    return refused("there are " + std::to_string(labels.size()) + " labels; a job has at most " +
+                   std::to_string(most_labels));
+  for (const std::string& label : labels) {
+    const std::string given = "the label \"" + values::escaped(values::shortened(label)) + "\" ";
+    if (label.empty() || label.size() > longest_label)
+      return refused(given + "is not one line of 1 to " + std::to_string(longest_label) + " bytes");
+    if (const auto character = values::unprintable(label))
+      return refused(given + "contains " + *character + "; leave that character out");
+  }
+  return grpc::Status::OK;
+}
+
+grpc::Status check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes) {
+  std::size_t bytes = 0;
+  for (const v1::CaseChange& change : changes) {
+    bytes += change.ByteSizeLong();
+    for (const std::string& text : {change.key(), change.value()})
+      if (const auto character = values::unprintable(text, values::Lines::several))
+        return refused("a change of the case contains " + *character);
+  }
+  if (bytes <= most_bytes_of_changes) return grpc::Status::OK;
+  return refused("the changes of the case take " + std::to_string(bytes) + " bytes; at most " +
+                 std::to_string(most_bytes_of_changes) + " are kept: write them into the case");
+}
+
+grpc::Status read_page(const std::string& call, const std::string& token, int size, AgePage& page) {
+  if (!read_age_token(token, page))
+    return refused("the page_token is not one of " + call + "; begin again without it");
+  if (size < 0) return refused("page_size must not be negative");
+  if (size > 0) page.size = std::min(size, largest_page);
+  return grpc::Status::OK;
+}
+
+std::string age_token(std::int64_t created_ms, const std::string& id) {
+  return std::to_string(created_ms) + "." + id;
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,256 @@
+// Calls that read what a run or a study has computed.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
+#include "server/service/message_stream.hpp"
+#include "server/service/request_checks.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+bool has_result(const v1::Job& job) {
+  for (const v1::Artifact& artifact : job.artifacts())
+    if (artifact.name() == "results.h5") return true;
+  return false;
+}
+
+/// A token is "<sequence of the event>.<step>" of the last step of the page before.
+bool read_token(const std::string& token, jobs::StepPlace& place) {
+  if (token.empty()) return true;
+  const char* end = token.data() + token.size();
+  const auto [dot, first] = std::from_chars(token.data(), end, place.sequence);
+  if (first != std::errc() || dot == end || *dot != '.' || place.sequence < 1) return false;
+  const auto [rest, second] = std::from_chars(dot + 1, end, place.step);
+  return second == std::errc() && rest == end;
+}
+
+/// As many steps as fit beside what the response holds already, one at least.
+grpc::Status add_steps(Context& context, const v1::QueryResultRequest& request,
+                       v1::QueryResultResponse& response) {
+  const std::size_t taken = response.ByteSizeLong();
+  const std::size_t most_bytes = std::min(page_bytes, answer_bytes - std::min(answer_bytes, taken));
+  jobs::StepPlace place;
+  if (!read_token(request.page_token(), place))
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "the page_token is not one of QueryResult; begin again without it"};
+  if (request.page_size() < 0)
+    return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
+  const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
+                                             : static_cast<std::size_t>(request.page_size());
+  const auto page = context.step_indexes.of(request.id())
+                        ->page(*context.scheduler.log(request.id()), place, most, most_bytes);
+  if (!page)
+    return {
+        grpc::StatusCode::ABORTED,
+        "the run has gone back behind the page before this one; begin again without page_token"};
+  response.mutable_steps()->Add(page->steps.begin(), page->steps.end());
+  if (page->next)
+    response.set_next_page_token(std::to_string(page->next->sequence) + "." +
+                                 std::to_string(page->next->step));
+  return grpc::Status::OK;
+}
+
+grpc::Status add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
+                       const v1::Job& job, v1::QueryResultResponse& response) {
+  const int number = request.frame_number();
+  if (number < 0)
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "frame_number must not be negative: 1 is the first frame, 0 the last"};
+  if (!has_result(job))
+    return wrong_state(job, "it has no frame yet: watch it until it has results");
+  v1::QueryResultResponse stored = context.intake.stored_frame(
+      context.jobs_directory / request.id(), number, patience(call, context.check_timeout));
+  const int frames = stored.frame_time_s_size();
+  if (frames == 0) return wrong_state(job, "its results hold no frame");
+  if (!stored.has_frame())
+    return {grpc::StatusCode::OUT_OF_RANGE,
+            "job " + request.id() + " has " + std::to_string(frames) +
+                " frames; ask for one of 1 to " + std::to_string(frames) + ", or 0 for the last"};
+  response.MergeFrom(stored);
+  return grpc::Status::OK;
+}
+
+/// What comes with the first page only.
+grpc::Status add_case_and_frame(Context& context, const Call& call,
+                                const v1::QueryResultRequest& request, const v1::Job& job,
+                                v1::QueryResultResponse& response) {
+  *response.mutable_findings() = job.findings();
+  const auto complete = context.store.complete_case(request.id());
+  if (complete && !response.mutable_case_()->ParseFromString(*complete))
+    return {grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
+                                             " cannot be read from the job store any more; " +
+                                             "dccastd check says what else is damaged"};
+  intake::make_printable(*response.mutable_case_());
+  return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
+}
+
+std::string megabytes(std::size_t bytes) {
+  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+/// An answer that most clients would not take is not sent.
+grpc::Status fits_into_answer(const v1::QueryResultResponse& response) {
+  if (response.ByteSizeLong() <= answer_bytes) return grpc::Status::OK;
+  const std::size_t frame = response.has_frame() ? response.frame().ByteSizeLong() : 0;
+  const std::size_t rest = response.ByteSizeLong() - frame;
+  const std::string held = ", more than an answer of 4 MiB holds; ";
+  if (frame > rest)
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+            "the frame has " + megabytes(frame) + held + "fetch results.h5, which has it too"};
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          "case and first step have " + megabytes(rest) + held + "fetch results.h5"};
+}
+
+/// A file on its way to a client.
+struct SentFile {
+  storage::File file;
+  std::string name;  ///< for messages
+  std::int64_t size = 0;
+  std::string sha256;
+};
+
+/// A file in chunks, from an offset on; OUT_OF_RANGE where that lies beyond its end.
+class FileStream final : public MessageStream<v1::FetchResultResponse> {
+public:
+  using OpenFile = std::function<grpc::Status(const Call&, SentFile&)>;
+
+  FileStream(WorkPool& lane, CallOrigin origin, std::int64_t offset, OpenFile open_file)
+      : MessageStream(lane, std::move(origin)), next_(offset), open_file_(std::move(open_file)) {}
+
+private:
+  grpc::Status open(const Call& call) override {
+    if (const auto status = open_file_(call, file_); !status.ok()) return status;
+    if (next_ >= 0 && next_ <= file_.size) return grpc::Status::OK;
+    return {grpc::StatusCode::OUT_OF_RANGE,
+            file_.name + " has " + std::to_string(file_.size) + " bytes; begin again from 0"};
+  }
+
+  /// At least one chunk, which may be empty: size and digest travel with it.
+  NextMessage<v1::FetchResultResponse> next() override {
+    constexpr std::int64_t chunk_size = 256 * 1024;
+    if (std::exchange(begun_, true) && next_ == file_.size) return {.end = grpc::Status::OK};
+    const auto size = static_cast<std::size_t>(std::min(chunk_size, file_.size - next_));
+    v1::FetchResultResponse chunk;
+    chunk.set_offset(next_);
+    chunk.set_total_size_bytes(file_.size);
+    chunk.set_sha256(file_.sha256);
+    chunk.mutable_data()->resize(size);
+    if (file_.file.read_at(next_, *chunk.mutable_data()) != size)
+      return {.end = grpc::Status(grpc::StatusCode::DATA_LOSS,
+                                  "the file became shorter while it was read")};
+    next_ += static_cast<std::int64_t>(size);
+    return {.message = std::move(chunk)};
+  }
+
+  std::int64_t next_;  ///< byte to be sent next
+  const OpenFile open_file_;
+  SentFile file_;
+  bool begun_ = false;
+};
+
+std::optional<v1::Artifact> artifact_of(const v1::Job& job, const std::string& name) {
+  for (const v1::Artifact& artifact : job.artifacts())
+    if (artifact.name() == name) return artifact;
+  return std::nullopt;
+}
+
+grpc::Status open_artifact(Context& context, const v1::FetchResultRequest& request,
+                           SentFile& sent) {
+  if (const auto status = check_job_id(request.id()); !status.ok()) return status;
+  const auto job = context.scheduler.find(request.id());
+  if (!job) return job_not_found(request.id());
+  if (job->artifacts().empty())
+    return wrong_state(*job, "it has no results yet: watch it until it has ended");
+  const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
+  const auto artifact = artifact_of(*job, name);
+  if (!artifact)
+    return {grpc::StatusCode::NOT_FOUND,
+            "job " + request.id() + " has no result \"" + name + "\"; GetJob lists them"};
+  sent = {.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
+          .name = name,
+          .size = artifact->size_bytes(),
+          .sha256 = artifact->sha256()};
+  if (sent.file.size() == sent.size) return grpc::Status::OK;
+  return {grpc::StatusCode::DATA_LOSS,
+          name + " on the server has not the size its worker wrote; run the job again"};
+}
+
+/// A path that is free, and is free again afterwards.
+class PassingFile {
+public:
+  explicit PassingFile(const std::filesystem::path& folder)
+      : path_(folder / (values::random_uuid() + ".h5")) {}
+  PassingFile(const PassingFile&) = delete;
+  ~PassingFile() { ::unlink(path_.c_str()); }
+  const std::filesystem::path& path() const { return path_; }
+
+private:
+  std::filesystem::path path_;
+};
+
+/// The study as a file that has no name any more: it is gone with the call. A study that has not
+/// changed gives the same bytes, so that a client goes on where it was.
+grpc::Status open_study(Context& context, const Call& call,
+                        const v1::FetchStudyRequest& request, SentFile& sent) {
+  if (const auto status = check_study_id(request.id()); !status.ok()) return status;
+  const auto result = context.studies.evaluate(request.id(), true);
+  if (!result) return study_not_found(request.id());
+  const PassingFile file(context.query_directory);
+  context.checkers.ask(jobs::Question::study_table,
+                               file.path().string() + "\n" + result->SerializeAsString(),
+                               patience(call, context.check_timeout));
+  sent = {.file = storage::File(file.path(), O_RDONLY),
+          .name = "the table of study " + request.id(),
+          .sha256 = values::sha256_of_file(file.path())};
+  sent.size = sent.file.size();
+  if (request.sha256().empty() || request.sha256() == sent.sha256) return grpc::Status::OK;
+  return {grpc::StatusCode::ABORTED, "the study went on meanwhile; begin again from 0"};
+}
+
+}  // namespace
+
+SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
+                                                         const v1::QueryResultRequest* request,
+                                                         v1::QueryResultResponse* response) {
+  const auto work = [=, this](const Call& call) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    const auto job = context_.scheduler.find(request->id());
+    if (!job) return job_not_found(request->id());
+    if (request->page_token().empty()) {
+      const auto status = add_case_and_frame(context_, call, *request, *job, *response);
+      if (!status.ok()) return status;
+    }
+    const grpc::Status status = add_steps(context_, *request, *response);
+    return status.ok() ? fits_into_answer(*response) : status;
+  };
+  return answer(wire, *request, {{request->frame() ? lanes_.checks : lanes_.histories, work}});
+}
+
+SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchResult(
+    Wire* wire, const v1::FetchResultRequest* request) {
+  const auto open = [this, request = *request](const Call&, SentFile& sent) {
+    return open_artifact(context_, request, sent);
+  };
+  return begin_stream<FileStream>(lanes_.status, origin_of(wire), request->offset(), open);
+}
+
+SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchStudy(
+    Wire* wire, const v1::FetchStudyRequest* request) {
+  const auto open = [this, request = *request](const Call& call, SentFile& sent) {
+    return open_study(context_, call, request, sent);
+  };
+  return begin_stream<FileStream>(lanes_.checks, origin_of(wire), request->offset(), open);
+}
+
+}  // namespace dccast::service
