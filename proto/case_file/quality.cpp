@@ -249,27 +249,69 @@ void apply_quality(v1::Case& c) {
 
 namespace {
 
+/// Whether elements, mesh and steps are those of the quality.
+bool is_of_quality(const v1::Case& complete) {
+  const v1::Mesh& mesh = complete.mesh();
+  if (mesh.element() != v1::Q1_BENDING || mesh.refinement() != 1 || !mesh.file().empty() ||
+      !complete.thermal().file().empty())
+    return false;
+  v1::Case open = complete;
+  for (const char* key : {"columns", "rows", "layers", "side_cell_m", "wide_side_cell_m",
+                          "bottom_cell_m", "growth_cell_m", "merge_below_m", "merged_cell_m"})
+    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
+                                            v1::Mesh::descriptor()->FindFieldByName(key));
+  open.mutable_time()->clear_step_s();
+  apply_quality(open);
+  return google::protobuf::util::MessageDifferencer::Equals(open, complete);
+}
+
 /// Sections like those the bands were measured on: through the thickness of a slab.
-bool was_measured(const v1::Case& c) {
+bool is_measured_section(const v1::Section& section) {
   constexpr double narrowest = 0.2, widest = 0.4;  // [m] half width; measured: 0.28
-  const double half_width = c.section().half_width_m();
-  return c.section().kind() == v1::Section::PLANE_STRAIN && half_width >= narrowest &&
-         half_width <= widest && c.mesh().element() == v1::Q1_BENDING &&
-         c.mesh().refinement() == 1 && c.mesh().file().empty() && c.thermal().file().empty();
+  return section.kind() == v1::Section::PLANE_STRAIN && section.half_width_m() >= narrowest &&
+         section.half_width_m() <= widest;
+}
+
+/// Without the keys that do not affect the results.
+v1::Case casting_of(v1::Case description) {
+  description.clear_title();
+  description.clear_output();
+  description.clear_checkpoint();
+  description.clear_limits();
+  return description;
 }
 
 }  // namespace
 
 std::optional<double> relative_discretisation_error(const v1::Case& complete) {
-  if (!was_measured(complete)) return std::nullopt;
-  v1::Case open = complete;
-  for (const char* key : {"columns", "rows", "side_cell_m", "bottom_cell_m", "growth_cell_m"})
-    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
-                                            v1::Mesh::descriptor()->FindFieldByName(key));
-  open.mutable_time()->clear_step_s();
-  apply_quality(open);
-  if (!google::protobuf::util::MessageDifferencer::Equals(open, complete)) return std::nullopt;
+  if (!is_measured_section(complete.section()) || !is_of_quality(complete)) return std::nullopt;
   return discretisation_of(complete).error;
+}
+
+std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
+  const v1::Section::Kind kind = a.section().kind();
+  if (a.quality() != b.quality() || kind != b.section().kind() || !is_of_quality(a) ||
+      !is_of_quality(b))
+    return std::nullopt;
+  if (kind == v1::Section::QUARTER_SLAB) return PairedError{.of_curl = 0.025, .of_difference = 0.04};
+  if (is_measured_section(a.section()) && is_measured_section(b.section()))
+    return PairedError{.of_curl = 0.005, .of_difference = 0.02};
+  return std::nullopt;
+}
+
+bool is_same_casting(const v1::Case& a, const v1::Case& b) {
+  const auto alone = [](const v1::Case& complete) {
+    v1::Case c = casting_of(complete);
+    c.clear_quality();
+    c.mutable_mesh()->Clear();
+    c.mutable_mesh()->set_element(complete.mesh().element());
+    c.mutable_mesh()->set_growth(complete.mesh().growth());
+    c.mutable_mesh()->set_file(complete.mesh().file());
+    c.mutable_time()->clear_step_s();
+    c.mutable_time()->clear_minimum_step_s();
+    return c;
+  };
+  return google::protobuf::util::MessageDifferencer::Equals(alone(a), alone(b));
 }
 
 namespace {
@@ -283,11 +325,7 @@ void scale_steps(v1::TimeControl& time, double factor) {
 v1::Case undivided(v1::Case description) {
   scale_steps(*description.mutable_time(), description.mesh().refinement());
   description.mutable_mesh()->set_refinement(1);
-  description.clear_title();
-  description.clear_output();
-  description.clear_checkpoint();
-  description.clear_limits();
-  return description;
+  return casting_of(std::move(description));
 }
 
 }  // namespace
