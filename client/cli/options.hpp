@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/session/exit_code.hpp"
+#include "client/session/failure.hpp"
 
 /// The library for command lines, wrapped once: commands declare their options here, and only
 /// options.cpp includes its header.

@@ -2,12 +2,12 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/mould_page.hpp"
+#include "client/html/study_page.hpp"
 #include "client/model/json.hpp"
 #include "client/session/failure.hpp"
-#include "client/session/mould_design.hpp"
+#include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/mould_text.hpp"
+#include "client/text/study_text.hpp"
 
 namespace dccast::client::commands {
 namespace {

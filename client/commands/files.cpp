@@ -9,8 +9,8 @@
 #include "client/html/report_page.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
-#include "client/session/frames.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 
 namespace dccast::client::commands {

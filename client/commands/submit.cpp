@@ -10,7 +10,6 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
-#include "client/text/watch_output.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 

@@ -4,13 +4,13 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/sweep_page.hpp"
+#include "client/html/study_page.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
+#include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
-#include "client/session/sweep_request.hpp"
-#include "client/text/sweep_table.hpp"
+#include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::commands {

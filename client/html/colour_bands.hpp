@@ -4,9 +4,21 @@
 #include <string>
 #include <vector>
 
-#include "client/html/isotherms.hpp"
-
 namespace dccast::client::render {
+
+/// A point of a section or of a drawing.
+struct Point {
+  double x = 0.0;  ///< [m], in a drawing [view box unit]
+  double y = 0.0;  ///< [m], in a drawing [view box unit]
+};
+
+using Segment = std::array<Point, 2>;
+
+/// Contour line at the value `level` [unit of `value`] of a field that is linear in each triangle,
+/// by marching triangles. Corners exactly on the level count as above it, so that no piece appears
+/// twice.
+std::vector<Segment> isotherm(const std::vector<Point>& node, const std::vector<double>& value,
+                              const std::vector<std::array<int, 3>>& triangles, double level);
 
 /// Colour map from cold blue over violet to hot yellow, with uniform steps of lightness, readable
 /// on white and on black.

@@ -1,5 +1,6 @@
 #include "client/html/curl_part.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -148,6 +149,177 @@ std::string curl_figures(const CurlHistory& history, const v1::QueryResultRespon
                     of_the_band + of_the_plant + of_the_region) +
          figure("Curl against cast length", curl_chart(history, result, study, true),
                 "The same against the travel of the bottom block." + of_the_plant + of_the_region);
+}
+
+namespace {
+
+using FigureOf = double (v1::StepReport::*)() const;
+
+bool is_quarter(const v1::QueryResultResponse& result) {
+  return result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+}
+
+/// @param also  added to the figure: of two fields of which a step has only one
+ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name, FigureOf figure,
+                  double factor, FigureOf also = nullptr) {
+  ChartLine line{name, {}, {}};
+  for (const v1::StepReport& step : result.steps()) {
+    line.x.push_back(step.time_s());
+    line.y.push_back(factor * ((step.*figure)() + (also != nullptr ? (step.*also)() : 0.0)));
+  }
+  return line;
+}
+
+/// Axis range of a chart without zero: only the range of the data.
+bool drawable(const ChartLine& line) {
+  return std::ranges::any_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
+}
+
+std::string chart_of(const std::string& title, const std::string& unit,
+                     std::vector<ChartLine> lines) {
+  std::erase_if(lines, [](const ChartLine& line) { return !drawable(line); });
+  if (lines.empty()) return {};
+  return svg_chart({title + " against time", "time, s", unit, std::move(lines)});
+}
+
+std::string figure_if_any(const std::string& heading, const std::string& picture,
+                          const std::string& caption) {
+  return picture.empty() ? "" : figure(heading, picture, caption);
+}
+
+std::string shell_figure(const v1::QueryResultResponse& result) {
+  return figure_if_any(
+      "Shell",
+      chart_of(
+          "Shell thickness", "thickness, mm",
+          {line_of(result, "of the side at the mould exit", &v1::StepReport::shell_at_exit_m, 1e3),
+           line_of(result, "over the bottom, thinnest", &v1::StepReport::bottom_shell_m, 1e3)}),
+      "Smallest shell thickness. Until the side leaves the mould: at the butt.");
+}
+
+std::string sump_figure(const v1::QueryResultResponse& result) {
+  return figure_if_any(
+      "Sump",
+      chart_of("Sump depth", "depth, mm",
+               {line_of(result, "sump", &v1::StepReport::sump_depth_m, 1e3)}),
+      "Of the coherency isotherm in the middle of the slab, below the metal level.");
+}
+
+/// The monitors' temperatures; a step that does not report one breaks its line.
+std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
+  std::vector<ChartLine> lines;
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  for (const v1::StepReport& step : result.steps())
+    for (const v1::MonitorValue& monitor : step.monitors()) {
+      auto line = std::ranges::find(lines, monitor.name(), &ChartLine::name);
+      if (line == lines.end()) line = lines.insert(lines.end(), {monitor.name(), {}, {}});
+      line->x.push_back(step.time_s());
+      line->y.push_back(monitor.has_temperature_c() ? monitor.temperature_c() : unknown);
+    }
+  return lines;
+}
+
+std::string temperature_figure(const v1::QueryResultResponse& result) {
+  std::vector<ChartLine> lines = monitor_lines(result);
+  lines.push_back(line_of(result, "surface at mould exit, hottest",
+                          &v1::StepReport::maximum_surface_temperature_at_mould_exit_c, 1.0));
+  lines.push_back(line_of(result, "surface of the bottom block, mean",
+                          &v1::StepReport::block_temperature_c, 1.0));
+  return figure_if_any("Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
+                       "At the monitors, the hottest surface where it leaves the mould, and the bottom block.");
+}
+
+std::string heat_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  std::vector<ChartLine> lines{
+      line_of(result, quarter ? "wide face" : "side", &v1::StepReport::side_heat_w_per_m, 1e-3,
+              &v1::StepReport::side_heat_w),
+      line_of(result, "bottom block", &v1::StepReport::bottom_heat_w_per_m, 1e-3,
+              &v1::StepReport::bottom_heat_w)};
+  if (quarter)
+    lines.insert(lines.begin() + 1,
+                 line_of(result, "narrow face", &v1::StepReport::narrow_heat_w_per_m, 1e-3,
+                         &v1::StepReport::narrow_heat_w));
+  return figure_if_any(
+      "Heat through each face",
+      chart_of("Heat through each face", quarter ? "kW" : "kW per metre", std::move(lines)),
+      quarter ? "Out of the quarter that is computed; four times as much leaves the slab."
+              : "Per metre of face, out of the half that is computed.");
+}
+
+/// Heat since the start [MJ], from flows [kW] that hold for the step that ends at each time.
+ChartLine summed(ChartLine flow, double first_step) {
+  double sum = 0.0, before = flow.x.empty() ? 0.0 : flow.x.front() - first_step;
+  for (std::size_t i = 0; i < flow.x.size(); ++i) {
+    sum += flow.y[i] * (flow.x[i] - before) * 1e-3;
+    before = flow.x[i];
+    flow.y[i] = sum;
+  }
+  return flow;
+}
+
+/// Where the heat came from and went, as one picture.
+std::string balance_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  using Step = v1::StepReport;
+  std::vector<ChartLine> lines{
+      line_of(result, "brought by the metal", &Step::metal_heat_w_per_m, 1e-3, &Step::metal_heat_w),
+      line_of(result, "in the slab", &Step::stored_heat_w_per_m, 1e-3, &Step::stored_heat_w),
+      line_of(result, quarter ? "out: wide face" : "out: side", &Step::side_heat_w_per_m, 1e-3,
+              &Step::side_heat_w),
+      line_of(result, "out: block and gap", &Step::bottom_heat_w_per_m, 1e-3,
+              &Step::bottom_heat_w),
+      line_of(result, "in through the metal level", &Step::level_heat_w_per_m, 1e-3,
+              &Step::level_heat_w)};
+  if (quarter)
+    lines.insert(lines.begin() + 3, line_of(result, "out: narrow face", &Step::narrow_heat_w_per_m,
+                                            1e-3, &Step::narrow_heat_w));
+  const double first_step = result.steps(0).time_step_s();
+  for (ChartLine& line : lines) line = summed(std::move(line), first_step);
+  return figure_if_any(
+      "Where the heat came from and went",
+      chart_of("Heat since the start", quarter ? "MJ" : "MJ per metre", std::move(lines)),
+      "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
+      "leaves through faces and bottom.");
+}
+
+std::string water_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  using Step = v1::StepReport;
+  std::vector<ChartLine> lines{
+      line_of(result, quarter ? "wide face, wetted" : "wetted", &Step::wetted_share, 100.0),
+      line_of(result, quarter ? "wide face, of its water's capacity" : "of the water's capacity",
+              &Step::water_share, 100.0)};
+  if (quarter) {
+    lines.push_back(line_of(result, "narrow face, wetted", &Step::narrow_wetted_share, 100.0));
+    lines.push_back(line_of(result, "narrow face, of its water's capacity",
+                            &Step::narrow_water_share, 100.0));
+  }
+  return figure_if_any("Water on the faces",
+                       chart_of("Water on the faces", "%", std::move(lines)),
+                       "Share of the face under water that is not under a vapour film, and heat "
+                       "taken of all that warming and evaporating the water would take.");
+}
+
+std::string contact_figure(const v1::QueryResultResponse& result) {
+  const bool quarter = is_quarter(result);
+  const ChartLine line = quarter
+                             ? line_of(result, "area", &v1::StepReport::contact_area_m2, 1e4)
+                             : line_of(result, "length", &v1::StepReport::contact_length_m, 1e3);
+  return figure_if_any(
+      "Contact with the block",
+      chart_of("Contact with the block", quarter ? "area, cm²" : "length, mm", {line}),
+      quarter ? "Part of the quarter's bottom in contact with the block."
+              : "Part of the bottom in contact with the block.");
+}
+
+}  // namespace
+
+std::string history_part(const v1::QueryResultResponse& result) {
+  if (result.steps_size() < 2) return {};
+  return shell_figure(result) + sump_figure(result) + temperature_figure(result) +
+         balance_figure(result) + heat_figure(result) + water_figure(result) +
+         contact_figure(result);
 }
 
 }  // namespace dccast::client::render

@@ -4,6 +4,7 @@
 
 #include "client/model/curl_history.hpp"
 #include "client/model/study.hpp"
+#include "dccast/v1/service.pb.h"
 
 namespace dccast::client::render {
 
@@ -22,5 +23,10 @@ std::string curl_figures(const CurlHistory& history, const v1::QueryResultRespon
 
 /// The remark beside a figure of the last step; empty while the model is valid.
 std::string last_step_mark(const CurlHistory& history);
+
+/// Charts against time of the quantities that decide whether a casting succeeds: shell, sump,
+/// temperatures, heat through each face, and the contact of the bottom with the block. Empty with
+/// fewer than two steps.
+std::string history_part(const v1::QueryResultResponse& result);
 
 }  // namespace dccast::client::render

@@ -1,11 +1,8 @@
 #include "client/html/frame_part.hpp"
 
 #include "client/html/frame_slider.hpp"
-#include "client/html/gap_map.hpp"
 #include "client/html/html_parts.hpp"
-#include "client/html/pull_in.hpp"
-#include "client/html/section_picture.hpp"
-#include "client/html/slab_picture.hpp"
+#include "client/html/slab_charts.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/text/table.hpp"
 
@@ -38,15 +35,10 @@ std::string absent(const std::string& heading, const std::string& why) {
 }
 
 std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
-                           const FrameSeries& series) {
-  const SectionPicture picture = draw_section(frame, colour_range(series));
-  if (picture.svg.empty())
-    return absent("Section", "The stored frame cannot be drawn: its arrays are inconsistent.");
-  const std::string slider =
-      frame_slider(series, history, {picture.view}, picture.displacement_scale);
-  return figure("Deformed section and isotherms", picture.svg + slider,
+                           const FramePictures& pictures, const std::string& frames) {
+  return figure("Deformed section and isotherms", pictures.pictures.front().svg + frames,
                 moving_mark(frame, history) + "Half section" +
-                    when_and_scale(frame, picture.displacement_scale) +
+                    when_and_scale(frame, pictures.displacement_scale) +
                     " Isotherms every 100 °C; heavy: solidus " + fixed(frame.solidus_c(), 0) +
                     " °C, heavy dashed: liquidus " + fixed(frame.liquidus_c(), 0) +
                     " °C. The left edge is the symmetry plane.");
@@ -81,22 +73,29 @@ std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) 
 }
 
 std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
-                        const FrameSeries& series) {
-  const SlabPicture picture = draw_slab(frame, colour_range(series));
-  if (picture.views.empty())
-    return absent("Quarter slab", "The stored frame cannot be drawn: its arrays are inconsistent.");
+                        const FramePictures& pictures, const std::string& frames) {
   std::string views;
-  std::vector<PictureView> placed;
-  for (const SlabPicture::View& view : picture.views) {
-    views += "<div><h3>" + view.name + "</h3>" + view.svg + "</div>";
-    placed.push_back(view.view);
-  }
+  for (const Picture& picture : pictures.pictures)
+    views += "<div><h3>" + picture.name + "</h3>" + picture.svg + "</div>";
   return "<section class='card wide'><h2>Deformed quarter slab</h2><figure><div class='views'>" +
-         views + "</div>" + frame_slider(series, history, placed, picture.displacement_scale) +
-         "<figcaption>" + moving_mark(frame, history) + "Surface temperature" +
-         when_and_scale(frame, picture.displacement_scale) +
+         views + "</div>" + frames + "<figcaption>" + moving_mark(frame, history) +
+         "Surface temperature" + when_and_scale(frame, pictures.displacement_scale) +
          " x runs along the wide face, y across the thickness, z up.</figcaption></figure>"
          "</section>";
+}
+
+/// The deformed frame, with a slider over those of the series.
+std::string deformed_figure(const v1::Frame& frame, const CurlHistory& history,
+                            const FrameSeries& series) {
+  const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
+  const FramePictures pictures =
+      pictures_of(frame, colour_range(shown).value_or(ColourRange{}));
+  const std::string frames = drawn_frames(shown, history, pictures);
+  const bool is_slab = frame.dimension() == 3;
+  if (pictures.pictures.empty() || frames.empty())
+    return absent(is_slab ? "Quarter slab" : "Section",
+                  "The stored frame cannot be drawn: its arrays are inconsistent.");
+  return (is_slab ? slab_figure : section_figure)(frame, history, pictures, frames);
 }
 
 std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
@@ -132,10 +131,9 @@ std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory&
   if (!result.has_frame())
     return absent("Last frame", "No stored frame: the run has not ended with a result.");
   const v1::Frame& frame = result.frame();
-  if (frame.dimension() == 3)
-    return slab_figure(frame, history, series) + gap_figure(frame, history) +
-           pull_in_figure(frame, history);
-  return section_figure(frame, history, series) + contact_figures(frame, history);
+  return deformed_figure(frame, history, series) +
+         (frame.dimension() == 3 ? gap_figure(frame, history) + pull_in_figure(frame, history)
+                                 : contact_figures(frame, history));
 }
 
 }  // namespace dccast::client::render

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "client/model/curl_history.hpp"
-#include "client/session/frames.hpp"
+#include "client/session/queries.hpp"
 
 namespace dccast::client::render {
 

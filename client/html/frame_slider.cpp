@@ -1,14 +1,15 @@
 #include "client/html/frame_slider.hpp"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <set>
 
-#include "client/html/base64.hpp"
 #include "client/html/colour_bands.hpp"
-#include "client/html/frame_skin.hpp"
 #include "client/html/frame_slider_script.hpp"
+#include "client/html/frame_surface.hpp"
 #include "client/model/json.hpp"
 #include "client/text/table.hpp"
 
@@ -17,6 +18,15 @@ namespace {
 
 using Numbers = std::vector<std::uint16_t>;
 constexpr int most_numbers = 65535;
+
+/// The numbers byte by byte, the lower one first, as this machine has them too.
+std::string base64(const Numbers& numbers) {
+  const std::size_t bytes = 2 * numbers.size();
+  std::string text((bytes + 2) / 3 * 4, '=');
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                  reinterpret_cast<const unsigned char*>(numbers.data()), static_cast<int>(bytes));
+  return text;
+}
 
 /// A range of values as 16-bit numbers.
 struct Steps {
@@ -41,17 +51,17 @@ std::vector<double> places_as_drawn(const v1::Frame& frame, double scale) {
   return place;
 }
 
-/// @return none where one cannot be drawn, or not together with the others
 std::vector<SeenFrame> seen_frames(const FrameSeries& series, double scale) {
   std::vector<SeenFrame> seen;
+  const v1::Frame& last = series.frames.back();
   for (const v1::Frame& frame : series.frames) {
     auto skin = skin_of(frame);
-    const bool fits = skin && frame.dimension() == series.frames.back().dimension() &&
-                      frame.nodes_per_element() == series.frames.back().nodes_per_element() &&
-                      frame.temperature_c_size() <= most_numbers;
-    if (!fits) return {};
-    seen.push_back({&frame, std::move(*skin), places_as_drawn(frame, scale)});
+    if (skin && frame.dimension() == last.dimension() &&
+        frame.nodes_per_element() == last.nodes_per_element())
+      seen.push_back({&frame, std::move(*skin), places_as_drawn(frame, scale)});
   }
+  if (seen.empty() || seen.back().frame != &last) return {};
+  if (seen.size() < series.frames.size()) seen.erase(seen.begin(), seen.end() - 1);
   return seen;
 }
 
@@ -73,10 +83,16 @@ Steps steps_of_places(const std::vector<SeenFrame>& seen) {
 
 using Faces = std::vector<std::vector<int>>;
 
-Numbers flat(const Faces& faces) {
+/// Node numbers in a row; two numbers each, the lower half first, where they are `wide`.
+template <class Groups>
+std::string indices(const Groups& groups, bool wide) {
   Numbers numbers;
-  for (const auto& face : faces) numbers.insert(numbers.end(), face.begin(), face.end());
-  return numbers;
+  for (const auto& group : groups)
+    for (const int node : group) {
+      numbers.push_back(static_cast<std::uint16_t>(node & 0xffff));
+      if (wide) numbers.push_back(static_cast<std::uint16_t>(node >> 16));
+    }
+  return base64(numbers);
 }
 
 /// Faces of the last frame that a frame with fewer nodes may have too.
@@ -89,7 +105,7 @@ std::set<std::vector<int>> inherited(const Faces& last, int nodes) {
 
 /// Adds the faces of a frame: those of the last frame that fit into it and some more, where the
 /// mesh has only grown since; else all of its own.
-void add_faces(const SeenFrame& seen, const Faces& last, Json& json) {
+void add_faces(const SeenFrame& seen, const Faces& last, bool wide, Json& json) {
   const auto common = inherited(last, seen.frame->temperature_c_size());
   Faces own;
   std::size_t found = 0;
@@ -99,7 +115,7 @@ void add_faces(const SeenFrame& seen, const Faces& last, Json& json) {
     else
       own.push_back(face);
   const bool has_all = found == common.size();
-  json["own"] = base64(flat(has_all ? own : seen.skin.faces));
+  json["own"] = indices(has_all ? own : seen.skin.faces, wide);
   json["all"] = !has_all;
 }
 
@@ -133,52 +149,55 @@ Numbers still_numbers(const SeenFrame& seen, const Steps& place) {
 }
 
 Json frame_json(const SeenFrame& seen, const Faces& last, const Steps& place,
-                const Steps& temperature, const CurlHistory& history) {
+                const Steps& temperature, bool wide, const CurlHistory& history) {
   const v1::Frame& frame = *seen.frame;
   const auto first = history.first_beyond();
-  Numbers edges;
-  for (const auto& edge : seen.skin.edges) edges.insert(edges.end(), edge.begin(), edge.end());
   Json json{{"when", when_text(frame)},
             {"beyond", first && frame.time_s() >= history.time_s[*first]},
             {"nodes", frame.temperature_c_size()},
             {"moving", base64(moving_numbers(seen, place, temperature))},
-            {"edges", base64(edges)},
+            {"edges", indices(seen.skin.edges, wide)},
             {"still", base64(still_numbers(seen, place))}};
-  add_faces(seen, last, json);
+  add_faces(seen, last, wide, json);
   return json;
 }
 
-Json views_json(const std::vector<PictureView>& views) {
+Json views_json(const FramePictures& pictures) {
   Json json = Json::array();
-  for (const PictureView& view : views)
-    json.push_back({{"across", view.across}, {"down", view.down}, {"to", view.to_viewer}});
+  for (const Picture& picture : pictures.pictures)
+    json.push_back({{"across", picture.view.across},
+                    {"down", picture.view.down},
+                    {"to", picture.view.to_viewer}});
   return json;
 }
 
-/// The frames but the last, whose picture is on the page.
 Json series_json(const std::vector<SeenFrame>& seen, const CurlHistory& history,
-                 const std::vector<PictureView>& views, const ColourRange& range) {
+                 const FramePictures& pictures, const ColourRange& range) {
   const Steps place = steps_of_places(seen), temperature{range.low, range.high};
   const v1::Frame& last = *seen.back().frame;
   const Faces& faces = seen.back().skin.faces;
   const ColourBands bands{range.low, range.high};
+  const bool wide = std::ranges::any_of(seen, [](const SeenFrame& frame) {
+    return frame.frame->temperature_c_size() > most_numbers;
+  });
   Json json{{"dimension", last.dimension()},
             {"corners", faces.front().size()},
             {"place", {place.low, place.high}},
             {"temperature", {range.low, range.high}},
             {"fronts", {last.solidus_c(), last.liquidus_c()}},
             {"colours", Json::array()},
-            {"views", views_json(views)},
-            {"faces", base64(flat(faces))},
+            {"views", views_json(pictures)},
+            {"wide", wide},
+            {"faces", indices(faces, wide)},
             {"frames", Json::array()}};
   for (int band = 0; band < bands.count; ++band) json["colours"].push_back(bands.colour(band));
-  for (std::size_t i = 0; i + 1 < seen.size(); ++i)
-    json["frames"].push_back(frame_json(seen[i], faces, place, temperature, history));
+  for (const SeenFrame& frame : seen)
+    json["frames"].push_back(frame_json(frame, faces, place, temperature, wide, history));
   return json;
 }
 
-std::string which_frames(const FrameSeries& series) {
-  const auto shown = std::to_string(series.frames.size()), stored = std::to_string(series.stored);
+std::string which_frames(const FrameSeries& series, std::size_t seen) {
+  const auto shown = std::to_string(seen), stored = std::to_string(series.stored);
   return shown == stored ? "all " + stored + " stored frames"
                          : shown + " of " + stored + " stored frames";
 }
@@ -191,7 +210,6 @@ std::string when_text(const v1::Frame& frame) {
 }
 
 std::optional<ColourRange> colour_range(const FrameSeries& series) {
-  if (series.frames.size() < 2) return std::nullopt;
   ColourRange range{1e300, -1e300};
   for (const v1::Frame& frame : series.frames)
     for (const double value : frame.temperature_c()) {
@@ -203,19 +221,20 @@ std::optional<ColourRange> colour_range(const FrameSeries& series) {
   return range;
 }
 
-std::string frame_slider(const FrameSeries& series, const CurlHistory& history,
-                         const std::vector<PictureView>& views, double scale) {
+std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
+                         const FramePictures& pictures) {
   const auto range = colour_range(series);
   if (!range) return {};
-  const auto seen = seen_frames(series, scale);
+  const auto seen = seen_frames(series, pictures.displacement_scale);
   if (seen.empty() || seen.back().skin.faces.empty()) return {};
   const std::string last = std::to_string(seen.size() - 1);
-  return "<div class='slider' hidden><input type='range' min='0' max='" + last + "' value='" +
-         last + "' step='1' aria-label='Stored frame'><p><output></output> <small>" +
-         which_frames(series) +
+  return "<noscript><p>This picture is drawn by a script.</p></noscript><div class='slider' "
+         "hidden><input type='range' min='0' max='" +
+         last + "' value='" + last + "' step='1' aria-label='Stored frame'><p><output></output> "
+         "<small>" + which_frames(series, seen.size()) +
          "</small></p></div><script type='application/json' class='frames'>" +
-         series_json(seen, history, views, *range).dump() + "</script><script>" + slider_script +
-         "</script>";
+         series_json(seen, history, pictures, *range).dump() + "</script><script>" +
+         frame_script + "</script>";
 }
 
 }  // namespace dccast::client::render

@@ -2,27 +2,25 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "client/html/picture_view.hpp"
+#include "client/html/frame_picture.hpp"
 #include "client/model/curl_history.hpp"
-#include "client/session/frames.hpp"
+#include "client/session/queries.hpp"
 
 namespace dccast::client::render {
 
 /// "250.0 s, cast length 206.7 mm"
 std::string when_text(const v1::Frame& frame);
 
-/// The temperature range of all frames; empty if there are fewer than two.
+/// The temperature range of all frames; empty without one.
 std::optional<ColourRange> colour_range(const FrameSeries& series);
 
-/// A slider over the frames: the control, the data of the frames and the script that draws them
-/// into the groups of class "now" of the preceding pictures. Initially the pictures show the last
-/// frame; without scripts, and on paper, it is the only one. Empty if there are fewer than two
-/// frames, or one that cannot be drawn.
-/// @param views  views of the pictures, in order
-/// @param scale  magnification of the displacements [1]
-std::string frame_slider(const FrameSeries& series, const CurlHistory& history,
-                         const std::vector<PictureView>& views, double scale);
+/// The frames as data, the script that draws the last one into the groups of class "now" of the
+/// preceding pictures, and a slider with which it draws the others. On paper the last frame is
+/// shown. Of frames of which one cannot be drawn, or not with the others, only the last is taken;
+/// empty if that one cannot be drawn.
+/// @param pictures  as pictures_of() the last frame
+std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
+                         const FramePictures& pictures);
 
 }  // namespace dccast::client::render

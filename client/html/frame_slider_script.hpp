@@ -2,34 +2,34 @@
 
 namespace dccast::client::render {
 
-/// Draws the frame chosen by the slider into the pictures before it, as section_picture and
-/// slab_picture draw the last one: colour bands cut out of triangles, fronts, outlines. Reads the
-/// JSON of frame_slider.cpp.
-inline constexpr const char* slider_script = R"js(
+/// Draws a frame into the pictures before it, the last one to begin with, then the one chosen by the
+/// slider: colour bands cut out of triangles, fronts, outlines. Reads the JSON of frame_slider.cpp.
+inline constexpr const char* frame_script = R"js(
 addEventListener('DOMContentLoaded', () => {  // the caption stands below this script
 const box = document.querySelector('.slider'), data = JSON.parse(document.querySelector('.frames').textContent);
 const range = box.querySelector('input'), output = box.querySelector('output');
 const groups = [...document.querySelectorAll('svg g.now')].slice(0, data.views.length);
-const last = groups.map(g => g.innerHTML), whens = [...document.querySelectorAll('.when')];
-const lastWhen = whens.length ? whens[0].textContent : '', beyond = [...document.querySelectorAll('.beyond-now')];
-const lastBeyond = beyond.length ? beyond[0].textContent : '';
+const whens = [...document.querySelectorAll('.when')], beyond = [...document.querySelectorAll('.beyond-now')];
+const sides = [...document.querySelectorAll('svg g.sides')], last = data.frames.length - 1;
 const dim = data.dimension, bands = data.colours.length, [cold, hot] = data.temperature, [from, to] = data.place;
 const numbers = text => { const b = atob(text), n = new Uint16Array(b.length / 2);
   for (let i = 0; i < n.length; i++) n[i] = b.charCodeAt(2 * i) | b.charCodeAt(2 * i + 1) << 8; return n; };
-const grouped = (flat, size) => { const all = []; for (let i = 0; i < flat.length; i += size) all.push([...flat.subarray(i, i + size)]); return all; };
+const indices = text => { const n = numbers(text);
+  return data.wide ? Array.from({length: n.length / 2}, (_, i) => n[2 * i] + 65536 * n[2 * i + 1]) : n; };
+const grouped = (flat, size) => { const all = []; for (let i = 0; i < flat.length; i += size) all.push([...flat.slice(i, i + size)]); return all; };
 const inOrder = groups => [...new Set(groups.flat())].sort((a, b) => a - b);
 const metres = n => from + (to - from) * n / 65535;
-const shared = grouped(numbers(data.faces), data.corners);
+const shared = grouped(indices(data.faces), data.corners);
 const text = p => p[0].toFixed(1) + ' ' + p[1].toFixed(1);
 const band = t => Math.min(bands - 1, Math.max(0, Math.floor(bands * (t - cold) / (hot - cold))));
 
 function read(frame) {
-  const faces = (frame.all ? [] : shared.filter(f => Math.max(...f) < frame.nodes)).concat(grouped(numbers(frame.own), data.corners));
+  const faces = (frame.all ? [] : shared.filter(f => Math.max(...f) < frame.nodes)).concat(grouped(indices(frame.own), data.corners));
   const moving = numbers(frame.moving), place = new Map(), warm = new Map();
   inOrder(faces).forEach((node, i) => {
     place.set(node, Array.from({length: dim}, (_, c) => metres(moving[i * (dim + 1) + c])));
     warm.set(node, cold + (hot - cold) * moving[i * (dim + 1) + dim] / 65535); });
-  const edges = grouped(numbers(frame.edges), 2), still = numbers(frame.still), before = new Map();
+  const edges = grouped(indices(frame.edges), 2), still = numbers(frame.still), before = new Map();
   inOrder(edges).forEach((node, i) => before.set(node, Array.from({length: dim}, (_, c) => metres(still[i * dim + c]))));
   return {faces, place, warm, edges, before};
 }
@@ -68,7 +68,8 @@ function front(corners, level, kind, label) {
     if (ends.length === 2) { d += 'M' + text(ends[0]) + 'L' + text(ends[1]);
       for (const p of ends) if (!leftmost || p[0] < leftmost[0]) leftmost = p; } }
   if (!d) return '';
-  return `<path class='${kind}' d='${d}'/>` + (label ? `<text class='isotherm-label' x='${leftmost[0] + 3}' y='${leftmost[1] - 3}'>${level}</text>` : '');
+  const name = label ? '' : kind.slice(6) + ' ';
+  return `<path class='${kind}' d='${d}'><title>${name}${level.toFixed(0)} °C</title></path>` + (label ? `<text class='isotherm-label' x='${leftmost[0] + 3}' y='${leftmost[1] - 3}'>${level}</text>` : '');
 }
 function section(frame, view) {
   const at = onto(view), corners = frame.faces.map(f => f.map(n => [...at(frame.place.get(n)), frame.warm.get(n)]));
@@ -84,26 +85,27 @@ function slab(frame, view) {
     const area = corners.reduce((sum, a, i) => { const b = corners[(i + 1) % corners.length]; return sum + a[0] * b[1] - b[0] * a[1]; }, 0);
     if (area >= 0) continue;
     seen.push([face.reduce((sum, n) => sum + depth(n), 0), corners]);
-    face.forEach((n, i) => { const m = face[(i + 1) % face.length]; edges.add(Math.min(n, m) * 65536 + Math.max(n, m)); });
+    face.forEach((n, i) => { const m = face[(i + 1) % face.length]; edges.add(Math.min(n, m) * 2 ** 24 + Math.max(n, m)); });
   }
   seen.sort((a, b) => a[0] - b[0]);
   let svg = ''; const layer = Math.ceil(seen.length / 8);
   for (let i = 0; i < seen.length; i += layer) svg += painted(seen.slice(i, i + layer).map(s => s[1]));
   return svg + lines(frame.edges, n => at(frame.before.get(n)), 'undeformed')
-    + lines(frame.edges.filter(e => edges.has(Math.min(...e) * 65536 + Math.max(...e))), n => at(frame.place.get(n)), 'deformed');
+    + lines(frame.edges.filter(e => edges.has(Math.min(...e) * 2 ** 24 + Math.max(...e))), n => at(frame.place.get(n)), 'deformed');
 }
 function show(number) {
-  const stored = data.frames[number], frame = stored && read(stored);
-  groups.forEach((g, i) => { g.innerHTML = frame ? (dim === 2 ? section : slab)(frame, data.views[i]) : last[i]; });
-  whens.forEach(w => { w.textContent = stored ? stored.when : lastWhen; });
-  beyond.forEach(b => { b.textContent = stored ? (stored.beyond ? 'Beyond validity. ' : '') : lastBeyond; });
-  output.textContent = stored ? stored.when : lastWhen;
+  const stored = data.frames[number], frame = read(stored);
+  groups.forEach((g, i) => { g.innerHTML = (dim === 2 ? section : slab)(frame, data.views[i]); });
+  sides.forEach(g => { g.style.display = number === last ? '' : 'none'; });  // they have the places of the last frame
+  whens.forEach(w => { w.textContent = stored.when; });
+  beyond.forEach(b => { b.textContent = stored.beyond ? 'Beyond validity. ' : ''; });
+  output.textContent = stored.when;
 }
 let asked = 0;
 range.addEventListener('input', () => { cancelAnimationFrame(asked); asked = requestAnimationFrame(() => show(+range.value)); });
-addEventListener('beforeprint', () => show(data.frames.length));
+addEventListener('beforeprint', () => show(last));
 addEventListener('afterprint', () => show(+range.value));
-box.hidden = false;
+box.hidden = last === 0;
 show(+range.value);  // a browser may keep the place of the slider over a reload
 });
 )js";

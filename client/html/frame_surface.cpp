@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "proto/frames/contraction.hpp"
 
@@ -102,6 +103,15 @@ Vector3 unit(const Vector3& a) {
   return {a[0] / length, a[1] / length, a[2] / length};
 }
 
+bool consistent(const v1::Frame& frame) {
+  const int nodes = frame.temperature_c_size();
+  if (frame.dimension() != 2 || nodes == 0 || frame.node_m_size() != 2 * nodes) return false;
+  if (frame.displacement_m_size() != 0 && frame.displacement_m_size() != 2 * nodes) return false;
+  const bool drawable = frame.nodes_per_element() == 3 || frame.nodes_per_element() == 4;
+  return drawable && std::all_of(frame.element_node().begin(), frame.element_node().end(),
+                                 [&](int node) { return node >= 0 && node < nodes; });
+}
+
 bool consistent_3d(const v1::Frame& frame) {
   const int nodes = frame.temperature_c_size(), corners = frame.nodes_per_element();
   if (frame.dimension() != 3 || nodes == 0 || frame.node_m_size() != 3 * nodes) return false;
@@ -195,6 +205,78 @@ double displacement_scale(const v1::Frame& frame) {
   if (wanted < 2.0) return 1.0;
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   return decade * (wanted / decade >= 5.0 ? 5.0 : wanted / decade >= 2.0 ? 2.0 : 1.0);
+}
+
+namespace {
+
+using Edge = std::array<int, 2>;
+
+Edge edge_of(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Edges that belong to one face only.
+std::vector<Edge> boundary_of(const std::vector<std::vector<int>>& faces) {
+  std::map<Edge, int> uses;
+  for (const auto& face : faces)
+    for (std::size_t i = 0; i < face.size(); ++i)
+      ++uses[edge_of(face[i], face[(i + 1) % face.size()])];
+  std::vector<Edge> boundary;
+  for (const auto& [edge, count] : uses)
+    if (count == 1) boundary.push_back(edge);
+  return boundary;
+}
+
+FrameSkin section_skin(const v1::Frame& frame) {
+  FrameSkin skin;
+  const int corners = frame.nodes_per_element();
+  for (int i = 0; i + corners <= frame.element_node_size(); i += corners)
+    skin.faces.emplace_back(frame.element_node().begin() + i,
+                            frame.element_node().begin() + i + corners);
+  skin.edges = boundary_of(skin.faces);
+  return skin;
+}
+
+/// Nodes anticlockwise seen from outside.
+std::vector<int> turned_outward(const SurfaceFace& face, const std::vector<Vector3>& place) {
+  const auto edge = [&](int from, int to) {
+    return Vector3{place[to][0] - place[from][0], place[to][1] - place[from][1],
+                   place[to][2] - place[from][2]};
+  };
+  const Vector3 normal =
+      cross(edge(face.node[0], face.node[2]), edge(face.node[1], face.node.back()));
+  std::vector<int> nodes = face.node;
+  if (dot(normal, face.normal) < 0.0) std::ranges::reverse(nodes);
+  return nodes;
+}
+
+FrameSkin slab_skin(const v1::Frame& frame) {
+  FrameSkin skin;
+  const auto surface = surface_of(frame);
+  const auto place = places_of(frame, 0.0);
+  for (const SurfaceFace& face : surface) skin.faces.push_back(turned_outward(face, place));
+  skin.edges = creases_of(surface);
+  return skin;
+}
+
+}  // namespace
+
+std::vector<Edge> creases_of(const std::vector<SurfaceFace>& surface) {
+  constexpr double crease_cosine = 0.7;
+  std::map<Edge, std::vector<Vector3>> normals;
+  for (const SurfaceFace& face : surface)
+    for (std::size_t i = 0; i < face.node.size(); ++i)
+      normals[edge_of(face.node[i], face.node[(i + 1) % face.node.size()])].push_back(face.normal);
+  std::vector<Edge> creases;
+  for (const auto& [edge, beside] : normals)
+    if (beside.size() == 2 && dot(beside[0], beside[1]) < crease_cosine) creases.push_back(edge);
+  return creases;
+}
+
+std::optional<FrameSkin> skin_of(const v1::Frame& frame) {
+  if (consistent(frame)) return section_skin(frame);
+  if (consistent_3d(frame)) return slab_skin(frame);
+  return std::nullopt;
 }
 
 }  // namespace dccast::client::render

@@ -1,21 +1,288 @@
 #include "client/html/report_page.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "client/html/curl_part.hpp"
 #include "client/html/frame_part.hpp"
-#include "client/html/history_part.hpp"
 #include "client/html/html_parts.hpp"
-#include "client/html/recipe_part.hpp"
 #include "client/html/report_style.hpp"
-#include "client/html/run_part.hpp"
 #include "client/html/study_part.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/curl_history.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
+#include "client/text/plant_units.hpp"
+#include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
+namespace {
+
+bool is_quarter(const v1::Case& input) {
+  return input.section().kind() == v1::Section::QUARTER_SLAB;
+}
+
+std::string millimetres(double metres) {
+  return plant_number(1e3 * metres) + " mm";
+}
+
+/// The effect of factor and shift on a table, in words; empty if they have none.
+std::string changes(const v1::Curve& factor, double shift_s) {
+  std::string text;
+  if (factor.value_size() > 1 || (factor.value_size() == 1 && factor.value(0) != 1.0))
+    text += "times " + curve_in_words(factor, 1.0, "");
+  if (shift_s != 0.0)
+    text += (text.empty() ? "" : "; ") + plant_number(std::abs(shift_s)) + " s " +
+            (shift_s > 0.0 ? "later" : "earlier");
+  return text;
+}
+
+std::string size_text(const v1::Section& section) {
+  if (section.kind() == v1::Section::QUARTER_SLAB)
+    return plant_number(2e3 * section.half_width_m()) + " × " +
+           plant_number(2e3 * (section.half_thickness_m().value_size() > 0
+                                   ? section.half_thickness_m().value(0)
+                                   : 0.0)) +
+           " mm";
+  return plant_number(2e3 * section.half_width_m()) + " mm " +
+         (section.kind() == v1::Section::AXISYMMETRIC ? "in diameter" : "across");
+}
+
+const v1::Curve& narrow_flow(const v1::Case& input) {
+  const v1::Schedule& recipe = input.schedule();
+  return recipe.has_narrow_water_flow_m2_per_s() ? recipe.narrow_water_flow_m2_per_s()
+                                                 : recipe.water_flow_m2_per_s();
+}
+
+const v1::Water& narrow_water(const v1::Case& input) {
+  return input.cooling().has_narrow_water() ? input.cooling().narrow_water()
+                                            : input.cooling().water();
+}
+
+bool narrow_differs(const v1::Case& input) {
+  return is_quarter(input) &&
+         (input.schedule().has_narrow_water_flow_m2_per_s() || input.cooling().has_narrow_water());
+}
+
+std::string water_note(const v1::Water& water) {
+  if (!water.enabled()) return "turned off";
+  return "from " + plant_number(water.start_s()) + " s on, " + millimetres(water.from_m()) +
+         " below the metal level, at " + curve_in_words(water.temperature_c(), 1.0, "°C");
+}
+
+std::string water_rows(const v1::Case& input) {
+  const v1::Schedule& recipe = input.schedule();
+  const std::string changed = changes(recipe.water_flow_factor(), recipe.water_flow_shift_s());
+  const auto one = [&](const std::string& name, const v1::Curve& flow, const v1::Water& water) {
+    return row(name, curve_in_words(flow, litres_per_min_per_m, "l/min/m"),
+               water_note(water) + (changed.empty() ? "" : "; " + changed));
+  };
+  if (!narrow_differs(input))
+    return one("Water", recipe.water_flow_m2_per_s(), input.cooling().water());
+  return one("Water, wide face", recipe.water_flow_m2_per_s(), input.cooling().water()) +
+         one("Water, narrow face", narrow_flow(input), narrow_water(input));
+}
+
+std::string recipe_table(const v1::Case& input) {
+  const v1::Schedule& recipe = input.schedule();
+  const v1::BottomBlock& block = input.cooling().bottom_block();
+  std::string rows =
+      row(input.section().kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab",
+          size_text(input.section()),
+          "metal stands " + millimetres(input.section().initial_depth_m()) + " deep at the start");
+  rows += row("Alloy", html_escaped(input.alloy().card()),
+              "solidus " + plant_number(input.alloy().solidus_c()) + " °C, liquidus " +
+                  plant_number(input.alloy().liquidus_c()) + " °C");
+  rows += row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
+              "the shell forms; t = 0 is when the block starts");
+  rows += row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
+              changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s()));
+  rows += row("Casting temperature", curve_in_words(recipe.casting_temperature_c(), 1.0, "°C"));
+  rows += water_rows(input);
+  rows += row("Bottom block", curve_in_words(block.temperature_c(), 1.0, "°C"));
+  return "<table>" + rows + "</table>";
+}
+
+bool runs(const v1::Water& water, double time_s) {
+  return water.enabled() && time_s >= water.start_s();
+}
+
+ChartLine water_line(const v1::QueryResultResponse& result, const std::string& name,
+                     const v1::Curve& flow, const v1::Water& water) {
+  const v1::Schedule& recipe = result.case_().schedule();
+  ChartLine line{name, {}, {}};
+  for (const v1::StepReport& step : result.steps()) {
+    const double t = step.time_s(), length = step.cast_length_m();
+    line.x.push_back(t);
+    line.y.push_back(runs(water, t)
+                         ? litres_per_min_per_m *
+                               curve_value(recipe.water_flow_factor(), t, length, 1.0) *
+                               curve_value(flow, t - recipe.water_flow_shift_s(), length, 0.0)
+                         : 0.0);
+  }
+  return line;
+}
+
+std::string speed_chart(const v1::QueryResultResponse& result) {
+  const v1::Schedule& recipe = result.case_().schedule();
+  ChartLine line{"casting speed", {}, {}};
+  for (const v1::StepReport& step : result.steps()) {
+    const double t = step.time_s(), length = step.cast_length_m();
+    line.x.push_back(t);
+    // The block does not move during the hold, whatever the table.
+    line.y.push_back(t <= 0.0
+                         ? 0.0
+                         : mm_per_min * curve_value(recipe.casting_speed_factor(), t, length, 1.0) *
+                               curve_value(recipe.casting_speed_m_per_s(),
+                                           t - recipe.casting_speed_shift_s(), length, 0.0));
+  }
+  return svg_chart({"Casting speed against time", "time, s", "mm/min", {line}});
+}
+
+std::string water_chart(const v1::QueryResultResponse& result) {
+  const v1::Case& input = result.case_();
+  const bool two = narrow_differs(input);
+  std::vector<ChartLine> lines{water_line(result, two ? "wide face" : "water",
+                                          input.schedule().water_flow_m2_per_s(),
+                                          input.cooling().water())};
+  if (two)
+    lines.push_back(water_line(result, "narrow face", narrow_flow(input), narrow_water(input)));
+  return svg_chart({"Water against time", "time, s", "l/min per metre", lines});
+}
+
+}  // namespace
+
+std::string recipe_part(const v1::QueryResultResponse& result) {
+  if (!result.has_case_()) return {};
+  std::string html = card("Recipe", recipe_table(result.case_()));
+  if (result.steps_size() < 2) return html;
+  return html +
+         figure("Casting speed", speed_chart(result), "As this run had it, factors included.") +
+         figure("Water", water_chart(result),
+                "Litres a minute on a metre of the slab's perimeter, as this run had it.");
+}
+
+namespace {
+
+std::string scientific(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (value == 0.0) return "0";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2e", value);
+  return text;
+}
+
+double largest(const v1::QueryResultResponse& result, double (v1::StepReport::*figure_of)() const) {
+  double value = 0.0;
+  for (const v1::StepReport& step : result.steps())
+    value = std::max(value, std::abs((step.*figure_of)()));
+  return value;
+}
+
+std::string checks_table(const v1::QueryResultResponse& result, const CurlHistory& history) {
+  if (result.steps_size() == 0) return {};
+  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+  const std::string mark = last_step_mark(history);
+  const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
+  const bool quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+  const std::string per_metre = quarter ? "" : "/m";
+  std::string rows;
+  rows += row("Equilibrium residual",
+              scientific(largest(result, &v1::StepReport::equilibrium_residual)),
+              "largest of all steps, relative");
+  rows += row("Energy balance", scientific(largest(result, &v1::StepReport::energy_balance_error)),
+              "largest of all steps, relative");
+  rows +=
+      row("Complementarity", scientific(largest(result, &v1::StepReport::complementarity_error)),
+          "gap times pressure, relative");
+  rows += row("Constitutive residual",
+              scientific(largest(result, &v1::StepReport::constitutive_residual)), "relative");
+  rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
+              "against the metallostatic one, relative, " + of_last_step);
+  // Of the two fields of each figure a step has only one.
+  const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
+  const double weight = last.weight_n_per_m() + last.weight_n();
+  const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
+  rows += row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
+              "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step);
+  rows += row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
+              (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
+  return card("Checks of the run", "<table>" + rows + "</table>");
+}
+
+std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
+  std::string rows = row("State", full_state_text(job)) + row("Job", html_escaped(job.id())) +
+                     row("Study", job.study().empty() ? "none" : html_escaped(job.study())) +
+                     row("Ended", time_text(job.end_time())) +
+                     row("Case SHA-256", "<code>" + html_escaped(job.case_sha256()) + "</code>");
+  if (result.steps_size() > 0) {
+    const v1::StepReport& last = result.steps(result.steps_size() - 1);
+    double iterations = 0.0, cut = 0.0;
+    for (const v1::StepReport& step : result.steps()) {
+      iterations += step.iterations();
+      cut += step.failed_attempts();
+    }
+    rows +=
+        row("Steps", std::to_string(result.steps_size()), fixed(cut, 0) + " attempts were cut") +
+        row("Mechanical iterations", fixed(iterations, 0),
+            fixed(iterations / result.steps_size(), 2) + " a step") +
+        row("Mesh at the end", std::to_string(last.nodes()) + " nodes",
+            std::to_string(last.elements()) + " elements") +
+        row("Solver time", duration_text(last.solver_s()));
+  }
+  if (job.has_failure()) rows += row("Failure", html_escaped(failure_text(job.failure())));
+  return card("Run", "<table>" + rows + "</table>");
+}
+
+std::string element_row(v1::ElementKind element) {
+  switch (element) {
+    case v1::P1:
+      return row("Element", "p1",
+                 "linear triangles lock on coarse meshes: compare with q1_bending");
+    case v1::Q1:
+      return row("Element", "q1", "long cells resist bending: compare with q1_bending");
+    default:
+      return row("Element", "q1_bending");
+  }
+}
+
+std::string coherency_text(const v1::Alloy& alloy) {
+  if (alloy.has_coherency_solid_fraction())
+    return "solid fraction " + fixed(alloy.coherency_solid_fraction(), 2);
+  return fixed(alloy.has_coherency_c() ? alloy.coherency_c() : alloy.liquidus_c(), 0) + " °C";
+}
+
+std::string inputs_table(const v1::Case& input) {
+  const v1::Alloy& alloy = input.alloy();
+  std::string rows;
+  rows += row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
+              "from a stress-free shell: what happened before leaves no curl");
+  rows += row("Coherency", coherency_text(alloy),
+              "below it the mush transmits stress; solidus " + fixed(alloy.solidus_c(), 0) +
+                  ", liquidus " + fixed(alloy.liquidus_c(), 0) + " °C");
+  rows +=
+      row("Alloy card", html_escaped(alloy.card()) + " (" + html_escaped(alloy.provenance()) + ")",
+          html_escaped(alloy.description()));
+  rows += row("Half width", fixed(1e3 * input.section().half_width_m(), 0) + " mm");
+  rows += element_row(input.mesh().element());
+  rows +=
+      row("Algorithm", html_escaped(v1::Mechanics::Algorithm_Name(input.mechanics().algorithm())));
+  return card("What the result rests on",
+              "<table>" + rows +
+                  "</table><details><summary>The whole case, with all defaults</summary><pre>" +
+                  html_escaped(readable_toml(input)) + "</pre></details>");
+}
+
+}  // namespace
+
+std::string run_part(const v1::Job& job, const v1::QueryResultResponse& result,
+                     const CurlHistory& history) {
+  return checks_table(result, history) + run_table(job, result) +
+         (result.has_case_() ? inputs_table(result.case_()) : "");
+}
+
 namespace {
 
 /// The sentence at the top of a page with figures beyond validity.

@@ -2,11 +2,21 @@
 
 #include <string>
 
+#include "client/model/curl_history.hpp"
 #include "client/model/study.hpp"
-#include "client/session/frames.hpp"
+#include "client/session/queries.hpp"
 #include "dccast/v1/service.pb.h"
 
 namespace dccast::client::render {
+
+/// The casting recipe in plant units: a table of speed, water, metal, mould and block, and charts
+/// of speed and water in this run.
+std::string recipe_part(const v1::QueryResultResponse& result);
+
+/// Evidence for the figures: the checks of the run, its progress, its assumptions, and the whole
+/// case.
+std::string run_part(const v1::Job& job, const v1::QueryResultResponse& result,
+                     const CurlHistory& history);
 
 /// A self-contained HTML page about a job, see docs/report.md. The first sheet is for the plant:
 /// findings, the curl and its meaning, recipe, charts against time, the last frame. The second

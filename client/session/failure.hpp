@@ -1,13 +1,22 @@
 #pragma once
 
+#include <grpcpp/support/status.h>
+
 #include <stdexcept>
 #include <string>
 
-#include <grpcpp/support/status.h>
-
-#include "client/session/exit_code.hpp"
-
 namespace dccast::client {
+
+/// Exit codes of every program of the project.
+enum class ExitCode {
+  done = 0,
+  invalid = 2,       ///< usage error, or a case with faults; with --strict also findings
+  solve_failed = 3,  ///< the job did not succeed; with --strict also findings
+  unreachable = 4,   ///< the server does not answer, or refuses
+  not_found = 5,     ///< does not exist, or not allowed
+  wrong_state = 6,   ///< not possible in the present state of the object
+  interrupted = 130  ///< by SIGINT (Ctrl-C) or SIGTERM
+};
 
 /// A command failed: message for the user and exit code.
 class CommandFailed : public std::runtime_error {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/model/study.hpp"
+#include "client/session/plan_requests.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/study.pb.h"
 
@@ -52,5 +53,30 @@ std::vector<std::string> monitor_names(const Study& study);
 /// then one cell per monitor. limit_rows() is empty while there is no result.
 std::vector<std::vector<std::string>> level_rows(const Study& study);
 std::vector<std::vector<std::string>> limit_rows(const Study& study);
+
+/// A sweep as a text table: one row per run with its values, the final curl of every monitor and
+/// its outcome.
+std::string sweep_table(const v1::StudyResult& result);
+
+/// The same as CSV, in metres; missing numbers are empty.
+std::string sweep_csv(const v1::StudyResult& result);
+
+/// Outcome of a run: "failed: solve failed", "succeeded, beyond validity".
+std::string run_text(const v1::StudyRun& run);
+
+/// State, break points, half-openings and deviation from flatness of each run.
+std::string mould_runs_table(const MouldDesign& design);
+
+/// The opening that was found: break points and half-openings. Empty if there is none yet.
+std::string mould_opening_table(const MouldDesign& design);
+
+/// The resulting cold slab along the wide face.
+std::string mould_profile_table(const MouldDesign& design);
+
+/// Summary in plain words, with caveats.
+std::string mould_sentence(const MouldDesign& design);
+
+/// All of this as terminal output.
+std::string mould_text(const MouldDesign& design);
 
 }  // namespace dccast::client::render

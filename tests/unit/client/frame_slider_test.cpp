@@ -4,12 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/base64.hpp"
-#include "client/html/frame_skin.hpp"
 #include "client/html/frame_slider.hpp"
+#include "client/html/frame_surface.hpp"
 #include "client/html/report_page.hpp"
-#include "client/html/section_picture.hpp"
-#include "client/html/slab_picture.hpp"
 #include "json_reading.hpp"
 
 namespace dccast::client::render {
@@ -59,8 +56,8 @@ FrameSeries growing(int dimension) {
           .frames = {slab(dimension, 1, 0.0), slab(dimension, 2, 10.0), slab(dimension, 4, 30.0)}};
 }
 
-std::string slider_of(const FrameSeries& series) {
-  return frame_slider(series, {}, {PictureView{}}, 1.0);
+std::string slider_of(const FrameSeries& series, const CurlHistory& history = {}) {
+  return drawn_frames(series, history, {.pictures = {{}}});
 }
 
 ReadJson numbers_in(const std::string& html) {
@@ -70,7 +67,7 @@ ReadJson numbers_in(const std::string& html) {
   return there ? ReadJson::parse(found.str(1)) : ReadJson();
 }
 
-/// The inverse of base64().
+/// The numbers of a text in base64, two bytes each, the lower one first.
 std::vector<int> decoded(const std::string& text) {
   std::vector<int> bytes;
   int bits = 0, held = 0;
@@ -102,13 +99,6 @@ TEST(EvenlyChosen, HasTheFirstAndTheLastAndNoneTwice) {
   for (std::size_t i = 1; i < many.size(); ++i) EXPECT_GT(many[i], many[i - 1]);
 }
 
-TEST(Base64, IsThatOfTheBytesLowerFirst) {
-  EXPECT_EQ(base64({}), "");
-  EXPECT_EQ(base64({0x6148, 0x6c6c}), "SGFsbA==");
-  EXPECT_EQ(base64({0x6148, 0x6c6c, 0x216f}), "SGFsbG8h");
-  EXPECT_THAT(decoded(base64({0, 1, 65535, 256})), ElementsAre(0, 1, 65535, 256));
-}
-
 TEST(FrameSkin, OfASlabIsItsSurfaceWithItsTwelveEdges) {
   const auto skin = skin_of(slab(3, 2, 0.0));
   ASSERT_TRUE(skin);
@@ -126,7 +116,7 @@ TEST(FrameSkin, OfASlabIsItsSurfaceWithItsTwelveEdges) {
   }
 }
 
-TEST(FrameSlider, HoldsTheFramesBeforeTheLastAndLoadsNothing) {
+TEST(FrameSlider, HoldsTheFramesAndLoadsNothing) {
   for (const int dimension : {2, 3}) {
     const std::string html = slider_of(growing(dimension));
     EXPECT_THAT(html, HasSubstr("max='2' value='2'"));
@@ -134,7 +124,7 @@ TEST(FrameSlider, HoldsTheFramesBeforeTheLastAndLoadsNothing) {
     for (const char* const absent : {"http", "src=", "import", "fetch("})
       EXPECT_THAT(html, Not(HasSubstr(absent)));
     const ReadJson json = numbers_in(html);
-    ASSERT_EQ(json["frames"].size(), 2u);
+    ASSERT_EQ(json["frames"].size(), 3u);
     EXPECT_EQ(json["frames"][1]["when"], "10.0 s, cast length 10.0 mm");
     EXPECT_EQ(json["frames"][1]["nodes"], dimension == 2 ? 9 : 27);
   }
@@ -181,14 +171,23 @@ TEST(FrameSlider, PlacesAndTemperaturesAreThoseOfTheFrame) {
   }
 }
 
-TEST(FrameSlider, ThereIsNoneForOneFrameOrOneThatDoesNotFit) {
-  EXPECT_EQ(slider_of({}), "");
-  EXPECT_EQ(slider_of({.stored = 1, .frames = {slab(2, 1, 0.0)}}), "");
+TEST(FrameSlider, AFrameThatDoesNotFitLeavesTheLast) {
+  const std::string last = "30.0 s, cast length 30.0 mm";
   FrameSeries series = growing(2);
   series.frames[0].clear_temperature_c();
-  EXPECT_EQ(slider_of(series), "");
+  EXPECT_EQ(numbers_in(slider_of(series))["frames"].size(), 1u);
   series = growing(2);
   series.frames[1] = slab(3, 2, 10.0);
+  const std::string html = slider_of(series);
+  ASSERT_EQ(numbers_in(html)["frames"].size(), 1u);
+  EXPECT_EQ(numbers_in(html)["frames"][0]["when"], last);
+  EXPECT_THAT(html, HasSubstr("1 of 7 stored frames"));
+}
+
+TEST(FrameSlider, ThereIsNothingWithoutALastFrame) {
+  EXPECT_EQ(slider_of({}), "");
+  FrameSeries series = growing(2);
+  series.frames.back().set_element_node(0, 99);
   EXPECT_EQ(slider_of(series), "");
 }
 
@@ -196,25 +195,29 @@ TEST(FrameSlider, AFrameBeyondValiditySaysSo) {
   CurlHistory history;
   history.time_s = {0.0, 10.0, 30.0};
   history.beyond = {false, true, true};
-  const ReadJson json = numbers_in(frame_slider(growing(2), history, {PictureView{}}, 1.0));
+  const ReadJson json = numbers_in(slider_of(growing(2), history));
   EXPECT_FALSE(json["frames"][0]["beyond"].get<bool>());
   EXPECT_TRUE(json["frames"][1]["beyond"].get<bool>());
 }
 
-TEST(PictureView, PutsNodesWhereThePictureHasThem) {
+TEST(PictureView, PutsNodesIntoThePicture) {
   const v1::Frame frame = slab(2, 2, 0.0);
-  const SectionPicture picture = draw_section(frame);
+  const FramePictures found = pictures_of(frame, {100, 620});
   const auto at = [&](const std::array<double, 4>& a, int node) {
     double sum = a[3];
     for (int c = 0; c < 2; ++c)
       sum += a[c] * (frame.node_m(2 * node + c) +
-                     picture.displacement_scale * frame.displacement_m(2 * node + c));
+                     found.displacement_scale * frame.displacement_m(2 * node + c));
     return sum;
   };
-  char place[64];
-  std::snprintf(place, sizeof place, "%.1f %.1f", at(picture.view.across, 8),
-                at(picture.view.down, 8));
-  EXPECT_THAT(picture.svg, HasSubstr(place));
+  const PictureView& view = found.pictures.at(0).view;
+  EXPECT_GT(at(view.across, 2), at(view.across, 0));
+  EXPECT_LT(at(view.down, 8), at(view.down, 2)) << "up is up";
+  // The foot of the picture has the tick of 0 mm, 8 units left of the symmetry plane.
+  char tick[64];
+  std::snprintf(tick, sizeof tick, "x='%.1f' y='%.1f'>0<", at(view.across, 0) - 8.0,
+                at(view.down, 0) + 4.0);
+  EXPECT_THAT(found.pictures[0].svg, HasSubstr(tick));
 }
 
 TEST(ReportPage, HasASliderOverItsFrames) {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/mould_page.hpp"
-#include "client/text/mould_text.hpp"
+#include "client/html/study_page.hpp"
+#include "client/text/study_text.hpp"
 
 namespace dccast::client::render {
 namespace {

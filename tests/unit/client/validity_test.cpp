@@ -10,7 +10,6 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/study_text.hpp"
-#include "client/text/watch_output.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
