@@ -67,11 +67,11 @@ std::vector<double> apart_along(const Course& course, const Answer& first, const
 
 /// The same two castings at another quality: how much their difference changes from one quality to
 /// the other, at most over the last quarter of the course, times the factor that Roache recommends
-/// (docs/error-bars.md) [m].
+/// for two meshes (docs/error-bars.md) [m].
 std::optional<double> error_from_qualities(const CurlDifference& difference, const Answer& first,
                                            const Answer& other,
                                            const std::vector<const Answer*>& runs) {
-  constexpr double safety = 1.25, judged = 0.75;
+  constexpr double safety = 3.0, judged = 0.75;
   const Course& course = difference.course;
   const auto pair_of = [](const Answer& a, const Answer& b) {
     return a.description.quality() != b.description.quality() &&

@@ -49,7 +49,8 @@ std::string names_text(const std::vector<Answer>& answers) {
 /// A text in a column of a table; the end of a longer one is left out.
 std::string cut(const std::string& text, int width) {
   std::string shown = text;
-  while (display_width(shown) > width) shown = values::shortened(text, shown.size() - 1);
+  for (std::size_t limit = text.size(); limit > 0 && display_width(shown) > width;)
+    shown = values::shortened(text, --limit);
   return shown;
 }
 

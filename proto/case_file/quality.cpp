@@ -293,7 +293,7 @@ std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
   if (a.quality() != b.quality() || kind != b.section().kind() || !is_of_quality(a) ||
       !is_of_quality(b))
     return std::nullopt;
-  if (kind == v1::Section::QUARTER_SLAB) return PairedError{.of_curl = 0.025, .of_difference = 0.04};
+  if (kind == v1::Section::QUARTER_SLAB) return PairedError{.of_curl = 0.05, .of_difference = 0.2};
   if (is_measured_section(a.section()) && is_measured_section(b.section()))
     return PairedError{.of_curl = 0.005, .of_difference = 0.02};
   return std::nullopt;

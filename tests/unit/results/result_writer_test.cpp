@@ -16,7 +16,6 @@ namespace dccast::results {
 namespace {
 
 using results::read_checkpoint;
-using Sections;
 using storage::read_file;
 using storage::StorageError;
 

@@ -15,7 +15,6 @@ namespace dccast::results {
 namespace {
 
 using results::read_checkpoint;
-using Sections;
 using results::write_checkpoint;
 
 constexpr int told = 17;    ///< the exit code of a process that was told of the fault
