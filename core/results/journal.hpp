@@ -8,13 +8,12 @@
 
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/frame.hpp"
-#include "core/results/step_report.hpp"
 #include "core/storage/record_log.hpp"
 
 namespace dccast::results {
 
-/// Kind of a journal record; the numbers are part of the file format.
-enum class RecordKind : std::uint8_t { header = 1, step = 2, frame = 3 };
+/// Kind of a journal record; the numbers are part of the file format. 2 was a step; readers skip it.
+enum class RecordKind : std::uint8_t { header = 1, frame = 3 };
 
 /// The records of a running casting, appended to one file; CHECKPOINT.md has the format. All calls
 /// may throw storage::StorageError.
@@ -54,14 +53,12 @@ struct Record {
 bool visit_journal(const std::filesystem::path& path,
                    const std::function<bool(const Record&)>& visit, std::int64_t after = 0);
 
-/// Conversion of the header, a step and a frame of a run to the sections of a journal record, and
+/// Conversion of the header and a frame of a run to the sections of a journal record, and
 /// back.
 Sections to_sections(const RunHeader& header);
-Sections to_sections(const StepReport& report);
 Sections to_sections(const Frame& frame);
 /// @throws std::out_of_range  a section is missing: the record was written by other software
 RunHeader header_of(const Sections& content);
-StepReport step_of(const Sections& content);
 Frame frame_of(const Sections& content);
 
 }  // namespace dccast::results
