@@ -15,7 +15,6 @@
 namespace dccast::results {
 namespace {
 
-using read_checkpoint;
 using storage::read_file;
 using storage::StorageError;
 

@@ -14,8 +14,6 @@
 namespace dccast::results {
 namespace {
 
-using read_checkpoint;
-using write_checkpoint;
 
 constexpr int told = 17;    ///< the exit code of a process that was told of the fault
 constexpr int untold = 18;  ///< ... that was not
