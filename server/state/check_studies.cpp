@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/state/check.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
@@ -12,7 +12,7 @@ namespace dccast::state {
 
 namespace {
 
-/// The run as its jobs tell it: the last attempt that has a row stands for it.
+/// The run by its jobs: the last attempt that has a row stands for it.
 studies::RunRecord run_of(const studies::StudyRecord& study, const studies::StudyPlan& plan,
                           int number, jobs::JobStore& jobs) {
   studies::RunRecord run;

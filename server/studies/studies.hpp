@@ -49,7 +49,7 @@ class Studies {
 public:
   /// @param jobs  where the complete cases of runs are
   Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
-          jobs::JobStore& jobs, const intake::CaseIntake& intake);
+          const intake::CaseIntake& intake);
   ~Studies();
 
   /// Puts in order what the last daemon left; before start().
@@ -123,7 +123,6 @@ private:
   const StudyOptions options_;
   StudyStore& store_;
   jobs::Scheduler& scheduler_;
-  jobs::JobStore& jobs_;
   const intake::CaseIntake& intake_;
   StudyNotifier notifier_;
   Predictions predictions_;
