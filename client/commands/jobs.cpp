@@ -7,7 +7,7 @@
 #include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::commands {
 namespace {

@@ -10,8 +10,8 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
-#include "proto/values/shortened.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::commands {
 namespace {

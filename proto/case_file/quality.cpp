@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "proto/case_file/case_file.hpp"
+
 namespace dccast::case_file {
 
 namespace {
@@ -255,12 +257,25 @@ void apply_quality(v1::Case& c) {
 
 namespace {
 
+/// Whether elements, mesh and steps are those of the quality.
+bool is_of_quality(const v1::Case& complete) {
+  const v1::Mesh& mesh = complete.mesh();
+  if (mesh.element() != v1::Q1_BENDING || mesh.refinement() != 1 || !mesh.file().empty() ||
+      !complete.thermal().file().empty())
+    return false;
+  v1::Case open = complete;
+  for (const char* key : {"columns", "rows", "layers", "side_cell_m", "wide_side_cell_m",
+                          "bottom_cell_m", "growth_cell_m", "merge_below_m", "merged_cell_m"})
+    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
+                                            v1::Mesh::descriptor()->FindFieldByName(key));
+  open.mutable_time()->clear_step_s();
+  apply_quality(open);
+  return google::protobuf::util::MessageDifferencer::Equals(open, complete);
+}
+
 /// Castings like those the bands were measured on: sections through the thickness of a slab, and
 /// starts of a quarter slab. Lengths in m, times in s.
-bool was_measured(const v1::Case& c) {
-  if (c.mesh().element() != v1::Q1_BENDING || c.mesh().refinement() != 1 ||
-      !c.mesh().file().empty() || !c.thermal().file().empty())
-    return false;
+bool is_measured_casting(const v1::Case& c) {
   const double half_width = c.section().half_width_m();
   if (c.section().kind() == v1::Section::PLANE_STRAIN)
     return half_width >= 0.2 && half_width <= 0.4;
@@ -270,19 +285,91 @@ bool was_measured(const v1::Case& c) {
          half_thickness[0] >= 0.2 && half_thickness[0] <= 0.4 && c.time().end_s() <= 300.0;
 }
 
+/// Without the keys that do not affect the results.
+v1::Case casting_of(v1::Case description) {
+  description.clear_title();
+  description.clear_output();
+  description.clear_checkpoint();
+  description.clear_limits();
+  return description;
+}
+
 }  // namespace
 
 std::optional<double> relative_discretisation_error(const v1::Case& complete) {
-  if (!was_measured(complete)) return std::nullopt;
-  v1::Case open = complete;
-  for (const char* key : {"columns", "layers", "rows", "side_cell_m", "wide_side_cell_m",
-                          "bottom_cell_m", "growth_cell_m", "merge_below_m", "merged_cell_m"})
-    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
-                                            v1::Mesh::descriptor()->FindFieldByName(key));
-  open.mutable_time()->clear_step_s();
-  apply_quality(open);
-  if (!google::protobuf::util::MessageDifferencer::Equals(open, complete)) return std::nullopt;
+  if (!is_measured_casting(complete) || !is_of_quality(complete)) return std::nullopt;
   return discretisation_of(complete).error;
+}
+
+std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
+  const v1::Section::Kind kind = a.section().kind();
+  if (a.quality() != b.quality() || kind != b.section().kind() || !is_of_quality(a) ||
+      !is_of_quality(b))
+    return std::nullopt;
+  if (kind == v1::Section::QUARTER_SLAB) return PairedError{.of_curl = 0.05, .of_difference = 0.2};
+  if (is_measured_casting(a) && is_measured_casting(b))
+    return PairedError{.of_curl = 0.005, .of_difference = 0.02};
+  return std::nullopt;
+}
+
+bool is_same_casting(const v1::Case& a, const v1::Case& b) {
+  const auto alone = [](const v1::Case& complete) {
+    v1::Case c = casting_of(complete);
+    c.clear_quality();
+    c.mutable_mesh()->Clear();
+    c.mutable_mesh()->set_element(complete.mesh().element());
+    c.mutable_mesh()->set_growth(complete.mesh().growth());
+    c.mutable_mesh()->set_file(complete.mesh().file());
+    c.mutable_time()->clear_step_s();
+    c.mutable_time()->clear_minimum_step_s();
+    return c;
+  };
+  return google::protobuf::util::MessageDifferencer::Equals(alone(a), alone(b));
+}
+
+namespace {
+
+void scale_steps(v1::TimeControl& time, double factor) {
+  for (double& step : *time.mutable_step_s()->mutable_value()) step *= factor;
+  time.set_minimum_step_s(time.minimum_step_s() * factor);
+}
+
+/// The casting alone, its steps as they are at refinement 1.
+v1::Case undivided(v1::Case description) {
+  scale_steps(*description.mutable_time(), description.mesh().refinement());
+  description.mutable_mesh()->set_refinement(1);
+  return casting_of(std::move(description));
+}
+
+}  // namespace
+
+v1::Case divided(const v1::Case& description, int parts) {
+  v1::Case fine = description;
+  apply_quality(fine);
+  apply_defaults(*fine.mutable_mesh());
+  apply_defaults(*fine.mutable_time());
+  fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);
+  scale_steps(*fine.mutable_time(), 1.0 / parts);
+  return fine;
+}
+
+std::string reason_against_dividing(const v1::Case& description) {
+  if (!description.mesh().file().empty())
+    return "mesh.file: the cells of a mesh file cannot be divided here; make finer files and "
+           "compare "
+           "their runs, or use the built-in mesh";
+  if (!description.thermal().file().empty())
+    return "thermal.file: temperatures from a file belong to its nodes and do not become more "
+           "exact on "
+           "finer meshes; use the heat solver";
+  if (description.monitor().empty() ||
+      (description.mechanics().has_enabled() && !description.mechanics().enabled()))
+    return "the case computes no curl: it needs a [[monitor]] and mechanics.enabled";
+  return {};
+}
+
+bool is_refined_case(const v1::Case& a, const v1::Case& b) {
+  return google::protobuf::util::MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 
 }  // namespace dccast::case_file

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/local_executor.hpp"

@@ -14,8 +14,8 @@
 
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "proto/values/sha256.hpp"
 #include "server/intake/attachment_names.hpp"
 
 namespace dccast::intake {

@@ -15,7 +15,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/megabytes.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/process.hpp"
 
 namespace dccast::jobs {

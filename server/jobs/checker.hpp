@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::jobs {
 

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 

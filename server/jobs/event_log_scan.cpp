@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "core/storage/record_format.hpp"
+#include "core/storage/record_log.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::jobs {

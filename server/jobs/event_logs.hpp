@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 
 namespace dccast::jobs {

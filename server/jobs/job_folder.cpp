@@ -10,10 +10,9 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
-#include "proto/values/sha256.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log_scan.hpp"
 #include "server/jobs/log.hpp"
 
@@ -21,7 +20,7 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.bin";  // core/restart/CHECKPOINT.md
+constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
 constexpr const char* request_file = "request";
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "proto/values/uuid.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_schema.hpp"
 #include "server/jobs/log.hpp"

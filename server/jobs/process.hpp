@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::jobs {
 

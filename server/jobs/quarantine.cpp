@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <ctime>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {

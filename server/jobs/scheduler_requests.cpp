@@ -3,8 +3,8 @@
 #include <system_error>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/job_store.hpp"

@@ -12,8 +12,7 @@
 #include <system_error>
 
 #include "core/storage/file.hpp"
-#include "core/storage/megabytes.hpp"
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/sqlite.hpp"
 
 namespace dccast::jobs {

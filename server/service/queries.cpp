@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"

@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
-#include "proto/values/sha256.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/request_checks.hpp"

@@ -3,7 +3,8 @@
 #include <new>
 #include <system_error>
 
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/storage_error.hpp"
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"

@@ -10,8 +10,8 @@
 #include <system_error>
 #include <vector>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"

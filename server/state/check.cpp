@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/worker_claim.hpp"

@@ -3,8 +3,8 @@
 #include <optional>
 #include <system_error>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"

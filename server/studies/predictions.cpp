@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/jobs/log.hpp"

@@ -8,7 +8,7 @@
 #include <climits>
 #include <utility>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/study_file.hpp"

@@ -2,9 +2,9 @@
 
 #include <stdexcept>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::studies {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "core/statistics/sampling.hpp"
-#include "proto/case_file/key_number.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/studies/study_plan.hpp"

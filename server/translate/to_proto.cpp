@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/results/history_fields.hpp"
+#include "core/results/step_report.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::translate {

@@ -18,7 +18,7 @@
 #include <string>
 #include <system_error>
 
-#include "core/casting/solver_identity.hpp"
+#include "core/casting/stored_run.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/worker/job_run.hpp"

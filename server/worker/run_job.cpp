@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/case/case.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/casting/step_observer.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/translate/case_to_core.hpp"

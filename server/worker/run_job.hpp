@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/casting/step_observer.hpp"
+#include "core/casting/casting_run.hpp"
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/worker.pb.h"
 

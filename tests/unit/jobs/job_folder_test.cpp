@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"

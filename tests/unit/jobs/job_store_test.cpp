@@ -3,7 +3,7 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
 

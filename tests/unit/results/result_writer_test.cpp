@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
@@ -15,8 +15,6 @@
 namespace dccast::results {
 namespace {
 
-using restart::read_checkpoint;
-using restart::Sections;
 using storage::read_file;
 using storage::StorageError;
 

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/state/check.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"

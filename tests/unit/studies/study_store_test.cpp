@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/studies/study_file.hpp"

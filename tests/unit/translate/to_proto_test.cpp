@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/results/history_fields.hpp"
+#include "core/results/step_report.hpp"
 #include "server/translate/to_proto.hpp"
 
 namespace dccast::translate {
