@@ -25,7 +25,7 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
   if (const auto status = check_labels(request.labels()); !status.ok()) return status;
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
-                                    patience(call, context.check_timeout));
+                                    waiting_time(call, context.check_timeout));
   return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
 }
 

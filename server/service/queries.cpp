@@ -91,7 +91,7 @@ public:
     return answer && replay(*answer, "");
   }
 
-  grpc::Status run(const jobs::Patience& patience) {
+  grpc::Status run(const jobs::Patience& waiting) {
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
     run_.folder = folder.path();
     run_.begun = jobs::now();
@@ -100,7 +100,7 @@ public:
     for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
     const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
     const std::string last = context_.query_workers.ask(
-        question, order().SerializeAsString(), patience, [this](auto part) { take(part); });
+        question, order().SerializeAsString(), waiting, [this](auto part) { take(part); });
     if (!run_.end.ParseFromString(last))
       throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                      "the end of a query's run cannot be read");
@@ -202,11 +202,11 @@ grpc::Status answer_query(Context& context, const Call& call,
                           const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
   const intake::ExaminedCase examined = context.query_intake.examine(
-      request.case_(), request.attachments(), {}, patience(call, context.check_timeout));
+      request.case_(), request.attachments(), {}, waiting_time(call, context.check_timeout));
   if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
   Query query(context, call, request, examined, send);
   if (query.answer_from_store()) return grpc::Status::OK;
-  return query.run(patience(call, longest_query));
+  return query.run(waiting_time(call, longest_query));
 }
 
 /// One query: what the thread of its run has passed on and gRPC has not sent yet.

@@ -71,7 +71,7 @@ grpc::Status add_frame(Context& context, const Call& call, const v1::QueryResult
   if (!has_result(job))
     return wrong_state(job, "it has no frame yet: watch it until it has results");
   v1::QueryResultResponse stored = context.intake.stored_frame(
-      context.jobs_directory / request.id(), number, patience(call, context.check_timeout));
+      context.jobs_directory / request.id(), number, waiting_time(call, context.check_timeout));
   const int frames = stored.frame_time_s_size();
   if (frames == 0) return wrong_state(job, "its results hold no frame");
   if (!stored.has_frame())
@@ -210,7 +210,7 @@ grpc::Status open_study(Context& context, const Call& call,
   const PassingFile file(context.query_directory);
   context.checkers.ask(jobs::Question::study_table,
                                file.path().string() + "\n" + result->SerializeAsString(),
-                               patience(call, context.check_timeout));
+                               waiting_time(call, context.check_timeout));
   sent = {.file = storage::File(file.path(), O_RDONLY),
           .name = "the table of study " + request.id(),
           .sha256 = values::sha256_of_file(file.path())};

@@ -42,7 +42,7 @@ grpc::Status faulty_run(const std::string& name, const v1::ValidateCaseResponse&
 grpc::Status check_run(Context& context, const Call& call,
                        const v1::CreateStudyRequest& request, const studies::PlannedRun& run) {
   const auto examined = context.intake.examine(
-      run.description, request.attachments(), {}, patience(call, context.check_timeout));
+      run.description, request.attachments(), {}, waiting_time(call, context.check_timeout));
   if (examined.verdict.faults_size() == 0) return grpc::Status::OK;
   return faulty_run(run.name, examined.verdict);
 }

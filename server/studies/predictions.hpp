@@ -15,7 +15,7 @@
 
 namespace dccast::studies {
 
-/// There is nothing to predict from: not a sweep, or too few runs. The text says what to do.
+/// There is nothing to predict from: not a sweep, or too few runs. The text has the remedy.
 class CannotPredict : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
