@@ -122,8 +122,8 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
 }
 
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
-                                std::vector<std::string> faulty_keys,
-                                const jobs::Patience& waiting, jobs::Question question) const {
+                                std::vector<std::string> faulty_keys, const jobs::Patience& waiting,
+                                jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -210,8 +210,8 @@ void make_printable(google::protobuf::Message& message) {
     const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
     for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {
       if (text && field->is_repeated())
-        reflection->SetRepeatedString(
-            &message, field, i, printable(reflection->GetRepeatedString(message, field, i)));
+        reflection->SetRepeatedString(&message, field, i,
+                                      printable(reflection->GetRepeatedString(message, field, i)));
       else if (text)
         reflection->SetString(&message, field, printable(reflection->GetString(message, field)));
       else

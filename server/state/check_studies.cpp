@@ -13,8 +13,8 @@ namespace dccast::state {
 
 namespace {
 
-/// The run as its jobs show it: the last attempt that has a row stands for it, unless the file of the
-/// study has something later.
+/// The run as its jobs show it: the last attempt that has a row stands for it, unless the file of
+/// the study has something later.
 studies::RunRecord run_of(const studies::StudyRecord& study, const studies::StudyPlan& plan,
                           int number, const std::map<int, studies::RunRecord>& kept,
                           jobs::JobStore& jobs) {

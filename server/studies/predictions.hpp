@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
-#include "server/studies/study_plan.hpp"
 #include "server/studies/study_file.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

@@ -29,7 +29,7 @@ namespace dccast::studies {
 struct StudyOptions {
   std::filesystem::path directory;       ///< of the study files
   std::filesystem::path jobs_directory;  ///< of the jobs' folders
-  int waiting = 16;                 ///< jobs of one study that wait in the queue at once
+  int waiting = 16;                      ///< jobs of one study that wait in the queue at once
   std::chrono::milliseconds check_timeout{30000};
 };
 
@@ -48,8 +48,8 @@ struct StudyReply {
 class Studies {
 public:
   /// @param jobs  where the complete cases of runs are
-  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
-          jobs::JobStore& jobs, const intake::CaseIntake& intake);
+  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, jobs::JobStore& jobs,
+          const intake::CaseIntake& intake);
   ~Studies();
 
   /// Puts in order what the last daemon left; before start().

@@ -63,7 +63,8 @@ std::string frame_of(const RunRecord& run) {
 
 int number_at(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
-  for (std::size_t i = 4; i-- > 0;) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  for (std::size_t i = 4; i-- > 0;)
+    number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
   return static_cast<int>(number);
 }
 
@@ -94,11 +95,10 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
   *study.mutable_create_time() = jobs::timestamp(record.created_ms);
   const fs::path path = study_file(directory, record.id);
   const std::string before = fs::exists(path) ? storage::read_file(path) : std::string();
-  storage::replace_file(path,
-                        header() + storage::short_records.framed(study.SerializeAsString()) +
-                            storage::short_records.framed(record.request.SerializeAsString()) +
-                            storage::short_records.framed(record.case_sha256) +
-                            std::string(kept_runs(before)));
+  storage::replace_file(
+      path, header() + storage::short_records.framed(study.SerializeAsString()) +
+                storage::short_records.framed(record.request.SerializeAsString()) +
+                storage::short_records.framed(record.case_sha256) + std::string(kept_runs(before)));
 }
 
 void append_runs(const fs::path& directory, const std::string& id,

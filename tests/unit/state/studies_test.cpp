@@ -30,7 +30,8 @@ protected:
     return studies::StudyStore(folder_.store()).runs(study_.id);
   }
   static RunRecord cancelled(int number, int attempt = 0) {
-    return {.number = number, .attempt = attempt, .job = "", .outcome = v1::CANCELLED, .failure = {}};
+    return {
+        .number = number, .attempt = attempt, .job = "", .outcome = v1::CANCELLED, .failure = {}};
   }
 
   studies::StudyRecord study_;
