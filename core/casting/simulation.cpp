@@ -133,24 +133,22 @@ private:
     return std::nullopt;
   }
 
-  /// @return empty if resumed; else the reason: the journal ends before the state, or the state
-  ///         does not fit the run
+  /// @return empty if resumed; else the reason: a step or a frame before the state is lost, or the
+  ///         state does not fit the run
   std::string go_on_from(const StoredRun& stored) {
-    auto resumed = results::ResultWriter::resume(files_, stored.step, stored.journal_records);
+    auto history = observer_.reported_steps(stored.step);
+    if (history.size() != static_cast<std::size_t>(stored.step) ||
+        (stored.step > 0 && history.back().step != stored.step))
+      return "a step before it is lost";
+    auto resumed =
+        results::ResultWriter::resume(files_, std::move(history), stored.journal_records);
     if (!resumed.writer) return resumed.reason;
     if (std::string reason = run_->restore(*stored.content); !reason.empty()) return reason;
     writer_.emplace(std::move(*resumed.writer));
-    if (directory_.last_reported_step) report_missed_steps(*directory_.last_reported_step);
     observer_.on_resumed(stored.step, run_->time());
     if (run_->validity_lost()) observer_.on_validity_lost(*run_->validity_lost());
     report_new_findings();
     return "";
-  }
-
-  void report_missed_steps(std::int64_t last_reported) {
-    writer_->visit_steps(last_reported, [this](const results::StepReport& report) {
-      observer_.on_missed_step(report);
-    });
   }
 
   /// The checkpoint is kept if the run is to wait.
@@ -204,7 +202,7 @@ private:
   void write_checkpoint() {
     restart::Sections content = run_->state_sections();
     sign(content, origin());
-    writer_->checkpoint(checkpoint(), std::move(content));
+    writer_->checkpoint(checkpoint(), std::move(content), [this] { observer_.sync_reports(); });
     clock_.written();
   }
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
 
 #include "core/case/case.hpp"
 #include "core/casting/step_observer.hpp"
@@ -19,9 +17,6 @@ struct RunDirectory {
   std::filesystem::path path;
   bool resume = false;  ///< continue from the checkpoint if there is a readable one
   OtherVersion other_version = OtherVersion::begin_anew;
-  /// Last step whose report the observer has received. Steps between it and the checkpoint are
-  /// passed to StepObserver::on_missed_step; none if this is absent.
-  std::optional<std::int64_t> last_reported_step = std::nullopt;
   /// Checkpoint and journal stay after the end of the run too: the caller removes them, once it has
   /// kept how the run ended.
   bool leaves_run_files = false;

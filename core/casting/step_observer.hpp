@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "core/results/finding.hpp"
 #include "core/results/step_report.hpp"
@@ -15,16 +17,18 @@ enum class Order {
   cancel,              ///< stop without a checkpoint
 };
 
-/// Receives every accepted step and decides whether the run continues. Called from the thread of
-/// the run.
+/// Receives every accepted step, keeps it, and decides whether the run continues. Called from the
+/// thread of the run.
 class StepObserver {
 public:
   virtual ~StepObserver() = default;
   virtual Order on_step(const results::StepReport& report) = 0;
-  /// A step before the checkpoint whose report did not reach the observer, see
-  /// RunDirectory::last_reported_step. Called before on_resumed(). The report is exact and already
-  /// stored.
-  virtual void on_missed_step(const results::StepReport&) {}
+  /// The reports of the steps from 1 to this one of an earlier part of this run, exact, from which its results
+  /// are made; fewer if some are lost. Called before on_resumed().
+  virtual std::vector<results::StepReport> reported_steps(std::int64_t) { return {}; }
+  /// Waits until all that was reported is on the disk: a checkpoint follows. Called from another
+  /// thread. @throws std::system_error
+  virtual void sync_reports() {}
   /// The run continues from a checkpoint: steps after `step`, at `time` [s], are reported (again).
   virtual void on_resumed(std::int64_t step, double time) = 0;
   /// The model is no longer valid: the next reported step and all later ones are marked. Called

@@ -164,9 +164,7 @@ void ResultFileBuilder::take(const Record& record) {
     monitors_ = header.monitor_name.size();
     dimension_ = header.dimension;
     write_header(file_, header);
-  } else if (record.kind == RecordKind::step) {
-    steps_.push_back(step_of(record.content));
-  } else {
+  } else if (record.kind == RecordKind::frame) {
     const Frame frame = frame_of(record.content);
     write_frame(file_, frames_.size(), frame);
     frames_.push_back(outline_of(frame));
@@ -174,12 +172,12 @@ void ResultFileBuilder::take(const Record& record) {
   journal_end_ = record.end;
 }
 
-void ResultFileBuilder::finish(const RunSummary& summary) {
+void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<StepReport>& history) {
   follow();
   if (journal_end_ != static_cast<std::int64_t>(std::filesystem::file_size(journal_)))
     throw StorageError(EIO, journal_.string(), "is damaged");
-  for (const HistoryField& field : history_fields()) write_field(file_, field, steps_, dimension_);
-  write_monitors(file_, steps_, monitors_, dimension_);
+  for (const HistoryField& field : history_fields()) write_field(file_, field, history, dimension_);
+  write_monitors(file_, history, monitors_, dimension_);
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);

@@ -22,7 +22,8 @@ public:
   /// Adds the records that were appended to the journal since the last call.
   void follow();
   /// Calls follow(), writes the data that are known only at the end, and closes the file.
-  void finish(const RunSummary& summary);
+  /// @param history  one report per accepted step
+  void finish(const RunSummary& summary, const std::vector<StepReport>& history);
 
   /// Outlines of the frames so far, for the sidecar.
   const std::vector<FrameOutline>& frames() const { return frames_; }
@@ -35,7 +36,6 @@ private:
   hdf5::File file_;
   std::size_t monitors_ = 0;
   int dimension_ = 2;
-  std::vector<StepReport> steps_;
   std::vector<FrameOutline> frames_;
 };
 

@@ -1,6 +1,5 @@
 #include "core/results/result_writer.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -25,26 +24,16 @@ namespace {
 /// there.
 struct Cut {
   std::int64_t size = 0;
-  std::int64_t last_step = 0;
   std::int64_t records = 0;
   bool begins_with_header = false;
 };
-
-/// @throws std::out_of_range  the record lacks what its kind has
-std::int64_t step_number(const Record& record) {
-  if (record.kind == RecordKind::step) return step_of(record.content).step;
-  if (record.kind == RecordKind::frame) return frame_of(record.content).step;
-  return 0;
-}
 
 /// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
 std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
   const bool is_journal = restart::visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
-    const std::int64_t number = step_number(record);
-    if (number > step) return false;
-    cut.last_step = std::max(cut.last_step, number);
+    if (record.kind == RecordKind::frame && frame_of(record.content).step > step) return false;
     ++cut.records;
     cut.size = record.end;
     return true;
@@ -101,6 +90,7 @@ struct ResultWriter::Parts {
   RunFiles files;
   Journal journal;
   std::int64_t records = 0;                  ///< appended to the journal
+  std::vector<StepReport> history;           ///< read by the thread in finish(), when no step follows
   std::optional<ResultFileBuilder> builder;  ///< the thread's
   storage::Background background;            ///< last: its thread ends before what it works with
 };
@@ -130,7 +120,7 @@ void ResultWriter::Parts::follow() {
 
 void ResultWriter::Parts::finish(const RunSummary& summary) {
   ResultFileBuilder result_file = take_builder();
-  result_file.finish(summary);
+  result_file.finish(summary, history);
   const fs::path sidecar = fs::path(files.results).replace_extension(".xdmf");
   storage::write_file(unfinished(sidecar),
                       xdmf_of(result_file.frames(), files.results.filename().string()),
@@ -146,45 +136,35 @@ ResultWriter::~ResultWriter() = default;
 
 ResultWriter ResultWriter::create(const RunFiles& files, const RunHeader& header) {
   ResultWriter writer(std::make_unique<Parts>(files, Journal::create(files.journal)));
-  writer.append(RecordKind::header, to_sections(header));
+  writer.append_record(RecordKind::header, to_sections(header));
   writer.parts_->journal.write();
   return writer;
 }
 
-ResumedWriter ResultWriter::resume(const RunFiles& files, std::int64_t step, std::int64_t records) {
+ResumedWriter ResultWriter::resume(const RunFiles& files, std::vector<StepReport> history,
+                                   std::int64_t records) {
   if (!fs::exists(files.journal)) return {std::nullopt, "the journal is missing"};
-  const auto cut = find_cut(files.journal, step);
+  const auto cut = find_cut(files.journal, history.empty() ? 0 : history.back().step);
   if (!cut || !cut->begins_with_header) return {std::nullopt, "the journal is damaged"};
-  if (cut->last_step < step) return {std::nullopt, "the journal ends before the checkpoint"};
   if (cut->records < records) return {std::nullopt, "the journal has lost a record"};
   ResultWriter writer(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size)));
   writer.parts_->records = cut->records;
+  writer.parts_->history = std::move(history);
   return {std::move(writer), ""};
 }
 
-void ResultWriter::visit_steps(std::int64_t after,
-                               const std::function<void(const StepReport&)>& visit) const {
-  parts_->journal.write();
-  restart::visit_journal(parts_->files.journal, [&](const Record& record) {
-    if (record.kind != RecordKind::step) return true;
-    const StepReport report = step_of(record.content);
-    if (report.step > after) visit(report);
-    return true;
-  });
-}
-
-void ResultWriter::append(RecordKind kind, const Sections& content) {
+void ResultWriter::append_record(RecordKind kind, const Sections& content) {
   parts_->journal.append(kind, content);
   ++parts_->records;
 }
 
 void ResultWriter::append(const StepReport& report) {
-  append(RecordKind::step, to_sections(report));
+  parts_->history.push_back(report);
 }
 
 void ResultWriter::append(const Frame& frame) {
   check_sizes(frame);
-  append(RecordKind::frame, to_sections(frame));
+  append_record(RecordKind::frame, to_sections(frame));
 }
 
 void ResultWriter::flush() {
@@ -192,11 +172,14 @@ void ResultWriter::flush() {
   parts_->background.post([parts = parts_.get()] { parts->follow(); });
 }
 
-void ResultWriter::checkpoint(const fs::path& path, Sections content) {
+void ResultWriter::checkpoint(const fs::path& path, Sections content,
+                              std::function<void()> sync_steps) {
   parts_->journal.write();
   content.set_integer(journal_records, parts_->records);
-  parts_->background.post([parts = parts_.get(), path, content = std::move(content)] {
+  parts_->background.post([parts = parts_.get(), path, content = std::move(content),
+                            sync_steps = std::move(sync_steps)] {
     parts->journal.sync();
+    if (sync_steps) sync_steps();
     restart::write_checkpoint(path, content);
   });
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/restart/journal.hpp"
 #include "core/results/frame.hpp"
@@ -27,10 +28,11 @@ struct ResumedWriter;
 
 /// Collects the steps and frames of a run and makes its result file.
 ///
-/// They are appended to a journal (CHECKPOINT.md), from which a background thread writes HDF5
-/// (SCHEMA.md) during the run. A run is resumed from the journal, not from the HDF5 file: a run
-/// that is killed at any time and resumed from its checkpoint gives the same file, byte for byte,
-/// as an uninterrupted one.
+/// Frames are appended to a journal (CHECKPOINT.md), from which a background thread writes HDF5
+/// (SCHEMA.md) during the run. Steps stay in memory until the end: the observer of
+/// the run keeps them (StepObserver) and gives them back to a run that is resumed. A run is resumed from the
+/// journal, not from the HDF5 file: a run that is killed at any time and resumed from its
+/// checkpoint gives the same file, byte for byte, as an uninterrupted one.
 ///
 /// All calls may throw storage::StorageError, also for a failure of the background thread since the
 /// last call.
@@ -39,20 +41,19 @@ public:
   /// Starts the results of a run; existing ones are overwritten.
   static ResultWriter create(const RunFiles& files, const RunHeader& header);
 
-  /// Continues after step `step`, at which there is a checkpoint; later steps and frames are
-  /// discarded. Returns a reason instead of a writer if the journal is missing, damaged, ends
-  /// before that step or has fewer records up to it than the checkpoint says: the run then starts
-  /// from the beginning.
-  /// @param records  journal_records of the checkpoint; 0: unknown
-  static ResumedWriter resume(const RunFiles& files, std::int64_t step, std::int64_t records = 0);
+  /// Continues after the last step of `history`, at which there is a checkpoint; later frames are
+  /// discarded. Returns a reason instead of a writer if the journal is missing, damaged or has
+  /// fewer records up to that step than the checkpoint says: the run then starts from the
+  /// beginning.
+  /// @param history  all steps up to the checkpoint
+  /// @param records  journal_records of the checkpoint
+  static ResumedWriter resume(const RunFiles& files, std::vector<StepReport> history,
+                              std::int64_t records);
 
   ResultWriter(ResultWriter&&) noexcept;
   ResultWriter& operator=(ResultWriter&&) noexcept;
   /// Finishes pending work. Of unpublished results only the journal remains.
   ~ResultWriter();
-
-  /// Calls `visit` with every step of the journal after step `after`, in order.
-  void visit_steps(std::int64_t after, const std::function<void(const StepReport&)>& visit) const;
 
   void append(const StepReport& report);
   /// @param frame  of the last step appended, or of the initial state
@@ -63,7 +64,9 @@ public:
   void flush();
   /// Syncs the journal to disk and then writes a checkpoint, with journal_records added. Both are
   /// done by the background thread; see wait().
-  void checkpoint(const std::filesystem::path& path, restart::Sections content);
+  /// @param sync_steps  called before by that thread: the steps are on the disk when it returns
+  void checkpoint(const std::filesystem::path& path, restart::Sections content,
+                  std::function<void()> sync_steps = {});
   /// Waits until all pending work of the background thread is on disk.
   void wait();
 
@@ -75,7 +78,7 @@ public:
 private:
   struct Parts;
   explicit ResultWriter(std::unique_ptr<Parts> parts);
-  void append(restart::RecordKind kind, const restart::Sections& content);
+  void append_record(restart::RecordKind kind, const restart::Sections& content);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "core/results/history_fields.hpp"
-
 namespace dccast::results {
 
 namespace {
@@ -93,48 +91,6 @@ RunHeader header_of(const Sections& content) {
   header.monitor_position =
       points_of(content.reals("monitor_position"), header.monitor_name.size());
   return header;
-}
-
-Sections to_sections(const StepReport& report) {
-  // Packed in the order of the table: with every name in every step the journal were ten times as
-  // long.
-  Sections::Reals reals;
-  Sections::Integers integers;
-  for (const HistoryField& field : history_fields()) {
-    if (field.real())
-      reals.push_back(real_value(field, report));
-    else
-      integers.push_back(integer_value(field, report));
-  }
-  Sections content;
-  content.set("reals", std::move(reals));
-  content.set("integers", std::move(integers));
-  content.set_integer("dimension", report.dimension);
-  content.set_integer("monitors", static_cast<std::int64_t>(report.monitor_displacement.size()));
-  content.set("monitor_displacement", flat(report.monitor_displacement));
-  content.set("monitor_temperature", report.monitor_temperature);
-  // For a report sent again; not in the results.
-  content.set("processor_s", Sections::Reals{report.solver_seconds, report.process_seconds});
-  return content;
-}
-
-StepReport step_of(const Sections& content) {
-  StepReport report;
-  std::size_t real = 0;
-  std::size_t integer = 0;
-  for (const HistoryField& field : history_fields()) {
-    if (field.real())
-      set_real(field, report, content.reals("reals").at(real++));
-    else
-      set_integer(field, report, content.integers("integers").at(integer++));
-  }
-  if (content.has("dimension")) report.dimension = static_cast<int>(content.integer("dimension"));
-  report.monitor_temperature = content.reals("monitor_temperature");
-  report.monitor_displacement = points_of(content.reals("monitor_displacement"),
-                                          static_cast<std::size_t>(content.integer("monitors")));
-  report.solver_seconds = content.reals("processor_s").at(0);
-  report.process_seconds = content.reals("processor_s").at(1);
-  return report;
 }
 
 Sections to_sections(const Frame& frame) {

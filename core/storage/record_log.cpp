@@ -1,5 +1,7 @@
 #include "core/storage/record_log.hpp"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "core/storage/storage_error.hpp"
@@ -44,9 +46,26 @@ void RecordLog::cut(std::int64_t end) {
   const std::lock_guard lock(mutex_);
   file_.cut(end);
   end_ = end;
-  // What a failed sync has left in doubt is written again by whoever cuts it off.
+  if (sync_error_ != 0) write_again(synced_, end);
   synced_ = 0;
   sync_error_ = 0;
+}
+
+/// The kernel takes pages that it failed to write for written: they have to be changed once more.
+void RecordLog::write_again(std::int64_t begin, std::int64_t end) const {
+  constexpr std::int64_t most_at_once = 1 << 20;  // [bytes]
+  while (begin < end) {
+    std::string bytes(static_cast<std::size_t>(std::min(end - begin, most_at_once)), '\0');
+    bytes.resize(file_.read_at(begin, bytes));
+    if (bytes.empty()) return;
+    file_.write_at(begin, bytes);
+    begin += static_cast<std::int64_t>(bytes.size());
+  }
+}
+
+bool RecordLog::in_doubt() const {
+  const std::lock_guard lock(mutex_);
+  return sync_error_ != 0;
 }
 
 void RecordLog::sync() {

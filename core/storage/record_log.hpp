@@ -22,15 +22,19 @@ public:
   /// is unchanged. @return the byte at which they begin
   std::int64_t append(std::string_view records);
 
-  /// Truncates the file to `end` bytes. The next sync() syncs all of it, and a failure before is
-  /// over: what was in doubt is cut off and written again.
+  /// Truncates the file to `end` bytes. The next sync() syncs all of it. A failure of sync() is over
+  /// then: what it left in doubt is cut off, or written again where it stands before `end`.
   void cut(std::int64_t end);
 
   /// Waits until all appended records are on disk; cheap if there are no new ones. After a failure
   /// the log accepts no more records until cut().
   void sync();
+  /// Whether the last sync() failed, and no cut() has followed.
+  bool in_doubt() const;
 
 private:
+  void write_again(std::int64_t begin, std::int64_t end) const;
+
   File file_;
   std::mutex sync_mutex_;  ///< one sync at a time; appends are possible meanwhile
   mutable std::mutex mutex_;

@@ -38,13 +38,18 @@ void EventLog::take_over() {
   bool more = false;
   {
     const std::lock_guard lock(mutex_);
-    if (appends_) return;
+    if (appends_ && (prepared_ || !log_.in_doubt())) return;
     more = take_whole_records();
     if (log_.file().size() > content_.end) content_ = scan_event_log(log_.file());
     repair();
     appends_ = true;
   }
   if (more && on_append_) on_append_();
+}
+
+bool EventLog::appends() const {
+  const std::lock_guard lock(mutex_);
+  return appends_;
 }
 
 void EventLog::hand_over() {
@@ -149,7 +154,7 @@ void EventLog::append(v1::JobEvent& event) {
 }
 
 void EventLog::prepare(v1::JobEvent& event) {
-  take_over();
+  if (!appends()) take_over();
   const std::lock_guard lock(mutex_);
   if (prepared_) return;
   if (content_.terminal)

@@ -35,7 +35,8 @@ public:
   ~EventLog();  ///< syncs the rest to disk; a failure is logged
 
   /// Makes this process the one that appends: takes what the other one has written, cuts off a torn
-  /// tail, puts a damaged header right. append() does it where it was not done.
+  /// tail, puts a damaged header right. append() does it where it was not done. Once more after a
+  /// failed sync() it writes again what that left in doubt, and the log accepts events again.
   /// @throws std::system_error  the file cannot be written
   void take_over();
   /// From now on another process appends.
@@ -92,6 +93,7 @@ public:
 
 private:
   const std::filesystem::path& path() const { return log_.file().path(); }
+  bool appends() const;
   void repair();
   void cut_tail();
   bool take_whole_records();

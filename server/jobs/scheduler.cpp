@@ -83,12 +83,6 @@ void Scheduler::shut_down() {
   shutting_down_ = true;
   attempts_.stop_all();
   changed_.notify_all();
-  // What the disk does not take now the next daemon reads in the folders of the jobs.
-  changed_.wait(lock, [this] {
-    return attempts_.count() == 0 || (hold_.holds() && attempts_.running() == 0);
-  });
-  stopping_ = true;
-  changed_.notify_all();
   lock.unlock();
   thread_.join();
 }
@@ -112,7 +106,7 @@ void Scheduler::run() {
     look_whether_hold_has_passed();
     start_jobs();
     lock.lock();
-    if (stopping_) return;
+    if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
     if (!hold_.holds() && (!attempts_.ended().empty() || (may_start() && queue_.front()))) {
       expected_wake_ = Clock::now();
       continue;
@@ -120,6 +114,11 @@ void Scheduler::run() {
     expected_wake_ = next_deadline();
     changed_.wait_until(lock, expected_wake_);
   }
+}
+
+/// What the disk does not take now the next daemon reads in the folders of the jobs.
+bool Scheduler::no_worker_is_left() const {
+  return attempts_.count() == 0 || (hold_.holds() && attempts_.running() == 0);
 }
 
 void Scheduler::notice_standstill() {

@@ -140,6 +140,7 @@ private:
   // The functions below expect mutex_ to be held.
   void hold(const std::string& reason);
   void notice_standstill();
+  bool no_worker_is_left() const;
   Clock::time_point next_deadline() const;
   v1::Job view(JobRecord record) const;
   v1::Job view(const Attempt& attempt) const;

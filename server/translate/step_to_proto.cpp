@@ -12,6 +12,16 @@ namespace dccast::translate {
 
 namespace {
 
+using Field = google::protobuf::FieldDescriptor;
+
+/// @throws std::logic_error  the message lacks it
+const Field* field_of(const results::HistoryField& field, int dimension) {
+  const std::string name = field.name_in(dimension);
+  const Field* found = v1::StepReport::descriptor()->FindFieldByName(name);
+  if (found == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
+  return found;
+}
+
 void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
                   v1::StepReport& to) {
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
@@ -73,10 +83,7 @@ v1::StepReport to_proto(const results::StepReport& report,
   v1::StepReport to;
   const auto& reflection = *to.GetReflection();
   for (const results::HistoryField& field : results::history_fields()) {
-    const std::string name = field.name_in(report.dimension);
-    const auto* of_message = to.GetDescriptor()->FindFieldByName(name);
-    if (of_message == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
-    using Field = google::protobuf::FieldDescriptor;
+    const Field* of_message = field_of(field, report.dimension);
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
         reflection.SetDouble(&to, of_message, results::real_value(field, report));
@@ -95,6 +102,37 @@ v1::StepReport to_proto(const results::StepReport& report,
   add_monitors(report, monitors, to);
   to.set_solver_s(report.solver_seconds);
   to.set_process_s(report.process_seconds);
+  return to;
+}
+
+results::StepReport to_core(const v1::StepReport& report, int dimension) {
+  results::StepReport to;
+  to.dimension = dimension;
+  const auto& reflection = *report.GetReflection();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const Field* of_message = field_of(field, dimension);
+    switch (of_message->cpp_type()) {
+      case Field::CPPTYPE_DOUBLE:
+        results::set_real(field, to, reflection.GetDouble(report, of_message));
+        break;
+      case Field::CPPTYPE_BOOL:
+        results::set_integer(field, to, reflection.GetBool(report, of_message) ? 1 : 0);
+        break;
+      case Field::CPPTYPE_INT32:
+        results::set_integer(field, to, reflection.GetInt32(report, of_message));
+        break;
+      default:
+        results::set_integer(field, to, reflection.GetInt64(report, of_message));
+    }
+  }
+  for (const v1::MonitorValue& value : report.monitors()) {
+    to.monitor_displacement.emplace_back(value.displacement_m().begin(),
+                                         value.displacement_m().end());
+    to.monitor_temperature.push_back(value.has_temperature_c() ? value.temperature_c()
+                                                               : std::nan(""));
+  }
+  to.solver_seconds = report.solver_s();
+  to.process_seconds = report.process_s();
   return to;
 }
 

@@ -12,6 +12,9 @@ namespace dccast::translate {
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors);
 
+/// The same report, bit by bit. @param dimension  2 in sections, 3 in quarter slabs
+results::StepReport to_core(const v1::StepReport& report, int dimension);
+
 /// @param failures  of a run, the cause first; at least one
 v1::Failure to_proto(const casting::RunFailures& failures);
 

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <condition_variable>
 #include <iostream>
+#include <limits>
 #include <utility>
+
+#include "server/jobs/step_index.hpp"
 
 namespace dccast::worker {
 
@@ -62,6 +65,11 @@ void JobRun::send(v1::JobEvent event) {
   if (event.has_finding() && log_.has(event.finding())) return;
   if (event.has_validity_lost() && log_.has_validity_loss()) return;
   log_.append(event);
+}
+
+std::vector<v1::StepReport> JobRun::steps(std::size_t most) const {
+  auto page = jobs::StepIndex().page(log_, {}, most, std::numeric_limits<std::size_t>::max());
+  return std::move(page.value().steps);
 }
 
 casting::Order JobRun::order() const {

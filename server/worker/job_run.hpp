@@ -32,7 +32,8 @@ public:
   /// checkpoint.
   void send(v1::JobEvent event) override;
   casting::Order order() const override;
-  std::int64_t reached_step() const override { return log_.reached_step(); }
+  std::vector<v1::StepReport> steps(std::size_t most) const override;
+  void sync() override { log_.sync(); }
   /// The last record, on the disk when this returns. @throws std::system_error
   void end(v1::RunEnd end);
 

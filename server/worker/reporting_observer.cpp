@@ -6,19 +6,18 @@
 
 namespace dccast::worker {
 
-void ReportingObserver::send(const results::StepReport& report) {
-  v1::JobEvent event;
-  *event.mutable_step() = translate::to_proto(report, monitors_);
-  link_.send(std::move(event));
-}
-
 casting::Order ReportingObserver::on_step(const results::StepReport& report) {
-  send(report);
+  v1::JobEvent event;
+  *event.mutable_step() = translate::to_proto(report, case_.monitors);
+  link_.send(std::move(event));
   return link_.order();
 }
 
-void ReportingObserver::on_missed_step(const results::StepReport& report) {
-  send(report);
+std::vector<results::StepReport> ReportingObserver::reported_steps(std::int64_t step) {
+  std::vector<results::StepReport> reports;
+  for (const v1::StepReport& each : link_.steps(static_cast<std::size_t>(step)))
+    reports.push_back(translate::to_core(each, mesh::dimension_of(case_.section.kind)));
+  return reports;
 }
 
 void ReportingObserver::on_resumed(std::int64_t step, double time) {

@@ -11,20 +11,18 @@ namespace dccast::worker {
 /// Makes events of what the run reports, and brings it requests to stop.
 class ReportingObserver : public casting::StepObserver {
 public:
-  ReportingObserver(RunLink& link, const std::vector<casting::Monitor>& monitors)
-      : link_(link), monitors_(monitors) {}
+  ReportingObserver(RunLink& link, const casting::Case& of_run) : link_(link), case_(of_run) {}
   casting::Order on_step(const results::StepReport& report) override;
-  void on_missed_step(const results::StepReport& report) override;
+  std::vector<results::StepReport> reported_steps(std::int64_t step) override;
+  void sync_reports() override { link_.sync(); }
   void on_resumed(std::int64_t step, double time) override;
   void on_validity_lost(const results::ValidityLoss& loss) override;
   void on_finding(const results::Finding& finding) override;
   void on_message(std::string_view text) override;
 
 private:
-  void send(const results::StepReport& report);
-
   RunLink& link_;
-  const std::vector<casting::Monitor>& monitors_;
+  const casting::Case& case_;
 };
 
 }  // namespace dccast::worker

@@ -87,12 +87,10 @@ casting::OtherVersion to_core(v1::OtherVersion what) {
   return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
 }
 
-casting::RunDirectory directory_of(const v1::WorkerOrder& order, const RunLink& link,
-                                   Results results) {
+casting::RunDirectory directory_of(const v1::WorkerOrder& order, Results results) {
   return {.path = order.directory(),
           .resume = order.resume(),
           .other_version = to_core(order.other_version()),
-          .last_reported_step = link.reached_step(),
           .leaves_run_files = true,
           .keeps_nothing = results == Results::discarded};
 }
@@ -100,8 +98,8 @@ casting::RunDirectory directory_of(const v1::WorkerOrder& order, const RunLink& 
 Finished run(const v1::WorkerOrder& order, RunLink& link, Results results) {
   const fs::path directory = order.directory();
   const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
-  ReportingObserver observer(link, casting_case.monitors);
-  const auto outcome = casting::run(casting_case, directory_of(order, link, results), observer,
+  ReportingObserver observer(link, casting_case);
+  const auto outcome = casting::run(casting_case, directory_of(order, results), observer,
                                     std::max(order.threads(), 1));
   return to_finished(outcome, directory, results);
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "core/casting/step_observer.hpp"
 #include "dccast/v1/job.pb.h"
 
@@ -12,8 +15,11 @@ public:
   /// @throws std::system_error  the event cannot be kept: the run must not go on
   virtual void send(v1::JobEvent event) = 0;
   virtual casting::Order order() const = 0;
-  /// The step up to which the history goes that has been sent by earlier attempts; 0: none.
-  virtual std::int64_t reached_step() const { return 0; }
+  /// The reports of the first steps that earlier attempts have sent, as the run that goes on has
+  /// them; at most so many.
+  virtual std::vector<v1::StepReport> steps(std::size_t) const { return {}; }
+  /// Waits until what was sent is on the disk. @throws std::system_error
+  virtual void sync() {}
 };
 
 }  // namespace dccast::worker

@@ -111,7 +111,7 @@ class SyncFails(Refusal):
 
 
 class SlowDisk(Fault):
-    """Every fsync takes 2 s while a job ends, one is cancelled and one paused; who asks is answered in 50 ms"""
+    """Every fsync takes 2 s while a job ends and two are cancelled; who asks is answered in 50 ms"""
     short, long = 1, 6
     seconds = 60.0
     patience = 60.0
@@ -126,15 +126,15 @@ class SlowDisk(Fault):
             scene.client.until_step(job_id, 1)
         ends = scene.submit(fake("steps=3"), priority=job_pb2.HIGH)
         idle = scene.submit(fake(WAITING), job_pb2.CANCELLED)
-        events = scene.connected().watch(waiting[1])
-        next(events)
         scene.fail(0, "s")
-        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=waiting[0]))
-        scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=idle))
+        # Kept until they are answered: a call that no one refers to is cancelled, maybe before it is served.
+        cancels = [scene.client.stub.CancelJob.future(service_pb2.CancelJobRequest(id=job_id))
+                   for job_id in (waiting[0], idle)]
         calls = {
             "GetJob": lambda: scene.client.job(ends),
             "ListJobs": lambda: scene.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10),
-            "WatchJob": lambda: next(events),
+            # The first event of each: a later one may not have been made yet.
+            "WatchJob of a job that runs": lambda: next(scene.client.watch(waiting[1])),
             "WatchJob of a job that ends": lambda: next(scene.client.watch(ends)),
         }
         slow = {}
@@ -146,6 +146,8 @@ class SlowDisk(Fault):
                 slow[name] = max(slow.get(name, 0.0), time.monotonic() - begin)
             time.sleep(0.01)
         scene.heal()
+        for cancel in cancels:
+            cancel.result(timeout=20)
         for name, seconds in slow.items():
             if seconds > self.slowest:
                 count.found("wrong", f"{name} took {seconds * 1e3:.0f} ms beside a slow disk")

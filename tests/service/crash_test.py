@@ -122,18 +122,6 @@ class Crash(ServiceTest):
         job = self.client.submit(fake_case("steps=10 crash_once_at=7 checkpoint=5"))
         self.assertEqual(self.client.until_state(job.id, job_pb2.SUCCEEDED).attempts, 2)
 
-    def test_reports_that_died_with_their_worker_come_again(self):
-        """The checkpoint after step 10 outran the reports of steps 7 to 10."""
-        whole = self.client.submit(fake_case("steps=20 checkpoint=5"))
-        self.client.until_state(whole.id, job_pb2.SUCCEEDED)
-        job = self.client.submit(fake_case("steps=20 checkpoint=5 crash_once_at=11 lose=4"))
-        self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        events = self.sound_events(list(self.client.watch(job.id)))
-        self.assertEqual([event.step.step for event in events if event.HasField("step")],
-                         list(range(1, 21)))
-        self.assertEqual([e.resumed.step for e in events if e.HasField("resumed")], [10])
-        self.assertEqual(curve(self.client.steps(job.id)), curve(self.client.steps(whole.id)))
-
     def test_a_daemon_killed_right_after_each_acknowledgement(self):
         ids = []
         for number in range(6):

@@ -206,10 +206,8 @@ struct FakeRun {
   bool is(const char* word) const { return state.step == script.number(word, -1); }
 
   std::optional<RunOutcome> resume();
-  void report_missed_steps() const;
   void wait() const;
   void misbehave() const;
-  bool report_is_lost() const;
   RunOutcome solve_failed() const;
   std::optional<RunOutcome> step();
 };
@@ -228,18 +226,9 @@ std::optional<RunOutcome> FakeRun::resume() {
     return std::nullopt;
   }
   resumed = true;
-  report_missed_steps();
   observer.on_resumed(state.step, static_cast<double>(state.step));
   if (state.found) observer.on_finding(finding_of(script.number("finding_at", -1)));
   return std::nullopt;
-}
-
-void FakeRun::report_missed_steps() const {
-  if (!directory.last_reported_step) return;
-  for (State missed; missed.step < state.step;) {
-    advance(missed);
-    if (missed.step > *directory.last_reported_step) observer.on_missed_step(report(missed));
-  }
 }
 
 void FakeRun::wait() const {
@@ -253,12 +242,6 @@ void FakeRun::misbehave() const {
   if (is("crash_once_at")) std::abort();
   if (is("freeze_once_at")) ::raise(SIGSTOP);
   while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));
-}
-
-/// The reports just before a crash may not have left the process.
-bool FakeRun::report_is_lost() const {
-  const std::int64_t crash = script.number("crash_once_at", -1);
-  return !resumed && state.step < crash && state.step >= crash - script.number("lose", 0);
 }
 
 RunOutcome FakeRun::solve_failed() const {
@@ -280,7 +263,7 @@ std::optional<RunOutcome> FakeRun::step() {
   if (is("fail_at") || opens_too_far) return solve_failed();
   if (is("finding_at")) observer.on_finding(finding_of(state.step));
   state.found |= is("finding_at");
-  const Order order = report_is_lost() ? Order::go_on : observer.on_step(report(state));
+  const Order order = observer.on_step(report(state));
   if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
   if (script.number("deaf", 0) != 0 || order == Order::go_on) return std::nullopt;
   if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, {}};

@@ -70,6 +70,7 @@ TEST(RowMerging, ARunKilledAroundAMergingGivesTheSameBytes) {
     first.act_after = after;
     first.die = true;
     EXPECT_THROW(run(c, {killed / "", false}, first), Recorder::Killed);
+    second.before = first.reports;
     EXPECT_EQ(run(c, {killed / "", true}, second).end, RunEnd::succeeded);
     EXPECT_GT(second.resumed_from, 0);
     EXPECT_TRUE(bytes_of(killed / "results.h5") == bytes_of(whole / "results.h5")) << after;

@@ -35,6 +35,7 @@ Given run_with_stops(const Case& c, const std::vector<std::int64_t>& stops) {
     Recorder recorder;
     if (life < stops.size()) recorder.act_after = stops[life];
     recorder.then = Order::stop_at_checkpoint;
+    recorder.before = given.reports;
     given.outcome = run(c, {folder / "", life > 0}, recorder);
     EXPECT_EQ(given.outcome.end == RunEnd::stopped, life < stops.size());
     EXPECT_EQ(recorder.resumed_from, life > 0 ? stops[life - 1] : -1);
@@ -182,6 +183,7 @@ protected:
     ASSERT_EQ(run(c_, {folder_ / "", false}, recorder).end, RunEnd::stopped);
     content_ = *restart::read_checkpoint(folder_ / "checkpoint.bin").content;
     journal_ = bytes_of(folder_ / "journal.bin");
+    steps_ = recorder.reports;
   }
 
   /// Goes on from `content` for one step. @return what the run said, and "resumed" where it did
@@ -189,6 +191,7 @@ protected:
     restart::write_checkpoint(folder_ / "checkpoint.bin", content);
     std::ofstream(folder_ / "journal.bin", std::ios::binary) << journal_;
     Recorder recorder;
+    recorder.before = steps_;
     recorder.die = true;
     recorder.act_after = 18;
     try {
@@ -203,6 +206,7 @@ protected:
   Case c_ = small_casting(mesh::ElementKind::q1);
   restart::Sections content_;
   std::string journal_;
+  std::vector<results::StepReport> steps_;
 };
 
 TEST_F(Damage, OfNoArrayIsTakenForAState) {

@@ -239,6 +239,7 @@ TEST(RunEnds, JournalAndCheckpointStayOnlyForARetry) {
 
   std::filesystem::remove_all(folder / "results.h5");
   Recorder retry;
+  retry.before = observer.reports;
   EXPECT_EQ(run(c, {folder / "", true}, retry).end, RunEnd::succeeded);
   EXPECT_EQ(retry.resumed_from, 12);
   EXPECT_FALSE(std::filesystem::exists(folder / "journal.bin"));

@@ -229,6 +229,7 @@ TEST(Continue, IsNotForgottenByAResumption) {
       first.act_after = stop;
       first.then = Order::stop_at_checkpoint;
       ASSERT_EQ(run(c, {folder / "", false}, first).end, RunEnd::stopped);
+      second.before = first.reports;
       const RunOutcome resumed = run(c, {folder / "", true}, second);
       EXPECT_EQ(second.resumed_from, stop);
       EXPECT_EQ(resumed.end, outcome.end);

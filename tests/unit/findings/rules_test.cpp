@@ -510,6 +510,7 @@ TEST(FindingsOfARun, AreTheSameAfterAResumption) {
     first.act_after = stop;
     first.then = Order::stop_at_checkpoint;
     ASSERT_EQ(run(hopeless(), {folder / "", false}, first).end, RunEnd::stopped);
+    second.before = first.reports;
     run(hopeless(), {folder / "", true}, second);
     EXPECT_EQ(second.resumed_from, stop);
     EXPECT_EQ(second.findings, uninterrupted.findings);

@@ -13,6 +13,7 @@
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/jobs/failing_sync.hpp"
 
 namespace dccast::jobs {
 namespace {
@@ -243,6 +244,21 @@ TEST_F(EventLogTest, AFailedAppendLeavesTheLogAsItWas) {
   EXPECT_EQ(EventLog(path()).last_sequence(), 5);
   append_steps(log, 6, 6);
   EXPECT_EQ(all_events(log).size(), 6u);
+}
+
+// A run must not go on behind records that may be lost; who takes the log over writes them again.
+TEST_F(EventLogTest, AfterAFailedSyncItIsTakenOverAgain) {
+  EventLog log(path());
+  append_steps(log, 1, 5);
+  {
+    const FailingSync failing;
+    EXPECT_THROW(log.sync(), std::system_error);
+  }
+  EXPECT_THROW(append_steps(log, 6, 6), std::system_error);
+  log.take_over();
+  append_steps(log, 6, 6);
+  log.sync();
+  EXPECT_EQ(EventLog(path()).last_sequence(), 6);
 }
 
 TEST_F(EventLogTest, KnowsTheLastStepThatWasNotTakenBack) {

@@ -3,6 +3,7 @@
 
 #include "server/jobs/step_index.hpp"
 #include "server/jobs/worker_exit.hpp"
+#include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 namespace dccast::jobs {
@@ -77,6 +78,21 @@ TEST_F(SchedulerFaults, AWorkerThatCannotWriteIsNotToBlame) {
   });
   end_worker(daemon, "exit code 0", 0);
   succeed_at_last(daemon);
+}
+
+// The log that could not be synced is open all the time: a client watches it.
+TEST_F(SchedulerFaults, AJobWhoseLogCouldNotBeSyncedGoesOn) {
+  Daemon daemon(folder_.path());
+  const auto id = daemon.scheduler.submit(new_job(), {}).id();
+  const auto watched = daemon.scheduler.log(id);
+  {
+    const FailingSync failing;
+    EXPECT_EQ(daemon.scheduler.pause(id).kind, Reply::Kind::done);
+    EXPECT_TRUE(eventually([&] { return failing.has_failed(); }));
+  }
+  EXPECT_EQ(daemon.scheduler.resume(id).kind, Reply::Kind::done);
+  daemon.scheduler.start();
+  EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id);
 }
 
 TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeRequestedAgain) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <functional>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <thread>
 
@@ -54,7 +55,7 @@ public:
     return launches_.at(number - 1);
   }
   void end(const WorkerLaunch& launch, const std::string& how, std::optional<int> code = {}) {
-    calls_.ended(launch.job_id, launch.attempt, {how, code});
+    report_end(launch.job_id, launch.attempt, {how, code});
   }
   void not_started(const WorkerLaunch& launch, const std::string& why) {
     calls_.not_started(launch.job_id, launch.attempt, why);
@@ -74,8 +75,16 @@ private:
   void end_later(const std::string& job_id, int attempt, const std::string& how) {
     const std::lock_guard lock(mutex_);
     enders_.emplace_back([this, job_id, attempt, how] {
-      calls_.ended(job_id, attempt, {how});
+      report_end(job_id, attempt, {how});
     });
+  }
+  /// A process ends once, whatever was sent to it: no call comes after the scheduler has seen it.
+  void report_end(const std::string& job_id, int attempt, const WorkerExit& exit) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!ended_.emplace(job_id, attempt).second) return;
+    }
+    calls_.ended(job_id, attempt, exit);
   }
 
   const int workers_;
@@ -83,6 +92,7 @@ private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<WorkerLaunch> launches_;
+  std::set<std::pair<std::string, int>> ended_;
   std::atomic<int> kills_ = 0;
   std::atomic<int> stops_ = 0;
   std::vector<std::jthread> enders_;
@@ -128,12 +138,14 @@ public:
   using JobStore::JobStore;
   void update(const JobRecord& record, Durability durability) override {
     refuse(refuses_updates);
+    if (before_update) before_update();
     JobStore::update(record, durability);
   }
   std::optional<JobRecord> find(const std::string& id) override {
     refuse(refuses_reads);
     return JobStore::find(id);
   }
+  std::function<void()> before_update;  ///< set before the scheduler is started
   std::atomic<bool> refuses_updates = false;
   std::atomic<bool> refuses_reads = false;
 

@@ -1,6 +1,8 @@
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 #include <fstream>
+#include <future>
+#include <utility>
 
 #include "proto/values/uuid.hpp"
 
@@ -28,6 +30,37 @@ TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   // queued, running, step, end of the run, end of the job
   EXPECT_TRUE(eventually([&] { return daemon.scheduler.log(job.id())->last_sequence() == 5; }));
   EXPECT_EQ(daemon.scheduler.running(), 0);
+}
+
+// The daemon is asked to leave while the start of a job is being written.
+TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
+  Daemon daemon(folder_.path());
+  std::promise<void> begun;
+  std::promise<void> may_go_on;
+  daemon.store.before_update = [&, first = true]() mutable {
+    if (!std::exchange(first, false)) return;
+    begun.set_value();
+    may_go_on.get_future().wait();
+  };
+  daemon.scheduler.start();
+  const auto job = daemon.scheduler.submit(new_job(), {});
+  begun.get_future().wait();
+  std::jthread leaving([&] { daemon.scheduler.shut_down(); });
+  EXPECT_TRUE(eventually([&] {
+    try {
+      daemon.scheduler.submit(new_job(), {});
+      return false;
+    } catch (const ShuttingDown&) {
+      return true;
+    } catch (const QueueFull&) {
+      return false;
+    }
+  }));
+  may_go_on.set_value();
+  leaving.join();
+  EXPECT_EQ(daemon.scheduler.running(), 0);
+  EXPECT_EQ(state(daemon, job.id()), v1::QUEUED);
+  EXPECT_EQ(daemon.executor.stops(), 1);
 }
 
 // However the process ended after that: killed while the daemon stood still, say.

@@ -43,7 +43,7 @@ TEST(EarlierFiles, AJournalIsRead) {
   EXPECT_EQ(records[0].kind, RecordKind::header);
   EXPECT_EQ(records[0].content.text("title"), "butt");
   EXPECT_EQ(records[0].content.real("liquidus"), 649.0);
-  EXPECT_EQ(records[1].kind, RecordKind::step);
+  EXPECT_EQ(records[1].kind, RecordKind{2});
   expect_step_seven(records[1].content);
   EXPECT_EQ(records[2].kind, RecordKind::frame);
   EXPECT_EQ(records[2].end, static_cast<std::int64_t>(journal.size()));
@@ -58,7 +58,7 @@ TEST(EarlierFiles, AJournalIsWrittenWithTheSameBytes) {
   step.set("reals", Sections::Reals{1.0 / 3.0, -0.0});
   Journal written = Journal::create(folder / "j");
   written.append(RecordKind::header, header);
-  written.append(RecordKind::step, step);
+  written.append(RecordKind{2}, step);
   written.append(RecordKind::frame, step);
   written.write();
   EXPECT_EQ(storage::read_file(folder / "j"), journal);

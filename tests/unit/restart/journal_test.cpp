@@ -28,14 +28,14 @@ TEST(Journal, ReturnsWhatWasAppended) {
   const TemporaryFolder folder;
   Journal journal = Journal::create(folder / "j");
   journal.append(RecordKind::header, {});
-  journal.append(RecordKind::step, content_of(3));
+  journal.append(RecordKind::frame, content_of(3));
   journal.append(RecordKind::frame, content_of(4));
   journal.write();
   journal.sync();
   const auto records = records_of(folder / "j");
   ASSERT_EQ(records.size(), 3u);
   EXPECT_EQ(records[0].kind, RecordKind::header);
-  EXPECT_EQ(records[1].kind, RecordKind::step);
+  EXPECT_EQ(records[1].kind, RecordKind::frame);
   EXPECT_EQ(records[2].kind, RecordKind::frame);
   EXPECT_EQ(encode(records[2].content), encode(content_of(4)));
   EXPECT_EQ(records[2].end, static_cast<std::int64_t>(std::filesystem::file_size(folder / "j")));
@@ -45,7 +45,7 @@ TEST(Journal, GoesOnBehindTheByteItIsCutAt) {
   const TemporaryFolder folder;
   {
     Journal journal = Journal::create(folder / "j");
-    for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::step, content_of(step));
+    for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::frame, content_of(step));
     journal.write();
   }
   {
@@ -62,7 +62,7 @@ TEST(Journal, GoesOnBehindTheByteItIsCutAt) {
 TEST(Journal, IsReadOnBehindARecordVisitedBefore) {
   const TemporaryFolder folder;
   Journal journal = Journal::create(folder / "j");
-  for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::step, content_of(step));
+  for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::frame, content_of(step));
   journal.write();
   std::vector<std::int64_t> steps;
   visit_journal(
@@ -78,10 +78,10 @@ TEST(Journal, IsReadOnBehindARecordVisitedBefore) {
 TEST(Journal, EndsBeforeARecordThatWasBeingWritten) {
   const TemporaryFolder folder;
   Journal journal = Journal::create(folder / "j");
-  journal.append(RecordKind::step, content_of(1));
+  journal.append(RecordKind::frame, content_of(1));
   journal.write();
   const auto whole = std::filesystem::file_size(folder / "j");
-  journal.append(RecordKind::step, content_of(2));
+  journal.append(RecordKind::frame, content_of(2));
   journal.write();
   const auto longer = std::filesystem::file_size(folder / "j");
   for (auto size = longer - 1; size >= whole; --size) {
@@ -93,7 +93,7 @@ TEST(Journal, EndsBeforeARecordThatWasBeingWritten) {
 TEST(Journal, EndsBeforeADamagedRecord) {
   const TemporaryFolder folder;
   Journal journal = Journal::create(folder / "j");
-  for (const std::int64_t step : {1, 2}) journal.append(RecordKind::step, content_of(step));
+  for (const std::int64_t step : {1, 2}) journal.append(RecordKind::frame, content_of(step));
   journal.write();
   const auto first = static_cast<std::size_t>(records_of(folder / "j")[0].end);
   const std::string whole = storage::read_file(folder / "j");

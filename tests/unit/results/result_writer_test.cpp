@@ -24,6 +24,12 @@ constexpr std::int64_t last_step = 400;
 constexpr std::int64_t steps_per_frame = 7;
 constexpr std::int64_t steps_per_checkpoint = 20;
 
+std::vector<StepReport> sample_steps(std::int64_t last) {
+  std::vector<StepReport> steps;
+  for (std::int64_t step = 1; step <= last; ++step) steps.push_back(sample_step(step));
+  return steps;
+}
+
 /// A run as casting makes it, from its checkpoint on if there is one. @return false: started over
 bool run_sample(const TemporaryFolder& folder) {
   const RunFiles files{folder / "results.journal", folder / "results.h5"};
@@ -31,7 +37,9 @@ bool run_sample(const TemporaryFolder& folder) {
   std::optional<ResultWriter> writer;
   if (const auto checkpoint = read_checkpoint(folder / "checkpoint.bin"); checkpoint.content) {
     step = checkpoint.content->integer("step");
-    writer = ResultWriter::resume(files, step).writer;
+    writer = ResultWriter::resume(files, sample_steps(step),
+                                  checkpoint.content->integer(journal_records))
+                 .writer;
   }
   const bool resumed = writer.has_value();
   if (!resumed) {
@@ -73,7 +81,7 @@ bool run_and_kill(const TemporaryFolder& folder, int delay) {
 TEST(ResultWriter, RefusesAForeignJournal) {
   const TemporaryFolder folder;
   storage::write_file(folder / "j", "something else altogether");
-  EXPECT_EQ(ResultWriter::resume({folder / "j", folder / "r.h5"}, 1).reason,
+  EXPECT_EQ(ResultWriter::resume({folder / "j", folder / "r.h5"}, sample_steps(1), 1).reason,
             "the journal is damaged");
 }
 
@@ -88,7 +96,7 @@ TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
     }
     writer.flush();
   }
-  auto resumed = ResultWriter::resume(files, 3);
+  auto resumed = ResultWriter::resume(files, sample_steps(3), 4);
   ASSERT_TRUE(resumed.writer) << resumed.reason;
   resumed.writer->publish({});
   const ResultReader reader(folder / "r.h5");
@@ -97,26 +105,25 @@ TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
   EXPECT_EQ(reader.last_frame()->step, 3);
 }
 
-// The journal held step 3 but not its frame, which the results of an undisturbed run have.
+// The journal has lost the frame of the last step, which the results of an undisturbed run have.
 TEST(ResultWriter, DoesNotResumeWithoutARecordTheCheckpointCounts) {
   const TemporaryFolder folder;
   const RunFiles files{folder / "j", folder / "r.h5"};
-  std::uintmax_t behind_the_step = 0;
+  std::uintmax_t before_the_frame = 0;
   {
     auto writer = ResultWriter::create(files, sample_header());
     writer.append(sample_step(1));
-    writer.flush();
-    behind_the_step = std::filesystem::file_size(folder / "j");
+    before_the_frame = std::filesystem::file_size(folder / "j");
     writer.append(sample_frame(1, 3, 2));
     writer.checkpoint(folder / "c", {});
     writer.wait();
   }
   const auto checkpoint = read_checkpoint(folder / "c");
   const std::int64_t records = checkpoint.content->integer(journal_records);
-  EXPECT_EQ(records, 3);  // header, step, frame
-  EXPECT_TRUE(ResultWriter::resume(files, 1, records).writer);
-  std::filesystem::resize_file(folder / "j", behind_the_step);
-  EXPECT_EQ(ResultWriter::resume(files, 1, records).reason, "the journal has lost a record");
+  EXPECT_EQ(records, 2);  // header, frame
+  EXPECT_TRUE(ResultWriter::resume(files, sample_steps(1), records).writer);
+  std::filesystem::resize_file(folder / "j", before_the_frame);
+  EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason, "the journal has lost a record");
 }
 
 TEST(ResultWriter, MakesTheResultFileWhileTheRunGoesOn) {
@@ -151,15 +158,24 @@ TEST(ResultWriter, DoesNotPublishHalfAJournal) {
   EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
 }
 
-TEST(ResultWriter, DoesNotResumeBehindTheEndOfTheJournal) {
+TEST(ResultWriter, DoesNotResumeWithoutAJournal) {
   const TemporaryFolder folder;
-  const RunFiles files{folder / "j", folder / "r.h5"};
-  ResultWriter::create(files, sample_header()).append(sample_step(1));
-  const auto resumed = ResultWriter::resume(files, 1);  // step 1 was never flushed
-  EXPECT_FALSE(resumed.writer);
-  EXPECT_EQ(resumed.reason, "the journal ends before the checkpoint");
-  EXPECT_EQ(ResultWriter::resume({folder / "none", folder / "r.h5"}, 1).reason,
-            "the journal is missing");
+  EXPECT_EQ(
+      ResultWriter::resume({folder / "none", folder / "r.h5"}, sample_steps(1), 1).reason,
+      "the journal is missing");
+}
+
+TEST(ResultWriter, SyncsTheStepsBeforeItWritesACheckpoint) {
+  const TemporaryFolder folder;
+  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+  bool first = false;
+  writer.checkpoint(folder / "c", {}, [&] { first = !std::filesystem::exists(folder / "c"); });
+  writer.wait();
+  EXPECT_TRUE(first);
+  EXPECT_TRUE(std::filesystem::exists(folder / "c"));
+  writer.checkpoint(folder / "d", {}, [] { throw StorageError(EROFS, "the log", "is not synced"); });
+  EXPECT_THROW(writer.wait(), StorageError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "d"));
 }
 
 TEST(ResultWriter, KilledAndResumedGivesTheSameBytes) {

@@ -9,21 +9,18 @@
 namespace dccast::results {
 namespace {
 
-TEST(RunRecords, KeepHeaderStepAndFrame) {
+TEST(RunRecords, KeepHeaderAndFrame) {
   EXPECT_EQ(header_of(to_sections(sample_header())), sample_header());
-  EXPECT_EQ(step_of(to_sections(sample_step(3))), sample_step(3));
   EXPECT_EQ(frame_of(to_sections(sample_frame(3, 4, 5))), sample_frame(3, 4, 5));
 }
 
 TEST(RunRecords, KeepTheThirdDimension) {
   EXPECT_EQ(header_of(to_sections(sample_solid_header())), sample_solid_header());
-  EXPECT_EQ(step_of(to_sections(sample_solid_step(3))), sample_solid_step(3));
   EXPECT_EQ(frame_of(to_sections(sample_solid_frame(3, 2))), sample_solid_frame(3, 2));
 }
 
 TEST(RunRecords, OfOtherSoftwareAreRefused) {
   EXPECT_THROW(header_of({}), std::out_of_range);
-  EXPECT_THROW(step_of({}), std::out_of_range);
   EXPECT_THROW(frame_of({}), std::out_of_range);
 }
 

@@ -66,7 +66,9 @@ TEST(FullDisk, IsReportedByTheResultFileWhichDoesNotAppear) {
     for (int i = 0; i < 20; ++i) writer.append(sample_frame(i, 3, 400));
     writer.flush();
   }
-  const auto publish = [&] { ResultWriter::resume(files, 19).writer->publish({}); };
+  const auto publish = [&] {
+    ResultWriter::resume(files, {sample_step(19)}, 21).writer->publish({});
+  };
   EXPECT_EQ(outcome_with_limit(20000, publish), told);
   EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
   publish();  // the disk has room again: nothing is lost

@@ -2,8 +2,10 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 
+#include "core/results/history_fields.hpp"
 #include "server/translate/faults_to_proto.hpp"
 #include "server/translate/frame_to_proto.hpp"
 #include "server/translate/step_to_proto.hpp"
@@ -60,6 +62,37 @@ TEST(StepToProto, HeatAndForcesHaveTheNamesOfTheirUnits) {
   EXPECT_EQ(quarter.side_heat_w(), 3.0);
   EXPECT_EQ(quarter.weight_n(), 5.0);
   EXPECT_EQ(quarter.side_heat_w_per_m(), 0.0);
+}
+
+/// The results of a resumed run are made of what is read back: every bit counts.
+TEST(StepToProto, IsReadBackExactly) {
+  for (const int dimension : {2, 3}) {
+    results::StepReport report;
+    report.dimension = dimension;
+    double value = 0.0;
+    for (const results::HistoryField& field : results::history_fields()) {
+      value += 1.0 / 3.0;
+      if (field.real())
+        results::set_real(field, report, value);
+      else
+        results::set_integer(field, report, field.member.index() == 3 ? 1 : 7);  // 3: bool
+    }
+    report.monitor_displacement = {{-0.0, 1.0 / 7.0}, {std::nan(""), std::nan("")}};
+    report.monitor_temperature = {600.0 + 1.0 / 3.0, std::nan("")};
+    report.solver_seconds = 0.1;
+    report.process_seconds = 0.3;
+    auto sent = to_proto(report, {{"a", 0, 0}, {"b", 1, 0}});
+    v1::StepReport received;
+    ASSERT_TRUE(received.ParseFromString(sent.SerializeAsString()));
+    results::StepReport back = to_core(received, dimension);
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(back.monitor_displacement[0][0]),
+              std::bit_cast<std::uint64_t>(-0.0));
+    for (const double never : {back.monitor_displacement[1][1], back.monitor_temperature[1]})
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(never), std::bit_cast<std::uint64_t>(std::nan("")));
+    back.monitor_displacement[1] = report.monitor_displacement[1] = {};  // not equal to themselves
+    back.monitor_temperature[1] = report.monitor_temperature[1] = 0.0;
+    EXPECT_EQ(back, report);
+  }
 }
 
 TEST(ValidityLossToProto, KeepsEveryField) {

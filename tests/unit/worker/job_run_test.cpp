@@ -61,9 +61,20 @@ TEST_F(JobRunTest, AFindingStandsInTheLogOnce) {
   EXPECT_EQ(jobs::EventLog(log()).last_sequence(), 2);
 }
 
-TEST_F(JobRunTest, KnowsHowFarTheHistoryGoes) {
-  JobRun(order_, *claim_).send(step(7));
-  EXPECT_EQ(JobRun(order_, *claim_).reached_step(), 7);
+TEST_F(JobRunTest, HasTheStepsOfEarlierAttempts) {
+  {
+    JobRun run(order_, *claim_);
+    for (const std::int64_t number : {1, 2, 3, 4}) run.send(step(number));
+    v1::JobEvent resumed;
+    resumed.mutable_resumed()->set_step(2);
+    run.send(resumed);
+    run.send(step(3));
+  }
+  const JobRun again(order_, *claim_);
+  std::vector<std::int64_t> numbers;
+  for (const v1::StepReport& each : again.steps(10)) numbers.push_back(each.step());
+  EXPECT_EQ(numbers, (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(again.steps(2).size(), 2u);
 }
 
 TEST_F(JobRunTest, FollowsARequestInItsFolder) {
