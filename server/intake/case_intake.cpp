@@ -115,14 +115,14 @@ CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_
 
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                                  std::vector<std::string> faulty_keys,
-                                 const jobs::Patience& waiting, jobs::Question question) const {
+                                 const jobs::CallLimits& waiting, jobs::Question question) const {
   ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), waiting, question);
   make_printable(examined.verdict);  // it repeats values that are refused for what they hold
   return examined;
 }
 
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
-                                std::vector<std::string> faulty_keys, const jobs::Patience& waiting,
+                                std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                                 jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
@@ -166,7 +166,7 @@ case_file::AlloyCard CaseIntake::card(const std::string& name) const {
 v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Case& complete,
                                               const jobs::Attachments& attachments,
                                               const std::vector<std::string>& faulty_keys,
-                                              const jobs::Patience& waiting) const {
+                                              const jobs::CallLimits& waiting) const {
   std::optional<jobs::CheckFolder> folder;
   if (!attachments.empty()) folder.emplace(check_directory_, attachments);
   v1::WorkerOrder question;
@@ -178,7 +178,7 @@ v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Ca
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
-                                                 int number, const jobs::Patience& waiting) const {
+                                                 int number, const jobs::CallLimits& waiting) const {
   const std::string question = std::to_string(number) + " " + job_folder.string();
   return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, waiting));
 }

@@ -131,7 +131,7 @@ private:
         return {.message = std::move(*event)};
       }
     } catch (const std::exception& error) {
-      spdlog::error("{}", error.what());
+      log::error("{}", error.what());
       return {.end = grpc::Status(
                   grpc::StatusCode::DATA_LOSS,
                   std::string(error.what()) + "; `dccastd check` says what is left of it")};

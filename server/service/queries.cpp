@@ -55,7 +55,7 @@ std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
       place = page->next;
     }
   } catch (const std::exception& error) {
-    spdlog::warn("job {} cannot answer a query: {}", job.id(), error.what());
+    log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
   }
   for (const v1::Finding& finding : job.findings())
@@ -91,7 +91,7 @@ public:
     return answer && replay(*answer, "");
   }
 
-  grpc::Status run(const jobs::Patience& waiting) {
+  grpc::Status run(const jobs::CallLimits& waiting) {
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
     run_.folder = folder.path();
     run_.begun = jobs::now();

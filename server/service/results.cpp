@@ -12,6 +12,7 @@
 #include "core/storage/file.hpp"
 #include "proto/values/sha256.hpp"
 #include "proto/values/uuid.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/request_checks.hpp"
 #include "server/service/simulation_service.hpp"
@@ -87,10 +88,9 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
                                 const v1::QueryResultRequest& request, const v1::Job& job,
                                 v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
-  const auto complete = context.store.complete_case(request.id());
-  if (complete && !response.mutable_case_()->ParseFromString(*complete))
+  if (!jobs::read_complete_case(context.jobs_directory / request.id(), *response.mutable_case_()))
     return {grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
-                                             " cannot be read from the job store any more; " +
+                                             " cannot be read any more; " +
                                              "dccastd check says what else is damaged"};
   intake::make_printable(*response.mutable_case_());
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;

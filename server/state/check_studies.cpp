@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/state/check.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"

@@ -254,7 +254,7 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
 
 void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
   const auto now = Clock::now();
-  spdlog::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
+  log::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
                 std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
   const std::lock_guard lock(mutex_);
   kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,

@@ -86,11 +86,10 @@ std::vector<RunRecord> runs_to_queue(int count) {
 }
 
 Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
-                 jobs::JobStore& jobs, const intake::CaseIntake& intake)
+                 const intake::CaseIntake& intake)
     : options_(std::move(options)),
       store_(store),
       scheduler_(scheduler),
-      jobs_(jobs),
       intake_(intake),
       surface_keeper_([this](const std::string& id) { ready_surface(id); }) {
   scheduler_.observe([this](const v1::Job& job) { on_job(job); });
@@ -148,7 +147,7 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::
     throw jobs::RequestIdTaken("there is a study " + record.id +
                                " already; choose a new request_id");
   write_study_file(options_.directory, record);
-  spdlog::info("study {}: {} runs", record.id, runs);
+  log::info("study {}: {} runs", record.id, runs);
   wake_feeder();
   return view(record);
 }
@@ -286,7 +285,7 @@ StudyReply Studies::remove(const std::string& id) {
   store_.begin_removal(id);
   remove_now(id);
   note_change(id);
-  spdlog::info("study {}: deleted by request", id);
+  log::info("study {}: deleted by request", id);
   return {StudyReply::Kind::done};
 }
 

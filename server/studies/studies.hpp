@@ -47,8 +47,7 @@ struct StudyReply {
 /// nothing then.
 class Studies {
 public:
-  /// @param jobs  where the complete cases of runs are
-  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler, jobs::JobStore& jobs,
+  Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
           const intake::CaseIntake& intake);
   ~Studies();
 
@@ -125,7 +124,6 @@ private:
   const StudyOptions options_;
   StudyStore& store_;
   jobs::Scheduler& scheduler_;
-  jobs::JobStore& jobs_;
   const intake::CaseIntake& intake_;
   StudyNotifier notifier_;
   Predictions predictions_;

@@ -74,7 +74,7 @@ void Studies::feed(const std::stop_token& stop) {
       }
       rest(stop, std::chrono::hours(24));
     } catch (const std::exception& error) {
-      spdlog::warn("studies wait to be queued: {}", error.what());
+      log::warn("studies wait to be queued: {}", error.what());
       rest(stop, try_again);
     }
   }
@@ -184,7 +184,7 @@ void Studies::refuse(const StudyRecord& study, const RunRecord& run, const std::
   refused.failure.set_message(why);
   keep(study, {refused});
   store_.refuse(study.id, run.number, refused.failure, jobs::milliseconds(jobs::now()));
-  spdlog::warn("study {}: {}", study.id, why);
+  log::warn("study {}: {}", study.id, why);
 }
 
 }  // namespace dccast::studies

@@ -123,7 +123,8 @@ TEST(ResultWriter, DoesNotResumeWithoutARecordTheCheckpointCounts) {
   EXPECT_EQ(records, 2);  // header, frame
   EXPECT_TRUE(ResultWriter::resume(files, sample_steps(1), records).writer);
   std::filesystem::resize_file(folder / "j", before_the_frame);
-  EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason, "the journal has lost a record");
+  EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason,
+            "the journal has lost a record");
 }
 
 TEST(ResultWriter, MakesTheResultFileWhileTheRunGoesOn) {
@@ -160,9 +161,8 @@ TEST(ResultWriter, DoesNotPublishHalfAJournal) {
 
 TEST(ResultWriter, DoesNotResumeWithoutAJournal) {
   const TemporaryFolder folder;
-  EXPECT_EQ(
-      ResultWriter::resume({folder / "none", folder / "r.h5"}, sample_steps(1), 1).reason,
-      "the journal is missing");
+  EXPECT_EQ(ResultWriter::resume({folder / "none", folder / "r.h5"}, sample_steps(1), 1).reason,
+            "the journal is missing");
 }
 
 TEST(ResultWriter, SyncsTheStepsBeforeItWritesACheckpoint) {
@@ -173,7 +173,8 @@ TEST(ResultWriter, SyncsTheStepsBeforeItWritesACheckpoint) {
   writer.wait();
   EXPECT_TRUE(first);
   EXPECT_TRUE(std::filesystem::exists(folder / "c"));
-  writer.checkpoint(folder / "d", {}, [] { throw StorageError(EROFS, "the log", "is not synced"); });
+  writer.checkpoint(folder / "d", {},
+                    [] { throw StorageError(EROFS, "the log", "is not synced"); });
   EXPECT_THROW(writer.wait(), StorageError);
   EXPECT_FALSE(std::filesystem::exists(folder / "d"));
 }

@@ -45,7 +45,7 @@ protected:
     append_state(job.job.id(), v1::QUEUED);
     jobs::JobRecord record;
     record.job = job.job;
-    if (with_row) store_->insert(record, job.submitted_case, job.complete_case);
+    if (with_row) store_->insert(record);
     jobs::mark_accepted(folder);
     return job.job.id();
   }

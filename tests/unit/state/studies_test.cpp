@@ -1,7 +1,7 @@
 #include "server/studies/study_store.hpp"
 
 #include "core/storage/file.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/studies.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 

@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "core/results/history_fields.hpp"
-#include "server/translate/faults_to_proto.hpp"
-#include "server/translate/frame_to_proto.hpp"
-#include "server/translate/step_to_proto.hpp"
+#include "server/translate/to_proto.hpp"
 
 namespace dccast::translate {
 namespace {
