@@ -4,7 +4,6 @@
 
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
 #include "proto/values/printable.hpp"

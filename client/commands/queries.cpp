@@ -8,7 +8,6 @@
 #include "client/commands/commands.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/comparison.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
 #include "client/text/answer_text.hpp"

@@ -4,7 +4,6 @@
 #include "client/commands/commands.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/session/case_faults.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"

@@ -291,7 +291,6 @@ std::string sweep_page(const v1::StudyResult& result) {
 
 namespace {
 
-
 std::vector<double> in_mm(const std::vector<double>& metres) {
   std::vector<double> scaled;
   for (const double value : metres) scaled.push_back(1e3 * value);

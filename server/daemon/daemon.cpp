@@ -174,7 +174,7 @@ struct Serving {
 };
 
 void log_address(const v1::DaemonConfig& config, const service::PublicServer& server,
-               const DataDirectory& directory) {
+                 const DataDirectory& directory) {
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), server.address() + "\n");
   log::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
@@ -228,9 +228,9 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
   const intake::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
-                                   ceilings(config));
+                                  ceilings(config));
   const intake::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
-                                         ceilings(config));
+                                        ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());

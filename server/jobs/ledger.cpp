@@ -49,16 +49,14 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
             v1::JobState_Name(job.state()), values::escaped(cause));
   try {
     store_.update(record, durability_of(job.state()));
-    {
-      const std::lock_guard lock(mutex_);
-      kept_.erase(job.id());
-    }
-    report(job);
+    const std::lock_guard lock(mutex_);
+    kept_.erase(job.id());
   } catch (const std::exception& error) {
     log::error("job {}: {}; its event log has what it is, the store follows", job.id(),
-               error.what());
-    keep(record, error.what());
+                  error.what());
+    return keep(record, error.what());
   }
+  report(job);
 }
 
 void Ledger::observe(JobObserver observer) {

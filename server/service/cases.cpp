@@ -15,7 +15,7 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
     *response = context_.intake
                     .examine(request->case_(), request->attachments(),
                              {request->faulty_keys().begin(), request->faulty_keys().end()},
-                             patience(call, context_.check_timeout), jobs::Question::judge)
+                             waiting_time(call, context_.check_timeout), jobs::Question::judge)
                     .verdict;
     return grpc::Status::OK;
   };

@@ -71,7 +71,7 @@ grpc::Status add_frame(Context& context, const Call& call, const v1::QueryResult
   if (!has_result(job))
     return wrong_state(job, "it has no frame yet: watch it until it has results");
   v1::QueryResultResponse stored = context.intake.stored_frame(
-      context.jobs_directory / request.id(), number, patience(call, context.check_timeout));
+      context.jobs_directory / request.id(), number, waiting_time(call, context.check_timeout));
   const int frames = stored.frame_time_s_size();
   if (frames == 0) return wrong_state(job, "its results hold no frame");
   if (!stored.has_frame())
@@ -201,15 +201,15 @@ private:
 
 /// The study as a file that has no name any more: it is gone with the call. A study that has not
 /// changed gives the same bytes, so that a client goes on where it was.
-grpc::Status open_study(Context& context, const Call& call,
-                        const v1::FetchStudyRequest& request, SentFile& sent) {
+grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request,
+                        SentFile& sent) {
   if (const auto status = check_study_id(request.id()); !status.ok()) return status;
   const auto result = context.studies.evaluate(request.id(), true);
   if (!result) return study_not_found(request.id());
   const PassingFile file(context.query_directory);
   context.checkers.ask(jobs::Question::study_table,
-                               file.path().string() + "\n" + result->SerializeAsString(),
-                               patience(call, context.check_timeout));
+                       file.path().string() + "\n" + result->SerializeAsString(),
+                       waiting_time(call, context.check_timeout));
   sent = {.file = storage::File(file.path(), O_RDONLY),
           .name = "the table of study " + request.id(),
           .sha256 = values::sha256_of_file(file.path())};

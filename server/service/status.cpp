@@ -36,7 +36,7 @@ grpc::Status internal(const std::string& what) {
   return {grpc::StatusCode::INTERNAL, shown};
 }
 
-/// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs
+/// The log has the SQL that failed; a caller receives what is wrong with the store and who repairs
 /// it.
 grpc::Status store_refuses(const jobs::StoreError& error) {
   log::error("{}", error.what());

@@ -1,4 +1,4 @@
-// What studies say: their runs with figures and curves, and what a plan makes of them.
+// The results of studies: their runs with figures and curves, and what a plan makes of them.
 #include <chrono>
 #include <climits>
 #include <limits>

@@ -240,8 +240,8 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
   if (auto surface = kept_surface(wanted)) return surface;
   std::unique_lock one_at_a_time(building_, std::try_to_lock);
   if (!one_at_a_time) {
-    // While runs arrive, what a surface of fewer of them says now is worth more than a better
-    // answer later: the prediction says how many it rests on.
+    // While runs arrive, the answer of a surface of fewer of them now is worth more than a
+    // better one later: the prediction has how many it rests on.
     if (auto older = wanted.running ? kept_surface(wanted, true) : nullptr) return older;
     one_at_a_time.lock();
   }
@@ -309,7 +309,7 @@ void Predictions::prepare(const StudyRecord& study, int succeeded, bool running,
         return std::make_shared<const SweepSurface>(study, keys->all, kind, evaluated);
       });
     } catch (const CannotPredict&) {
-      // Whoever asks is told.
+      // Reported to the caller who asks for it.
     }
   }
 }

@@ -1,4 +1,4 @@
-// The requests about studies. How runs become jobs is in study_feeder.cpp, what they say in
+// The requests about studies. How runs become jobs is in study_feeder.cpp, their results in
 // evaluation.cpp.
 #include "server/studies/studies.hpp"
 
@@ -163,17 +163,39 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     record.request.mutable_refinement()->set_levels(request.refinement().levels());
     auto runs = runs_to_queue(request.refinement().levels());
     store_.extend(record, {runs.begin() + before, runs.end()});
-    write_study_file(options_.directory, record);
+    {
+      const std::lock_guard lock(files_mutex_);
+      write_study_file(options_.directory, record);
+    }
     const std::lock_guard lock(plans_mutex_);
     plans_.erase(record.id);
   }
   const auto jobs = jobs_of(record.id);
-  std::vector<int> deleted;
+  std::vector<RunRecord> deleted;
   for (const RunRecord& run : store_.runs(record.id))
-    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run.number);
-  store_.queue_again(record.id, deleted);
+    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run);
+  queue_again(record, deleted);
   wake_feeder();
   return view(record);
+}
+
+/// Writes what becomes of runs without a job into the file of the study, before the rows.
+void Studies::keep(const StudyRecord& record, const std::vector<RunRecord>& runs) {
+  const std::lock_guard lock(files_mutex_);
+  if (!std::filesystem::exists(study_file(options_.directory, record.id)))
+    write_study_file(options_.directory, record);
+  append_runs(options_.directory, record.id, runs);
+}
+
+void Studies::queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs) {
+  std::vector<RunRecord> waiting;
+  std::vector<int> numbers;
+  for (const RunRecord& run : runs) {
+    waiting.push_back({.number = run.number, .attempt = run.attempt, .failure = {}});
+    numbers.push_back(run.number);
+  }
+  keep(record, waiting);
+  store_.queue_again(record.id, numbers);
 }
 
 v1::Study Studies::view(const StudyRecord& record) {
@@ -221,6 +243,10 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   if (view(*record).state() != v1::STUDY_RUNNING) return {StudyReply::Kind::done, view(*record)};
   {
     const std::lock_guard lock(queueing_mutex_);
+    std::vector<RunRecord> waiting = store_.runs(id);
+    std::erase_if(waiting, [](const RunRecord& run) { return !run.to_queue(); });
+    for (RunRecord& run : waiting) run.outcome = v1::CANCELLED;
+    keep(*record, waiting);
     store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
   }
   for (const auto& [job, about] : jobs_of(id))
@@ -234,15 +260,15 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
   const auto jobs = jobs_of(id);
-  std::vector<int> again;
+  std::vector<RunRecord> again;
   for (const RunRecord& run : store_.runs(id)) {
     const auto job = jobs.find(run.job);
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
     const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
     const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
-    if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run.number);
+    if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
-  store_.queue_again(id, again);
+  queue_again(*record, again);
   note_change(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};

@@ -178,10 +178,12 @@ Studies::Fed Studies::not_examined(const StudyRecord& study, const RunRecord& ru
 }
 
 void Studies::refuse(const StudyRecord& study, const RunRecord& run, const std::string& why) {
-  v1::Failure failure;
-  failure.set_kind(v1::Failure::INVALID_CASE);
-  failure.set_message(why);
-  store_.refuse(study.id, run.number, failure, jobs::milliseconds(jobs::now()));
+  RunRecord refused = run;
+  refused.outcome = v1::FAILED;
+  refused.failure.set_kind(v1::Failure::INVALID_CASE);
+  refused.failure.set_message(why);
+  keep(study, {refused});
+  store_.refuse(study.id, run.number, refused.failure, jobs::milliseconds(jobs::now()));
   log::warn("study {}: {}", study.id, why);
 }
 

@@ -72,7 +72,7 @@ public:
 
   std::string at(double place) const {
     const double value = low_ + place * (high_ - low_);
-    // Six digits tell any two runs apart, and can be read.
+    // Six digits distinguish any two runs, and can be read.
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, whole_ ? std::round(value) : value,
                                    std::chars_format::general, 6);
