@@ -1,7 +1,7 @@
 #include <cstdlib>
 
 #include "client/cli/configuration.hpp"
-#include "client/commands/command_line.hpp"
+#include "client/commands/commands.hpp"
 
 int main(int argc, char** argv) {
   // gRPC writes messages for its developers to standard error; the commands report errors

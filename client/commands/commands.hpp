@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/cli/options.hpp"
 #include "client/session/connection.hpp"
@@ -55,3 +56,11 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
                    bool messages_only, bool strict = false);
 
 }  // namespace dccast::client::commands
+
+namespace dccast::client {
+
+/// Parses the arguments (without the program's name) and runs the subcommand. Never throws.
+/// @return exit code of the process
+int run_command_line(const std::vector<std::string>& arguments, commands::Program& program);
+
+}  // namespace dccast::client

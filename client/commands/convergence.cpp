@@ -15,8 +15,8 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/study_text.hpp"
-#include "proto/case_file/divided_case.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/case_file/quality.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client::commands {
 namespace {

@@ -4,10 +4,9 @@
 
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::commands {
 namespace {

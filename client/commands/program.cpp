@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/cli/completion.hpp"
+#include "client/cli/configuration.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
 #include "client/text/table.hpp"
@@ -70,3 +71,60 @@ void add_completion(cli::CommandLine& line, Program&) {
 }
 
 }  // namespace dccast::client::commands
+
+namespace dccast::client {
+namespace {
+
+const char* const guide =
+    "\nA question:\n"
+    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\"\n"
+    "\nA first run:\n"
+    "  dccast new start-2d-thickness > my.toml   a case to begin with\n"
+    "  dccast validate my.toml                   everything that is wrong with it, at once\n"
+    "  dccast submit --watch my.toml             run it and follow the butt curl\n"
+    "  dccast fetch JOB -o results.h5            HDF5, and XDMF for ParaView\n"
+    "  dccast report JOB -o report.html          one page that opens from disk\n"
+    "\nExit codes: 0 done, 2 usage or invalid case, 3 the solve failed, 4 server unreachable or\n"
+    "refused, 5 not found or not allowed, 6 not in its present state, 130 interrupted (Ctrl-C,\n"
+    "SIGTERM; a job goes on). Results go to standard output, messages to standard error. JOB is\n"
+    "an id, the beginning of one, or `last`. Defaults are in ~/.config/dccast/client.toml. `dccast "
+    "COMMAND\n"
+    "--help` shows the options of a command with an example.";
+
+void add_commands(cli::CommandLine& line, commands::Program& program) {
+  for (const auto add :
+       {commands::add_new,          commands::add_validate,    commands::add_query,
+        commands::add_submit,       commands::add_watch,       commands::add_wait,
+        commands::add_list,         commands::add_show,        commands::add_curl,
+        commands::add_contraction,  commands::add_compare,     commands::add_fetch,
+        commands::add_report,       commands::add_convergence, commands::add_sweep,
+        commands::add_predict,      commands::add_uncertainty, commands::add_sensitivity,
+        commands::add_design_mould, commands::add_studies,     commands::add_cancel,
+        commands::add_pause,        commands::add_resume,      commands::add_delete,
+        commands::add_schema,       commands::add_alloys,      commands::add_info,
+        commands::add_completion})
+    add(line, program);
+}
+
+}  // namespace
+
+int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
+  if (program.server.empty()) program.server = "127.0.0.1:7117";
+  cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
+                        DCCAST_VERSION, guide);
+  add_commands(line, program);
+  try {
+    apply_configuration(program.configuration, line, program.server);
+    line.global_option("--server", program.server,
+                       "Address of dccastd; also before or after a command", "DCCAST_SERVER");
+    return static_cast<int>(line.run(arguments));
+  } catch (const CommandFailed& failure) {
+    std::cerr << "dccast: " << failure.what() << '\n';
+    return static_cast<int>(failure.code());
+  } catch (const std::exception& error) {
+    std::cerr << "dccast: " << error.what() << '\n';
+    return static_cast<int>(ExitCode::unreachable);
+  }
+}
+
+}  // namespace dccast::client

@@ -8,7 +8,6 @@
 #include "client/commands/commands.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/comparison.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
 #include "client/text/answer_text.hpp"
@@ -75,6 +74,7 @@ struct CompareOptions {
   std::vector<std::string> runs;
   std::vector<std::string> set;
   std::string output;
+  bool paired = false;
   bool force = false;
   bool json = false;
 };
@@ -119,11 +119,15 @@ Answer answer_of_named_job(Connection& connection, const std::string& text) {
   return answer;
 }
 
-/// A name that is not a file is taken as a job.
-std::vector<Answer> answers_to(Connection& connection, const CompareOptions& options) {
+std::vector<NamedRun> runs_of(const CompareOptions& options) {
   std::vector<NamedRun> runs;
   for (const std::string& text : options.runs) runs.push_back({text, {}});
   if (!options.set.empty()) runs.push_back({options.runs.front(), changes_of(options.set)});
+  return runs;
+}
+
+/// A name that is not a file is taken as a job.
+std::vector<Answer> answers_to(Connection& connection, const std::vector<NamedRun>& runs) {
   std::vector<NamedRun> files;
   for (const NamedRun& run : runs)
     if (is_case_file(run.text)) files.push_back(run);
@@ -136,6 +140,20 @@ std::vector<Answer> answers_to(Connection& connection, const CompareOptions& opt
   return answers;
 }
 
+/// The case files at another quality: draft, or engineering where they are draft themselves.
+std::vector<Answer> companions_of(Connection& connection, const std::vector<NamedRun>& runs,
+                                  const std::vector<Answer>& answers) {
+  std::vector<NamedRun> files;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!is_case_file(runs[i].text) || runs[i].text == "-") continue;
+    files.push_back(runs[i]);
+    v1::CaseChange& quality = files.back().changes.emplace_back();
+    quality.set_key("quality");
+    quality.set_value(answers[i].description.quality() == v1::DRAFT ? "engineering" : "draft");
+  }
+  return answers_of_files(connection, files);
+}
+
 void require_runs(const CompareOptions& options) {
   if (options.set.empty() && options.runs.size() < 2)
     throw CommandFailed(ExitCode::invalid,
@@ -146,7 +164,8 @@ void require_runs(const CompareOptions& options) {
                             options.runs.front() + " is none");
 }
 
-void write_file(const std::vector<Answer>& answers, const std::string& file) {
+void write_file(const std::vector<Answer>& answers,
+                const std::vector<CurlDifference>& differences, const std::string& file) {
   const auto monitors = render::monitors_of(answers);
   const bool svg = file.ends_with(".svg");
   if (svg && monitors.size() != 1)
@@ -155,7 +174,7 @@ void write_file(const std::vector<Answer>& answers, const std::string& file) {
                                                "; give an HTML file: -o comparison.html");
   std::ofstream stream(file, std::ios::binary);
   const std::string text = svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
-                               : render::comparison_page(answers);
+                               : render::comparison_page(answers, differences);
   if (!(stream << text << std::flush))
     throw CommandFailed(ExitCode::not_found, "cannot write " + file);
   std::cerr << "written: " << file << '\n';
@@ -165,12 +184,15 @@ ExitCode run(const CompareOptions& options, Program& program) {
   require_runs(options);
   if (!options.output.empty()) require_free(options.output, options.force);
   Connection connection = program.connect();
-  const std::vector<Answer> answers = answers_to(connection, options);
-  if (!options.output.empty()) write_file(answers, options.output);
+  const std::vector<NamedRun> runs = runs_of(options);
+  const std::vector<Answer> answers = answers_to(connection, runs);
+  const auto differences = curl_differences(
+      answers, options.paired ? companions_of(connection, runs, answers) : std::vector<Answer>{});
+  if (!options.output.empty()) write_file(answers, differences, options.output);
   if (options.json)
-    std::cout << render::comparison_json(answers).dump() << '\n';
+    std::cout << render::comparison_json(answers, differences).dump() << '\n';
   else
-    std::cout << render::comparison_text(answers, render::terminal_of(1));
+    std::cout << render::comparison_text(answers, differences, render::terminal_of(1));
   std::cout << std::flush;
   return ExitCode::done;
 }
@@ -192,14 +214,17 @@ void add_compare(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const cli::Command command =
       line.command("compare",
-                   "Compare runs with the first one: what differs in their cases, their curls, and "
-                   "whether the difference is more than discretisation error. Case files are "
+                   "Compare runs with the first one: what differs in their cases and their curls, "
+                   "whether the difference is real, and what differed before it. Case files are "
                    "computed, as by query",
                    "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
                    "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
   command.option("RUN", options->runs, "Jobs or case files").required().count(1, 100);
   add_set_option(command, options->set)
       .description("Also compare with the first RUN, a case file, with this change");
+  command.flag("--paired", options->paired,
+               "Compute the case files at another quality too: the error of a difference then "
+               "comes from the two pairs");
   command.option("-o,--output", options->output, "Also write this HTML or SVG file");
   add_force_flag(command, options->force);
   command.json(options->json, "As JSON, in metres and seconds");

@@ -4,14 +4,13 @@
 #include "client/commands/commands.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/session/case_faults.hpp"
-#include "client/session/job_watch.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
-#include "proto/values/shortened.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::commands {
 namespace {

@@ -35,16 +35,48 @@ std::string keys_table(const std::vector<Answer>& answers) {
   return html + "</tr></table></div>";
 }
 
-std::string differences_table(const std::vector<Answer>& answers) {
+std::string differences_table(const std::vector<Answer>& answers,
+                              const std::vector<CurlDifference>& differences) {
   std::string html = "<div class='scroll'><table><tr>" + cell("monitor", "th") + cell("run", "th") +
-                     cell("less run 1, at the end", "th") + cell("largest", "th") +
-                     cell("what it weighs", "th");
-  for (const CurlDifference& row : curl_differences(answers))
+                     cell("less run 1", "th") + cell("at", "th") + cell("largest", "th") +
+                     cell("verdict", "th");
+  for (const CurlDifference& row : differences)
     html += "</tr><tr>" + cell(row.monitor) + cell(run_name(answers, row.answer)) +
-            cell(fixed(1e3 * row.end_m, 3) + " mm") +
-            cell(fixed(1e3 * row.largest_m, 3) + " mm at " + fixed(row.largest_time_s, 1) + " s") +
-            cell(in_words(weight_of(row)));
+            cell(fixed(1e3 * row.end_m, 3) +
+                 (row.error_m ? " ± " + fixed(1e3 * *row.error_m, 3) : "") + " mm") +
+            cell(row.course.text(row.course.at.back())) +
+            cell(fixed(1e3 * row.largest_m, 3) + " mm at " + row.course.text(row.largest_at)) +
+            cell(verdict(row));
   return html + "</tr></table></div>";
+}
+
+std::string sentences_list(const std::vector<Answer>& answers,
+                           const std::vector<Explained>& explained) {
+  std::string html;
+  for (const Explained& row : explained)
+    html += "<li>" + html_escaped(run_name(answers, row.difference->answer) + ", " + row.text) +
+            "</li>";
+  return html.empty() ? "" : card("What changed", "<ul>" + html + "</ul>");
+}
+
+/// The figures that differed before the curl, in both runs.
+std::string cause_charts(const std::vector<Answer>& answers,
+                         const std::vector<Explained>& explained) {
+  std::string html;
+  for (const Explained& row : explained) {
+    const Course& course = row.difference->course;
+    std::vector<double> place = course.at;
+    if (course.by_length)
+      for (double& at : place) at *= 1e3;
+    for (const Cause& cause : row.causes)
+      html += card(cause.sentence,
+                   svg_chart({cause.figure,
+                              course.by_length ? "cast length, mm" : "time, s",
+                              cause.figure + ", " + cause.unit,
+                              {{run_name(answers, 0), place, cause.first},
+                               {run_name(answers, row.difference->answer), place, cause.other}}}));
+  }
+  return html;
 }
 
 std::string findings_list(const std::vector<Answer>& answers) {
@@ -98,17 +130,22 @@ std::string svg_file(const Chart& chart) {
          "</style>" + svg.substr(svg.find('>') + 1) + "\n";
 }
 
-std::string comparison_page(const std::vector<Answer>& answers) {
+std::string comparison_page(const std::vector<Answer>& answers,
+                            const std::vector<CurlDifference>& differences) {
   std::string charts;
   for (const std::string& monitor : monitors_of(answers))
-    charts += card("Curl of " + monitor, svg_chart(comparison_chart(answers, monitor)));
+    if (const Chart chart = comparison_chart(answers, monitor); has_points(chart))
+      charts += card("Curl of " + monitor, svg_chart(chart));
+  const std::vector<Explained> explained = explanations(answers, differences);
   return std::string(
              "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' ") +
          "content='width=device-width,initial-scale=1'><title>dccast comparison</title><style>" +
          report_style + "</style></head><body><main><header><p class='kicker'>dccast " +
          "comparison</p><h1>" + std::to_string(answers.size()) + " runs</h1></header>" +
-         findings_list(answers) + card("What differs in the cases", keys_table(answers)) + charts +
-         card("Differences of the curl", differences_table(answers)) + "</main></body></html>\n";
+         sentences_list(answers, explained) + findings_list(answers) +
+         card("What differs in the cases", keys_table(answers)) + charts +
+         card("Differences of the curl", differences_table(answers, differences)) +
+         cause_charts(answers, explained) + "</main></body></html>\n";
 }
 
 }  // namespace dccast::client::render

@@ -225,8 +225,9 @@ std::string temperature_figure(const v1::QueryResultResponse& result) {
                           &v1::StepReport::maximum_surface_temperature_at_mould_exit_c, 1.0));
   lines.push_back(line_of(result, "surface of the bottom block, mean",
                           &v1::StepReport::block_temperature_c, 1.0));
-  return figure_if_any("Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
-                       "At the monitors, the hottest surface where it leaves the mould, and the bottom block.");
+  return figure_if_any(
+      "Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
+      "At the monitors, the hottest surface where it leaves the mould, and the bottom block.");
 }
 
 std::string heat_figure(const v1::QueryResultResponse& result) {
@@ -267,8 +268,7 @@ std::string balance_figure(const v1::QueryResultResponse& result) {
       line_of(result, "in the slab", &Step::stored_heat_w_per_m, 1e-3, &Step::stored_heat_w),
       line_of(result, quarter ? "out: wide face" : "out: side", &Step::side_heat_w_per_m, 1e-3,
               &Step::side_heat_w),
-      line_of(result, "out: block and gap", &Step::bottom_heat_w_per_m, 1e-3,
-              &Step::bottom_heat_w),
+      line_of(result, "out: block and gap", &Step::bottom_heat_w_per_m, 1e-3, &Step::bottom_heat_w),
       line_of(result, "in through the metal level", &Step::level_heat_w_per_m, 1e-3,
               &Step::level_heat_w)};
   if (quarter)
@@ -292,11 +292,10 @@ std::string water_figure(const v1::QueryResultResponse& result) {
               &Step::water_share, 100.0)};
   if (quarter) {
     lines.push_back(line_of(result, "narrow face, wetted", &Step::narrow_wetted_share, 100.0));
-    lines.push_back(line_of(result, "narrow face, of its water's capacity",
-                            &Step::narrow_water_share, 100.0));
+    lines.push_back(
+        line_of(result, "narrow face, of its water's capacity", &Step::narrow_water_share, 100.0));
   }
-  return figure_if_any("Water on the faces",
-                       chart_of("Water on the faces", "%", std::move(lines)),
+  return figure_if_any("Water on the faces", chart_of("Water on the faces", "%", std::move(lines)),
                        "Share of the face under water that is not under a vapour film, and heat "
                        "taken of all that warming and evaporating the water would take.");
 }

@@ -88,8 +88,7 @@ std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
 std::string deformed_figure(const v1::Frame& frame, const CurlHistory& history,
                             const FrameSeries& series) {
   const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
-  const FramePictures pictures =
-      pictures_of(frame, colour_range(shown).value_or(ColourRange{}));
+  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourRange{}));
   const std::string frames = drawn_frames(shown, history, pictures);
   const bool is_slab = frame.dimension() == 3;
   if (pictures.pictures.empty() || frames.empty())

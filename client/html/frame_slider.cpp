@@ -230,11 +230,13 @@ std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
   const std::string last = std::to_string(seen.size() - 1);
   return "<noscript><p>This picture is drawn by a script.</p></noscript><div class='slider' "
          "hidden><input type='range' min='0' max='" +
-         last + "' value='" + last + "' step='1' aria-label='Stored frame'><p><output></output> "
-         "<small>" + which_frames(series, seen.size()) +
+         last + "' value='" + last +
+         "' step='1' aria-label='Stored frame'><p><output></output> "
+         "<small>" +
+         which_frames(series, seen.size()) +
          "</small></p></div><script type='application/json' class='frames'>" +
-         series_json(seen, history, pictures, *range).dump() + "</script><script>" +
-         frame_script + "</script>";
+         series_json(seen, history, pictures, *range).dump() + "</script><script>" + frame_script +
+         "</script>";
 }
 
 }  // namespace dccast::client::render

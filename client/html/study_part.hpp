@@ -24,8 +24,8 @@ std::optional<CurlError> curl_error(const Study& study, const std::string& monit
 /// resolution of a chart. Thinning may widen the interval but never narrows it.
 ChartBand curl_band(const Study& study, const std::string& monitor, bool against_length);
 
-/// The card "How much of it is discretisation" of a job's report, or a line that says that no error
-/// is known and which command computes it.
+/// The card "How much of it is discretisation" of a job's report, or a line with the
+/// command that computes it where no error is known.
 std::string study_part(const Study& study, const v1::Job& job);
 
 }  // namespace dccast::client::render

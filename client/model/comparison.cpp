@@ -2,70 +2,176 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
-#include "client/model/answer.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
+#include "proto/values/interpolation.hpp"
 
 namespace dccast::client {
 namespace {
 
 using Series = CurlHistory::Series;
 
-const Series* series_of(const Answer& answer, const std::string& monitor) {
-  const auto& all = answer.history.monitors;
-  const auto found = std::ranges::find(all, monitor, &Series::name);
-  return found == all.end() ? nullptr : &*found;
+const Series* series_of(const CurlHistory& history, const std::string& monitor) {
+  const auto found = std::ranges::find(history.monitors, monitor, &Series::name);
+  return found == history.monitors.end() ? nullptr : &*found;
 }
 
-/// Value at a time between the first and the last instant, linear between two.
-double value_at(const std::vector<double>& time_s, const std::vector<double>& value, double at_s) {
-  const auto right = static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s) -
-                                              time_s.begin());
-  if (right == 0 || time_s[right] == at_s) return value[right];
-  const double share = (at_s - time_s[right - 1]) / (time_s[right] - time_s[right - 1]);
-  return value[right - 1] + share * (value[right] - value[right - 1]);
-}
+/// Steps of a history at ascending places: of several at one place the last one.
+struct Track {
+  std::vector<double> at;
+  std::vector<std::size_t> step;
+};
 
-/// Compares at the times of the first answer that the other one covers.
-void find_largest(const Answer& first, const Series& mine, const Answer& other,
-                  const Series& theirs, CurlDifference& difference) {
-  const std::vector<double>& time_s = other.history.time_s;
-  for (std::size_t i = 0; i < first.history.time_s.size(); ++i) {
-    const double at_s = first.history.time_s[i];
-    if (at_s < time_s.front() || at_s > time_s.back()) continue;
-    const double apart_m = value_at(time_s, theirs.curl_m, at_s) - mine.curl_m[i];
-    if (!(std::abs(apart_m) > std::abs(difference.largest_m))) continue;
-    difference.largest_m = apart_m;
-    difference.largest_time_s = at_s;
+Track track_of(const CurlHistory& history, bool by_length) {
+  const std::vector<double>& place = by_length ? history.cast_length_m : history.time_s;
+  Track track;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (track.at.empty() || place[i] > track.at.back()) {
+      track.at.push_back(place[i]);
+      track.step.push_back(i);
+    } else {
+      track.step.back() = i;
+    }
   }
+  return track;
 }
+
+/// Whether two runs have not cast the same length at the same time.
+bool lengths_differ(const CurlHistory& first, const CurlHistory& other) {
+  constexpr double tolerance = 0.01;  // [1]
+  const std::vector<double> theirs =
+      values::at_instants(first.time_s, other.time_s, other.cast_length_m);
+  double apart = 0.0, longest = 0.0;
+  for (std::size_t i = 0; i < theirs.size(); ++i) {
+    if (std::isnan(theirs[i])) continue;
+    apart = std::max(apart, std::abs(theirs[i] - first.cast_length_m[i]));
+    longest = std::max({longest, theirs[i], first.cast_length_m[i]});
+  }
+  return apart > tolerance * longest;
+}
+
+/// Curl of the second run less that of the first along a course [m]; empty if a monitor is missing.
+std::vector<double> apart_along(const Course& course, const Answer& first, const Answer& other,
+                                const std::string& monitor) {
+  const Series* const mine = series_of(first.history, monitor);
+  const Series* const theirs = series_of(other.history, monitor);
+  if (mine == nullptr || theirs == nullptr) return {};
+  const std::vector<double> before = along(course, first.history, mine->curl_m);
+  std::vector<double> apart = along(course, other.history, theirs->curl_m);
+  for (std::size_t i = 0; i < apart.size(); ++i) apart[i] -= before[i];
+  return apart;
+}
+
+/// The same two castings at another quality: how much their difference changes from one quality to
+/// the other, at most over the last quarter of the course, times the factor that Roache recommends
+/// for two meshes (docs/error-bars.md) [m].
+std::optional<double> error_from_qualities(const CurlDifference& difference, const Answer& first,
+                                           const Answer& other,
+                                           const std::vector<const Answer*>& runs) {
+  constexpr double safety = 3.0, judged = 0.75;
+  const Course& course = difference.course;
+  const auto pair_of = [](const Answer& a, const Answer& b) {
+    return a.description.quality() != b.description.quality() &&
+           case_file::is_same_casting(a.description, b.description);
+  };
+  for (const Answer* mine : runs) {
+    if (!pair_of(*mine, first)) continue;
+    for (const Answer* theirs : runs) {
+      if (!pair_of(*theirs, other) || theirs->description.quality() != mine->description.quality())
+        continue;
+      const auto here = apart_along(course, first, other, difference.monitor);
+      const auto there = apart_along(course, *mine, *theirs, difference.monitor);
+      double change = -1.0;
+      for (std::size_t i = 0; i < there.size(); ++i)
+        if (course.at[i] >= course.at.front() + judged * course.length())
+          change = std::max(change, std::abs(there[i] - here[i]));
+      if (change >= 0.0) return safety * change;
+    }
+  }
+  return std::nullopt;
+}
+
+void find_error(CurlDifference& difference, const Answer& first, const Answer& other,
+                const std::vector<const Answer*>& runs) {
+  difference.error_m = error_from_qualities(difference, first, other, runs);
+  if (difference.error_m) {
+    difference.error_from = ErrorSource::qualities;
+    return;
+  }
+  const auto paired = case_file::paired_error(first.description, other.description);
+  if (!paired) return;
+  difference.error_from = ErrorSource::table;
+  difference.error_m =
+      paired->of_curl * std::max(std::abs(difference.first_m), std::abs(difference.other_m)) +
+      paired->of_difference * std::abs(difference.end_m);
+}
+
+std::optional<CurlDifference> difference_of(const Answer& first, const Answer& other,
+                                            const std::string& monitor) {
+  CurlDifference d;
+  d.monitor = monitor;
+  d.course = course_of(first.history, other.history);
+  const std::vector<double> apart = apart_along(d.course, first, other, monitor);
+  if (apart.empty() || std::isnan(apart.back())) return std::nullopt;
+  d.first_m = along(d.course, first.history, series_of(first.history, monitor)->curl_m).back();
+  d.other_m = d.first_m + apart.back();
+  d.end_m = apart.back();
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    if (!(std::abs(apart[i]) > std::abs(d.largest_m))) continue;
+    d.largest_m = apart[i];
+    d.largest_at = d.course.at[i];
+  }
+  return d;
+}
+
+/// A curl of round-off size: a monitor that stands on the block [m].
+constexpr double least_m = 1e-6;
 
 }  // namespace
 
-Weight weight_of(const CurlDifference& difference) {
-  if (!difference.uncertainty_m || !difference.first_uncertainty_m) return Weight::unknown;
-  const double size = std::abs(difference.end_m);
-  // A monitor in contact with the block has an error band of zero width and a curl of round-off
-  // size.
-  constexpr double least = 1e-6;  // [m]
-  const double mine = std::max(*difference.first_uncertainty_m, least);
-  const double theirs = std::max(*difference.uncertainty_m, least);
-  if (size < std::min(mine, theirs)) return Weight::below_either;
-  return size < mine + theirs ? Weight::below_both : Weight::beyond_errors;
+std::string Course::text(double place) const {
+  char text[32];
+  std::snprintf(text, sizeof text, by_length ? "%.0f mm" : "%.0f s",
+                by_length ? 1e3 * place : place);
+  return text;
 }
 
-const char* in_words(Weight weight) {
-  switch (weight) {
-    case Weight::below_either:
-      return "smaller than the discretisation error of either run";
-    case Weight::below_both:
-      return "smaller than the discretisation errors of both runs together";
-    case Weight::beyond_errors:
-      return "larger than the discretisation errors of both runs together";
-    default:
-      return "no discretisation error is known of such a case";
-  }
+Course course_of(const CurlHistory& first, const CurlHistory& other) {
+  constexpr double same = 1e-6;  // [s] or [m]
+  Course course;
+  course.by_length = lengths_differ(first, other);
+  const Track mine = track_of(first, course.by_length), theirs = track_of(other, course.by_length);
+  if (mine.at.empty() || theirs.at.empty()) return course;
+  const double end = std::min(mine.at.back(), theirs.at.back());
+  for (const double at : mine.at)
+    if (at >= theirs.at.front() - same && at < end - same) course.at.push_back(at);
+  if (end >= std::max(mine.at.front(), theirs.at.front()) - same) course.at.push_back(end);
+  return course;
+}
+
+std::vector<double> along(const Course& course, const CurlHistory& history,
+                          const std::vector<double>& value) {
+  const Track track = track_of(history, course.by_length);
+  std::vector<double> kept;
+  for (const std::size_t step : track.step) kept.push_back(value[step]);
+  return values::at_instants(course.at, track.at, kept);
+}
+
+bool CurlDifference::none() const {
+  return std::abs(end_m) < least_m && std::abs(largest_m) < least_m;
+}
+
+bool CurlDifference::real() const {
+  return error_m && std::abs(end_m) > std::max(*error_m, least_m);
+}
+
+const char* verdict(const CurlDifference& difference) {
+  if (difference.none()) return "no difference";
+  if (!difference.error_m) return "of unknown error";
+  return difference.real() ? "real" : "within its error";
 }
 
 std::vector<KeyDifference> differing_keys(const std::vector<Answer>& answers) {
@@ -84,22 +190,20 @@ std::vector<KeyDifference> differing_keys(const std::vector<Answer>& answers) {
   return keys;
 }
 
-std::vector<CurlDifference> curl_differences(const std::vector<Answer>& answers) {
+std::vector<CurlDifference> curl_differences(const std::vector<Answer>& answers,
+                                             const std::vector<Answer>& companions) {
+  std::vector<const Answer*> runs;
+  for (const auto* list : {&answers, &companions})
+    for (const Answer& answer : *list) runs.push_back(&answer);
   std::vector<CurlDifference> differences;
   const Answer& first = answers.front();
   for (std::size_t i = 1; i < answers.size(); ++i)
     for (const Series& mine : first.history.monitors) {
-      const Series* const theirs = series_of(answers[i], mine.name);
-      if (theirs == nullptr || theirs->curl_m.empty() || mine.curl_m.empty()) continue;
-      CurlDifference difference;
-      difference.monitor = mine.name;
-      difference.answer = i;
-      difference.end_m = theirs->curl_m.back() - mine.curl_m.back();
-      find_largest(first, mine, answers[i], *theirs, difference);
-      difference.first_uncertainty_m = discretisation_error(first.description, mine.curl_m.back());
-      difference.uncertainty_m =
-          discretisation_error(answers[i].description, theirs->curl_m.back());
-      differences.push_back(std::move(difference));
+      auto difference = difference_of(first, answers[i], mine.name);
+      if (!difference) continue;
+      difference->answer = i;
+      find_error(*difference, first, answers[i], runs);
+      differences.push_back(std::move(*difference));
     }
   return differences;
 }

@@ -38,6 +38,7 @@ void CurlHistory::add(const v1::StepReport& report) {
   time_s.push_back(report.time_s());
   cast_length_m.push_back(report.cast_length_m());
   beyond.push_back(report.beyond_validity());
+  reports.push_back(report);
   for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::find_if(monitors.begin(), monitors.end(),
                               [&](const Series& s) { return s.name == value.name(); });
@@ -57,6 +58,7 @@ void CurlHistory::rewind(std::int64_t last_step) {
     time_s.pop_back();
     cast_length_m.pop_back();
     beyond.pop_back();
+    reports.pop_back();
     for (Series& series : monitors) resize(series, time_s.size());
   }
 }

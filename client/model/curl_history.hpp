@@ -25,6 +25,7 @@ struct CurlHistory {
   std::vector<double> cast_length_m;
   std::vector<bool> beyond;  ///< the model was no longer valid at this time
   std::vector<Series> monitors;
+  std::vector<v1::StepReport> reports;  ///< by time
 
   /// Adds a step. A step that is already present replaces itself and all later ones: the run was
   /// resumed.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <ostream>
 
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {

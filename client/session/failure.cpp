@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {

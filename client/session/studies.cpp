@@ -8,7 +8,7 @@
 #include "client/model/case_changes.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "client/model/study.hpp"
 #include "client/session/connection.hpp"
-#include "client/session/job_watch.hpp"
+#include "client/session/jobs.hpp"
 #include "dccast/v1/study.pb.h"
 
 namespace dccast::client {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include "client/text/findings.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -26,6 +28,9 @@ std::string coloured(const std::string& text, std::size_t line, const Terminal& 
   return "\033[" + std::to_string(line_colours[line % line_colours.size()]) + "m" + text +
          "\033[0m";
 }
+
+constexpr int page_columns = 120;
+constexpr int widest_monitor = 24;
 
 std::string signed_mm(double metres) {
   return (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 3);
@@ -41,15 +46,30 @@ std::string names_text(const std::vector<Answer>& answers) {
   return text;
 }
 
+/// A text in a column of a table; the end of a longer one is left out.
+std::string cut(const std::string& text, int width) {
+  std::string shown = text;
+  for (std::size_t limit = text.size(); limit > 0 && display_width(shown) > width;)
+    shown = values::shortened(text, --limit);
+  return shown;
+}
+
 std::string keys_text(const std::vector<Answer>& answers) {
   const auto keys = differing_keys(answers);
   if (keys.empty()) return "the cases do not differ\n";
   std::vector<std::string> headings{"KEY"};
   for (std::size_t i = 0; i < answers.size(); ++i) headings.push_back(std::to_string(i + 1));
+  constexpr int widest_key = 40, narrowest = 8;
+  const int runs = static_cast<int>(answers.size());
+  int key_width = 0;
+  for (const KeyDifference& row : keys)
+    key_width = std::max(key_width, std::min(widest_key, display_width(row.key)));
+  const int value_width = std::max(narrowest, (page_columns - key_width) / runs - 2);
   Table table(headings);
   for (const KeyDifference& row : keys) {
-    std::vector<std::string> cells{row.key};
-    for (const std::string& value : row.values) cells.push_back(shown_value(value));
+    std::vector<std::string> cells{cut(row.key, widest_key)};
+    for (const std::string& value : row.values)
+      cells.push_back(cut(shown_value(value), value_width));
     table.add(std::move(cells));
   }
   return table.text();
@@ -60,6 +80,7 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
   std::vector<BrailleLine> lines;
   std::string legend;
   const Chart chart = comparison_chart(answers, monitor);
+  if (!has_points(chart)) return "";
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
     lines.push_back({chart.lines[i].x, chart.lines[i].y});
     legend += (i == 0 ? "" : "  ") + coloured(chart.lines[i].name, i, terminal);
@@ -73,33 +94,63 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
     if (row + 1 == drawn.cells.size()) text += " " + fixed(drawn.low, 2) + " mm";
     text += "\n";
   }
-  return text;
+  return text + "\n";
 }
 
-/// What mesh and steps leave uncertain of a curl; empty where that is not known.
-std::string error_text(const Answer& answer, double curl_m) {
-  const auto error_m = discretisation_error(answer.description, curl_m);
-  return error_m ? fixed(1e3 * *error_m, 3) : "";
+/// A length in mm; empty if it is unknown.
+std::string mm_text(const std::optional<double>& metres) {
+  return metres ? fixed(1e3 * *metres, 3) : "";
 }
 
-std::string weights_text(const std::vector<Answer>& answers) {
-  Table table({"MONITOR", "RUN", ">CURL mm", ">± mm", ">LESS 1 mm", ">LARGEST mm", ">AT s", ""});
-  for (const std::string& monitor : monitors_of(answers)) {
-    for (const auto& series : answers.front().history.monitors)
-      if (series.name == monitor && !series.curl_m.empty())
-        table.add({monitor, "1", fixed(1e3 * series.curl_m.back(), 3),
-                   error_text(answers.front(), series.curl_m.back()), "", "", "", ""});
-    for (const CurlDifference& row : curl_differences(answers)) {
-      if (row.monitor != monitor) continue;
-      const auto& theirs = answers[row.answer].history.monitors;
-      const auto found = std::ranges::find(theirs, monitor, &CurlHistory::Series::name);
-      const double curl_m = found->curl_m.back();
-      table.add({monitor, std::to_string(row.answer + 1), fixed(1e3 * curl_m, 3),
-                 error_text(answers[row.answer], curl_m), signed_mm(row.end_m),
-                 signed_mm(row.largest_m), fixed(row.largest_time_s, 1), in_words(weight_of(row))});
-    }
+std::string differences_text(const std::vector<Answer>& answers,
+                             const std::vector<CurlDifference>& differences) {
+  Table table({"MONITOR", "RUN", ">CURL mm", ">± mm", "AT", ">LESS 1 mm", ">± mm", ">LARGEST mm",
+               "AT", ""});
+  std::string monitor;
+  for (const CurlDifference& row : differences) {
+    const Answer& other = answers[row.answer];
+    const auto error = [](const Answer& answer, double curl_m) {
+      return mm_text(discretisation_error(answer.description, curl_m));
+    };
+    const std::string end = row.course.text(row.course.at.back());
+    const std::string name = cut(row.monitor, widest_monitor);
+    table.add({name, "1", mm_text(row.first_m), error(answers.front(), row.first_m), end});
+    table.add({name, std::to_string(row.answer + 1), mm_text(row.other_m),
+               error(other, row.other_m), end, signed_mm(row.end_m), mm_text(row.error_m),
+               signed_mm(row.largest_m), row.course.text(row.largest_at), verdict(row)});
   }
   return table.text();
+}
+
+/// Broken at blanks into lines that fit the page, the further ones indented.
+std::string wrapped(const std::string& text) {
+  constexpr int indented = 2, first_line = 8;  // "run 2, "
+  std::string lines;
+  int column = first_line;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t blank = std::min(text.find(' ', at), text.size());
+    const std::string part = text.substr(at, blank - at);
+    if (column + 1 + display_width(part) > page_columns) {
+      lines += "\n" + std::string(indented, ' ');
+      column = indented;
+    } else if (at > 0) {
+      lines += " ";
+      ++column;
+    }
+    lines += part;
+    column += display_width(part);
+    at = blank + 1;
+  }
+  return lines;
+}
+
+std::string sentences_text(const std::vector<Answer>& answers,
+                           const std::vector<CurlDifference>& differences) {
+  std::string text;
+  for (const Explained& explained : explanations(answers, differences))
+    text += "run " + std::to_string(explained.difference->answer + 1) + ", " +
+            wrapped(explained.text) + "\n";
+  return text;
 }
 
 std::string findings_text(const std::vector<Answer>& answers) {
@@ -110,18 +161,28 @@ std::string findings_text(const std::vector<Answer>& answers) {
   return text;
 }
 
-Json difference_json(const CurlDifference& row) {
-  const auto number = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json();
-  };
-  return {{"monitor", row.monitor},
-          {"run", row.answer},
-          {"end_m", row.end_m},
-          {"largest_m", row.largest_m},
-          {"largest_time_s", row.largest_time_s},
-          {"uncertainty_m", number(row.uncertainty_m)},
-          {"first_uncertainty_m", number(row.first_uncertainty_m)},
-          {"says", in_words(weight_of(row))}};
+Json difference_json(const CurlDifference& row, const Explained& explained) {
+  static constexpr const char* sources[] = {"unknown", "table", "qualities"};
+  Json json{{"monitor", row.monitor},
+            {"run", row.answer},
+            {"compared_by", row.course.by_length ? "cast_length_m" : "time_s"},
+            {"compared_at", row.course.at.back()},
+            {"first_m", row.first_m},
+            {"other_m", row.other_m},
+            {"end_m", row.end_m},
+            {"error_m", row.error_m ? Json(*row.error_m) : Json()},
+            {"error_from", sources[static_cast<int>(row.error_from)]},
+            {"largest_m", row.largest_m},
+            {"largest_at", row.largest_at},
+            {"verdict", verdict(row)},
+            {"says", explained.text},
+            {"causes", Json::array()}};
+  for (const Cause& cause : explained.causes)
+    json["causes"].push_back({{"figure", cause.figure},
+                              {"says", cause.sentence},
+                              {"onset", cause.onset},
+                              {"share", cause.share}});
+  return json;
 }
 
 }  // namespace
@@ -157,20 +218,44 @@ std::vector<std::string> monitors_of(const std::vector<Answer>& answers) {
   return names;
 }
 
-std::string comparison_text(const std::vector<Answer>& answers, const Terminal& terminal) {
-  std::string text = names_text(answers) + "\n" + keys_text(answers) + "\n";
-  for (const std::string& monitor : monitors_of(answers))
-    text += curves_text(answers, monitor, terminal) + "\n";
-  return text + weights_text(answers) + findings_text(answers);
+bool has_points(const Chart& chart) {
+  return std::ranges::any_of(chart.lines, [](const ChartLine& line) {
+    return std::ranges::count_if(line.y, [](double y) { return std::isfinite(y); }) > 1;
+  });
 }
 
-Json comparison_json(const std::vector<Answer>& answers) {
+std::vector<Explained> explanations(const std::vector<Answer>& answers,
+                                    const std::vector<CurlDifference>& differences) {
+  std::vector<Explained> explained;
+  for (const CurlDifference& row : differences) {
+    const bool named = std::ranges::none_of(differences, [&](const CurlDifference& other) {
+      return other.answer == row.answer && std::abs(other.end_m) > std::abs(row.end_m);
+    });
+    explained.push_back({&row, {}, ""});
+    if (named) explained.back().causes = causes_of(answers.front(), answers[row.answer], row);
+    explained.back().text = sentence(row, explained.back().causes, named);
+  }
+  return explained;
+}
+
+std::string comparison_text(const std::vector<Answer>& answers,
+                            const std::vector<CurlDifference>& differences,
+                            const Terminal& terminal) {
+  std::string text = names_text(answers) + "\n" + keys_text(answers) + "\n";
+  for (const std::string& monitor : monitors_of(answers))
+    text += curves_text(answers, monitor, terminal);
+  return text + differences_text(answers, differences) + findings_text(answers) + "\n" +
+         sentences_text(answers, differences);
+}
+
+Json comparison_json(const std::vector<Answer>& answers,
+                     const std::vector<CurlDifference>& differences) {
   Json json{{"runs", Json::array()}, {"keys", Json::array()}, {"differences", Json::array()}};
   for (const Answer& answer : answers) json["runs"].push_back(answer_json(answer));
   for (const KeyDifference& row : differing_keys(answers))
     json["keys"].push_back({{"key", row.key}, {"values", row.values}});
-  for (const CurlDifference& row : curl_differences(answers))
-    json["differences"].push_back(difference_json(row));
+  for (const Explained& explained : explanations(answers, differences))
+    json["differences"].push_back(difference_json(*explained.difference, explained));
   return json;
 }
 

@@ -4,20 +4,33 @@
 #include <vector>
 
 #include "client/html/svg_chart.hpp"
-#include "client/model/comparison.hpp"
+#include "client/model/causes.hpp"
 #include "client/model/json.hpp"
 #include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 
-/// The differing keys of the cases, the curls in one chart, and the significance of their
-/// differences.
-std::string comparison_text(const std::vector<Answer>& answers, const Terminal& terminal);
+/// A difference in a sentence, and what differed before it.
+struct Explained {
+  const CurlDifference* difference;
+  std::vector<Cause> causes;  ///< of the monitor that differs most between two runs
+  std::string text;
+};
+std::vector<Explained> explanations(const std::vector<Answer>& answers,
+                                    const std::vector<CurlDifference>& differences);
 
-Json comparison_json(const std::vector<Answer>& answers);
+/// The differing keys of the cases, the curls in one chart, their differences, and sentences about
+/// them, in at most 120 columns.
+std::string comparison_text(const std::vector<Answer>& answers,
+                            const std::vector<CurlDifference>& differences,
+                            const Terminal& terminal);
+
+Json comparison_json(const std::vector<Answer>& answers,
+                     const std::vector<CurlDifference>& differences);
 
 /// The same as a self-contained HTML page.
-std::string comparison_page(const std::vector<Answer>& answers);
+std::string comparison_page(const std::vector<Answer>& answers,
+                            const std::vector<CurlDifference>& differences);
 
 /// Names of all monitors, in order of first appearance.
 std::vector<std::string> monitors_of(const std::vector<Answer>& answers);
@@ -27,6 +40,9 @@ std::string shown_value(const std::string& value);
 
 /// The curl of one monitor in all answers.
 Chart comparison_chart(const std::vector<Answer>& answers, const std::string& monitor);
+
+/// Whether any line of a chart has two points.
+bool has_points(const Chart& chart);
 
 /// A chart as a separate SVG file that includes the colours of the page.
 std::string svg_file(const Chart& chart);

@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/frames/curve_value.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {

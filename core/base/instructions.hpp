@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <utility>
+
 namespace dccast {
 
 /// Instruction sets for which lanes and band kernels are compiled, slowest first.
@@ -18,5 +21,96 @@ Instructions instructions();
 /// The lower of the processor's set and the requested one. @param asked  null or empty: no request
 /// @throws std::invalid_argument  no such set
 Instructions instructions_for(const char* asked);
+
+}  // namespace dccast
+
+// Lanes are passed by value inside functions compiled for one set of instructions only.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace dccast {
+
+/// `Count` numbers side by side, on which + - * / and comparisons work at once: a formula written
+/// for one number is evaluated for several elements or points.
+template <int Count>
+struct LanesOf {
+  typedef double type __attribute__((vector_size(8 * Count), may_alias));
+};
+template <int Count>
+using Lanes = typename LanesOf<Count>::type;
+
+/// How many numbers the registers of the instruction set in use hold: 8, 4 or 2.
+inline int register_lanes() {
+  static const int count = 2 << static_cast<int>(instructions());
+  return count;
+}
+
+/// An upper bound of register_lanes().
+inline constexpr int most_lanes = 8;
+
+namespace detail {
+#if defined(__x86_64__)
+// Everything that `work` calls is inlined into these functions and compiled for their instruction
+// set.
+template <class Work>
+[[gnu::target("avx2,fma"), gnu::flatten]] void on_avx2(const Work& work) {
+  work.template operator()<4>();
+}
+template <class Work>
+[[gnu::target("avx2,fma,avx512f,avx512vl,avx512dq,prefer-vector-width=512"), gnu::flatten]] void
+on_avx512(const Work& work) {
+  work.template operator()<8>();
+}
+#endif
+}  // namespace detail
+
+/// Runs work.operator()<Count>() with the Count of register_lanes(), compiled for a processor with
+/// such registers. Last bits may differ between processors of different registers; on one
+/// processor they are always the same.
+template <class Work>
+void with_lanes(const Work& work) {
+#if defined(__x86_64__)
+  if (register_lanes() == 8) return detail::on_avx512(work);
+  if (register_lanes() == 4) return detail::on_avx2(work);
+#endif
+  work.template operator()<2>();
+}
+
+/// Lanes with the value give(i) in lane i.
+template <int Count, class Give>
+Lanes<Count> lanes_of(const Give& give) {
+  return [&]<std::size_t... Lane>(std::index_sequence<Lane...>) {
+    return Lanes<Count>{give(Lane)...};
+  }
+  (std::make_index_sequence<Count>{});
+}
+
+/// Square root of each lane, in the root of its unit.
+template <int Count>
+Lanes<Count> root(const Lanes<Count>& x) {
+  Lanes<Count> y;
+  for (int i = 0; i < Count; ++i) y[i] = __builtin_sqrt(x[i]);
+  return y;
+}
+
+/// Whether a comparison holds in some lane. @param mask  result of the comparison
+template <int Count, class Mask>
+bool any(const Mask& mask) {
+  long long found = 0;
+  for (int i = 0; i < Count; ++i) found |= mask[i];
+  return found != 0;
+}
+
+/// Loads lanes from consecutive numbers [any unit].
+template <int Count>
+Lanes<Count> load(const double* from) {
+  Lanes<Count> lanes;
+  __builtin_memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+/// Stores lanes at consecutive numbers [any unit].
+template <int Count>
+void store(const Lanes<Count>& lanes, double* to) {
+  __builtin_memcpy(to, &lanes, sizeof lanes);
+}
 
 }  // namespace dccast

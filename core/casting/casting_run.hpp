@@ -4,17 +4,47 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/case/case.hpp"
 #include "core/findings/run_failure.hpp"
-#include "core/restart/sections.hpp"
-#include "core/results/finding.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
-#include "core/results/validity_loss.hpp"
 
 namespace dccast::casting {
+
+/// Answer of an observer: what the run does after a step.
+enum class Order {
+  go_on,
+  stop_at_checkpoint,  ///< write a checkpoint and stop; the run can be resumed
+  cancel,              ///< stop without a checkpoint
+};
+
+/// Receives every accepted step, keeps it, and decides whether the run continues. Called from the
+/// thread of the run.
+class StepObserver {
+public:
+  virtual ~StepObserver() = default;
+  virtual Order on_step(const results::StepReport& report) = 0;
+  /// The reports of the steps from 1 to this one of an earlier part of this run, exact, from which its results
+  /// are made; fewer if some are lost. Called before on_resumed().
+  virtual std::vector<results::StepReport> reported_steps(std::int64_t) { return {}; }
+  /// Waits until all that was reported is on the disk: a checkpoint follows. Called from another
+  /// thread. @throws std::system_error
+  virtual void sync_reports() {}
+  /// The run continues from a checkpoint: steps after `step`, at `time` [s], are reported (again).
+  virtual void on_resumed(std::int64_t step, double time) = 0;
+  /// The model is no longer valid: the next reported step and all later ones are marked. Called
+  /// once, and again after a resumption. The step reports carry the mark too.
+  virtual void on_validity_lost(const results::ValidityLoss&) {}
+  /// A finding about the casting: findings of the case before the first step, findings of a step
+  /// before its report. One comes again at the end of the run if its worst exceedance has grown
+  /// since; all come again after a resumption. The last one of a code holds.
+  virtual void on_finding(const results::Finding&) {}
+  virtual void on_message(std::string_view text) = 0;
+};
 
 /// One casting, step by step, in two or three dimensions. Does not read or write result files.
 class CastingRun {
@@ -43,12 +73,12 @@ public:
   virtual const std::vector<results::Finding>& findings() const = 0;
 
   /// The complete state of the run, as stored in a checkpoint.
-  virtual restart::Sections state_sections() const = 0;
+  virtual results::Sections state_sections() const = 0;
   /// Continues from a stored state of the same case. @pre no step has been made yet
   /// @return  why the state does not belong to this run: a section is missing, an array does not
   ///          fit the mesh, or a time lies outside the case; the run is then unchanged. Empty on
   ///          success.
-  [[nodiscard]] virtual std::string restore(const restart::Sections& state) = 0;
+  [[nodiscard]] virtual std::string restore(const results::Sections& state) = 0;
 };
 
 /// Creates the run of a case in the dimension of its section.

@@ -12,7 +12,7 @@ HeatSource::HeatSource(const Case& c, std::unique_ptr<thermal::HeatForms> forms)
     return;
   }
   Faults faults;
-  history_ = prescribed::read_temperature_file(c.thermal.file, std::size_t(forms->nodes()), faults);
+  history_ = results::read_temperature_file(c.thermal.file, std::size_t(forms->nodes()), faults);
   if (!history_) throw InvalidCase(faults);
 }
 

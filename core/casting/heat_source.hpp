@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/case/case.hpp"
-#include "core/prescribed/temperature_file.hpp"
+#include "core/results/temperature_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 
 namespace dccast::casting {
@@ -48,7 +48,7 @@ private:
 
   material::ThermalProperties properties_;
   std::optional<thermal::HeatSolver> solver_;              ///< empty if temperatures are prescribed
-  std::optional<prescribed::TemperatureHistory> history_;  ///< empty if the solver is used
+  std::optional<results::TemperatureHistory> history_;  ///< empty if the solver is used
 };
 
 }  // namespace dccast::casting

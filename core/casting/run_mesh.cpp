@@ -21,9 +21,7 @@ RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
   auto mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, faults);
   if (!mesh) throw InvalidCase(faults);
   imported_ = std::move(*mesh);
-  for (int n = 0; n < imported_.nodes(); ++n)
-    initial_level_ = std::max(initial_level_, imported_.point(n)[Dim - 1]);
-  first_level_ = initial_level_;
+  first_level_ = initial_level_ = imported_.largest(Dim - 1);
 }
 
 template <int Dim>

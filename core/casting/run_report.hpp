@@ -1,13 +1,16 @@
 #pragma once
 
+#include <span>
 #include <vector>
+
 #include "core/case/case.hpp"
 #include "core/case/casting_schedule.hpp"
-
-#include "core/casting/attempt.hpp"
 #include "core/casting/run_state.hpp"
+#include "core/casting/step_control.hpp"
 #include "core/findings/figures.hpp"
+#include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/mesh.hpp"
+#include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::casting {
@@ -50,5 +53,25 @@ extern template MonitorReadings readings_of(const std::vector<Monitor>&, const m
                                             const RunState<3>&);
 extern template results::StepReport report_of(ReportSource<2>, int);
 extern template results::StepReport report_of(ReportSource<3>, int);
+
+/// Input of frame_of(): the mesh, the state and the bottom of a run at one time.
+template <int Dim>
+struct FrameSource {
+  const mesh::Mesh<Dim>& mesh;
+  const RunState<Dim>& state;
+  double metal_level = 0.0;             ///< [m]
+  std::span<const int> bottom_node;     ///< nodes of the bottom, the order of the next two arrays
+  std::span<const double> bottom_gap;   ///< [m] positive if open
+  std::span<const double> bottom_area;  ///< [m2], in 2D [m]
+  const material::MechanicalProperties& properties;
+  bool with_stresses = false;  ///< and strains
+};
+
+/// The fields at one time. Stresses and strains are element means.
+template <int Dim>
+results::Frame frame_of(const FrameSource<Dim>& source);
+
+extern template results::Frame frame_of(const FrameSource<2>&);
+extern template results::Frame frame_of(const FrameSource<3>&);
 
 }  // namespace dccast::casting

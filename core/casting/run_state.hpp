@@ -1,12 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "core/case/case.hpp"
+#include "core/case/casting_schedule.hpp"
+#include "core/casting/run_mesh.hpp"
 #include "core/findings/judge.hpp"
 #include "core/findings/run_failure.hpp"
 #include "core/mechanics/slab_state.hpp"
-#include "core/restart/sections.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 
 namespace dccast::casting {
@@ -33,16 +38,35 @@ struct RunState {
 };
 
 /// Converts a state to the sections of a checkpoint, and back. Whether the arrays fit the mesh is
-/// checked separately: misfit() of state_fit.hpp.
+/// checked separately: misfit().
 template <int Dim>
-restart::Sections to_sections(const RunState<Dim>& state);
+results::Sections to_sections(const RunState<Dim>& state);
 /// @throws std::out_of_range  a section is missing or has the wrong type
 template <int Dim>
-RunState<Dim> state_of(const restart::Sections& sections);
+RunState<Dim> state_of(const results::Sections& sections);
 
-extern template restart::Sections to_sections(const RunState<2>&);
-extern template restart::Sections to_sections(const RunState<3>&);
-extern template RunState<2> state_of<2>(const restart::Sections&);
-extern template RunState<3> state_of<3>(const restart::Sections&);
+extern template results::Sections to_sections(const RunState<2>&);
+extern template results::Sections to_sections(const RunState<3>&);
+extern template RunState<2> state_of<2>(const results::Sections&);
+extern template RunState<3> state_of<3>(const results::Sections&);
+
+/// The run against which a state read from a checkpoint is checked.
+template <int Dim>
+struct RunShape {
+  const Case& casting_case;
+  const CastingSchedule& schedule;
+  const RunMesh<Dim>& mesh;
+  std::size_t points = 0;      ///< integration points per element
+  std::size_t bottom_nodes = 0;
+};
+
+/// Why a state does not belong to a run: an array does not fit the mesh, or a time lies outside the
+/// case; empty if it does belong. A checksum only finds damage; this check keeps an array of the
+/// wrong length from being read out of bounds.
+template <int Dim>
+std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run);
+
+extern template std::string misfit(const RunState<2>&, const RunShape<2>&);
+extern template std::string misfit(const RunState<3>&, const RunShape<3>&);
 
 }  // namespace dccast::casting

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "core/casting/run_frame.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/run_report.hpp"
-#include "core/casting/state_fit.hpp"
+#include "core/casting/run_state.hpp"
 
 namespace dccast::casting {
 
@@ -22,13 +22,6 @@ double seconds_of(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-template <int Dim>
-double largest(const mesh::Mesh<Dim>& mesh, std::size_t coordinate) {
-  double value = 0.0;
-  for (int n = 0; n < mesh.nodes(); ++n) value = std::max(value, mesh.point(n)[coordinate]);
-  return value;
 }
 
 template <int Dim>
@@ -73,7 +66,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       mesh_(c),
       heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
       mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
-      face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? largest(mesh_.mesh(), 0)
+      face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? mesh_.mesh().largest(0)
                                                                      : 1.0),
       has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
                    !c.cooling.bottom_block.profile_y.empty()),
@@ -109,11 +102,11 @@ void SlabRun<Dim>::go_back_to(const RunState<Dim>& state) {
 }
 
 template <int Dim>
-std::string SlabRun<Dim>::restore(const restart::Sections& stored) {
+std::string SlabRun<Dim>::restore(const results::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
-    std::string reason = misfit(state, {case_, schedule_, mesh_,
-                                        mechanics_.points(), mechanics_.bottom_nodes().size()});
+    std::string reason = misfit(
+        state, {case_, schedule_, mesh_, mechanics_.points(), mechanics_.bottom_nodes().size()});
     if (reason.empty()) go_back_to(state);
     return reason;
   } catch (const std::out_of_range& error) {
@@ -306,8 +299,8 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .slab = state_.slab,
                            .checks = mechanics_.checks(),
                            .superheat = state_.superheat,
-                            .level_heat = state_.level_heat,
-                            .growing = mesh().elements() - growing_elements(),
+                           .level_heat = state_.level_heat,
+                           .growing = mesh().elements() - growing_elements(),
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
   return meter_.measure(view, state_.findings.history);
@@ -321,10 +314,9 @@ void SlabRun<Dim>::judge(const StepFigures& step) {
 template <int Dim>
 results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts,
                                          const StepFigures& step, MonitorReadings monitors) const {
-  results::StepReport r = report_of<Dim>(
-      {case_, mesh(), state_, accepted, step, face_length_, schedule_, block_temperature(),
-       std::move(monitors)},
-      failed_attempts);
+  results::StepReport r = report_of<Dim>({case_, mesh(), state_, accepted, step, face_length_,
+                                          schedule_, block_temperature(), std::move(monitors)},
+                                         failed_attempts);
   if (!state_.slab.started) return r;
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;
@@ -348,5 +340,10 @@ int SlabRun<Dim>::growing_elements() const {
 
 template class SlabRun<2>;
 template class SlabRun<3>;
+
+std::unique_ptr<CastingRun> make_run(const Case& c, int threads) {
+  if (mesh::dimension_of(c.section.kind) == 2) return std::make_unique<SlabRun<2>>(c);
+  return std::make_unique<SlabRun<3>>(c, threads);
+}
 
 }  // namespace dccast::casting

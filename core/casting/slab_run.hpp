@@ -8,7 +8,6 @@
 #include "core/base/team.hpp"
 #include "core/case/case.hpp"
 #include "core/case/casting_schedule.hpp"
-#include "core/casting/attempt.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/heat_source.hpp"
 #include "core/casting/run_mesh.hpp"
@@ -50,8 +49,8 @@ public:
   const RunFailures& failures() const override { return state_.failures; }
   const std::optional<ValidityLoss>& validity_lost() const override { return state_.findings.lost; }
   const std::vector<results::Finding>& findings() const override { return state_.findings.raised; }
-  restart::Sections state_sections() const override { return to_sections(state_); }
-  [[nodiscard]] std::string restore(const restart::Sections& state) override;
+  results::Sections state_sections() const override { return to_sections(state_); }
+  [[nodiscard]] std::string restore(const results::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
   const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }

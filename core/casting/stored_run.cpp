@@ -2,14 +2,24 @@
 
 #include <stdexcept>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/linalg/tile_kernels.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/result_writer.hpp"
 
 namespace dccast::casting {
 
+extern const char core_sources[];  // written by hash_sources.cmake when a source has changed
+
+const std::string& solver_identity() {
+  static const std::string identity = std::string("dccast ") + DCCAST_VERSION + ", g++ " +
+                                      __VERSION__ + ", " + linalg::best_tile_kernels().name +
+                                      ", state 3, sources " + core_sources;
+  return identity;
+}
+
 namespace {
 
-using restart::Sections;
+using results::Sections;
 
 StoredRun none(const std::string& reason) {
   StoredRun stored;
@@ -45,7 +55,7 @@ void sign(Sections& state, const CheckpointOrigin& origin) {
 }
 
 StoredRun read_stored_run(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin) {
-  const restart::CheckpointRead read = restart::read_checkpoint(checkpoint);
+  const results::CheckpointRead read = results::read_checkpoint(checkpoint);
   if (read.other_format) return of_other_version(read.reason);
   if (!read.content) return none(read.reason);
   try {

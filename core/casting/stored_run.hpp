@@ -5,9 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "core/restart/sections.hpp"
+#include "core/results/checkpoint_file.hpp"
 
 namespace dccast::casting {
+
+/// Identifies the solver: program version, compiler, instruction set of the factorisation,
+/// checkpoint format and a digest of the sources of core/. Programs with the same identity continue
+/// from a state to bit-identical results; a checkpoint with another identity is not accepted.
+const std::string& solver_identity();
 
 /// What a run must have in common with a checkpoint to continue from it.
 struct CheckpointOrigin {
@@ -18,7 +23,7 @@ struct CheckpointOrigin {
 /// A checkpoint of this solver and this case, or the reason why there is none. Whether its state
 /// fits the run is checked by CastingRun::restore().
 struct [[nodiscard]] StoredRun {
-  std::optional<restart::Sections> content;
+  std::optional<results::Sections> content;
   std::string reason;                ///< why there is no content; empty if there is
   bool other_version = false;        ///< the reason: another version of the solver wrote it
   std::int64_t step = 0;             ///< accepted steps
@@ -26,7 +31,7 @@ struct [[nodiscard]] StoredRun {
 };
 
 /// Adds the origin to the state of a run; read_stored_run() checks it.
-void sign(restart::Sections& state, const CheckpointOrigin& origin);
+void sign(results::Sections& state, const CheckpointOrigin& origin);
 
 /// @throws storage::StorageError  the file is there but cannot be read
 StoredRun read_stored_run(const std::filesystem::path& checkpoint, const CheckpointOrigin& origin);

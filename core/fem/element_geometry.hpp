@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/base/lanes.hpp"
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/instructions.hpp"
+#include "core/base/tensors.hpp"
 #include "core/fem/element.hpp"
 #include "core/fem/solid_bending.hpp"
 #include "core/mesh/mesh.hpp"

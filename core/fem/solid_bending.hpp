@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/tensors.hpp"
 #include "core/fem/element.hpp"
 
 namespace dccast::fem {

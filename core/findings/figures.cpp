@@ -1,15 +1,13 @@
-#include "core/material/liquid_fraction.hpp"
 #include "core/findings/figures.hpp"
+#include "core/material/thermal_properties.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/findings/motion.hpp"
-#include "core/findings/mush_strain.hpp"
 #include "core/findings/shell.hpp"
 #include "core/findings/slice.hpp"
-#include "core/findings/temperature_figures.hpp"
 
 namespace dccast::casting {
 
@@ -174,8 +172,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   for (const thermal::FaceWater& water : view.heat.water) {
     f.water_boiled_away = f.water_boiled_away || water.boiled_away;
     f.water_thrown_off = f.water_thrown_off || water.thrown_off;
-    if (water.capacity > 0.0)
-      f.water_share = std::max(f.water_share, water.taken / water.capacity);
+    f.water_share = std::max(f.water_share, water.share());
   }
   f.metal_depth = view.metal_level;
   f.sump_depth =

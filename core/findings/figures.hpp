@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/case/case.hpp"
-#include "core/findings/placed_figure.hpp"
+#include "core/findings/shell.hpp"
 #include "core/material/mechanical_properties.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/mesh.hpp"

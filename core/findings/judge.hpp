@@ -6,9 +6,8 @@
 #include "core/case/case.hpp"
 #include "core/findings/figures.hpp"
 #include "core/findings/run_failure.hpp"
-#include "core/restart/sections.hpp"
-#include "core/results/finding.hpp"
-#include "core/results/validity_loss.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/step_report.hpp"
 
 /// The one judge of a run: what holds for a step follows from its figures and the table of rules.
 namespace dccast::casting {
@@ -34,9 +33,9 @@ std::vector<Finding> findings_of_case(const Case& casting_case);
 RunFailures judge(const Case& casting_case, const StepFigures& step, FindingsState& state);
 
 /// Converts the state to sections of a checkpoint, and back.
-void write_findings(const FindingsState& state, restart::Sections& sections);
+void write_findings(const FindingsState& state, results::Sections& sections);
 /// @throws std::out_of_range  a section is missing, names an unknown severity or a number has
 ///                            several values
-FindingsState read_findings(const restart::Sections& sections);
+FindingsState read_findings(const results::Sections& sections);
 
 }  // namespace dccast::casting

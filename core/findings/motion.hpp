@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/findings/placed_figure.hpp"
+#include "core/findings/shell.hpp"
 #include "core/material/mechanical_properties.hpp"
+#include "core/mechanics/slab_state.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/row_merging.hpp"
 
@@ -90,5 +91,29 @@ template <>
 PlacedFigure largest_slip<3>(const mesh::Mesh3D&, std::span<const char>, std::span<const double>,
                              std::span<const double>, const material::MechanicalProperties&,
                              double);
+
+/// Largest tensile viscoplastic strain of metal below coherency and above `fragile_above` since coherency [1]:
+/// its largest principal value; zero without such metal.
+///
+/// In plane strain the out-of-plane direction is left out: the model constrains it rigidly, a real
+/// slab does not. Elastic strain, about 1e-4 in the mush, is left out too.
+/// @param temperature  (node) [°C]
+/// @param fragile_above  [°C]
+/// @param growing      first element of the row that still stretches, whose motion is that of the
+///                     mesh
+/// @param hoop         include the out-of-plane component in 2D: the hoop strain of a billet
+template <int Dim>
+Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState<Dim>& slab,
+                         std::span<const double> temperature, double fragile_above, int growing,
+                         bool hoop);
+
+/// Largest principal value of a symmetric tensor in 2D or 3D [unit of the tensor].
+double largest_principal(const SymmetricTensor<2>& in_plane);
+double largest_principal(const SymmetricTensor<3>& tensor);  ///< [unit of the tensor]
+
+extern template Located<2> mush_strain(const mesh::Mesh<2>&, const mechanics::SlabState<2>&,
+                                       std::span<const double>, double, int, bool);
+extern template Located<3> mush_strain(const mesh::Mesh<3>&, const mechanics::SlabState<3>&,
+                                       std::span<const double>, double, int, bool);
 
 }  // namespace dccast::casting

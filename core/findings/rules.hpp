@@ -6,10 +6,10 @@
 #include <string>
 
 #include "core/case/case.hpp"
-#include "core/case/course.hpp"
+#include "core/case/casting_schedule.hpp"
 #include "core/findings/figures.hpp"
 #include "core/findings/run_failure.hpp"
-#include "core/results/finding.hpp"
+#include "core/results/step_report.hpp"
 
 /// Every finding is one row of a table, with the function that judges it: rules_of_case.cpp and
 /// rules_of_step.cpp. docs/findings.md has their limits, sources and practical meaning; a new one

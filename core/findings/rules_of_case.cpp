@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/findings/rules.hpp"
-#include "core/material/liquid_fraction.hpp"
+#include "core/material/thermal_properties.hpp"
 
 namespace dccast::casting {
 

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/findings/edges.hpp"
-
 namespace dccast::casting {
 
 namespace {

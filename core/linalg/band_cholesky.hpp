@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/linalg/sparsity_pattern.hpp"
-#include "core/linalg/tile_storage.hpp"
+#include "core/linalg/tile_kernels.hpp"
 
 namespace dccast::linalg {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/linalg/sweep_order.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 
 namespace dccast::linalg {
 

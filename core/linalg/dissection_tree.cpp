@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/linalg/node_graph.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 
 namespace dccast::linalg {
 

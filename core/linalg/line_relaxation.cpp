@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/base/lanes.hpp"
+#include "core/base/instructions.hpp"
 
 namespace dccast::linalg {
 

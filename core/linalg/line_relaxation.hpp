@@ -1,11 +1,100 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "core/linalg/line_layout.hpp"
+#include "core/mesh/extrusion.hpp"
 
 namespace dccast::linalg {
+
+/// Storage layout of a symmetric matrix on an extruded mesh, by pairs of lines: the coupling of two
+/// lines that share a cell is one array along the rows for each pair of unknowns and each of the
+/// three neighbouring rows.
+///
+/// Arrays along the rows have `stride` numbers; those beyond the last row are zero, so that a loop
+/// may read one number before its array and any number within the stride.
+template <int PerNode>
+class LineLayout {
+public:
+  static constexpr int entries = 3 * PerNode * PerNode;  ///< (unknown, unknown, 3 rows)
+
+  /// Address of a block.
+  struct Place {
+    std::size_t pair = 0;  ///< index of the coupling; for a line with itself that of the line
+    int row = 0;    ///< row on the line with the higher number; on a single line the upper row
+    int below = 1;  ///< 0, 1, 2: the other row is one lower, the same, one higher
+    bool transposed = false;  ///< the transpose of the block is stored
+    bool one_line = false;
+  };
+
+  LineLayout() = default;
+  explicit LineLayout(const mesh::Extrusion& extruded)
+      : lines_(extruded.lines),
+        rows_(extruded.rows()),
+        stride_((std::size_t(rows_) + 16) / 16 * 16) {
+    std::vector<std::vector<int>> lower(std::size_t(lines_), std::vector<int>{});
+    for (std::size_t c = 0; c < extruded.cell.size(); c += 4) {
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) {
+          const int high = extruded.cell[c + std::size_t(i)],
+                    low = extruded.cell[c + std::size_t(j)];
+          if (low < high) lower[std::size_t(high)].push_back(low);
+        }
+      }
+    }
+    for (auto& of : lower) {
+      std::ranges::sort(of);
+      of.erase(std::ranges::unique(of).begin(), of.end());
+      pair_line_.insert(pair_line_.end(), of.begin(), of.end());
+      pair_start_.push_back(pair_line_.size());
+    }
+  }
+
+  int lines() const { return lines_; }
+  int rows() const { return rows_; }
+  std::size_t stride() const { return stride_; }
+  std::size_t pairs() const { return pair_line_.size(); }
+  std::size_t first_pair(int line) const { return pair_start_[std::size_t(line)]; }
+  /// Line with the lower number of a pair.
+  int low_line(std::size_t pair) const { return pair_line_[pair]; }
+
+  /// Address of the block between two nodes (line, row) whose rows differ by at most one.
+  Place place(int line, int row, int other, int other_row) const {
+    if (line == other) {
+      const bool upper = row >= other_row;
+      return {std::size_t(line), upper ? row : other_row, row == other_row ? 1 : 0, !upper, true};
+    }
+    const bool swap = line < other;
+    if (swap) std::swap(line, other), std::swap(row, other_row);
+    std::size_t pair = first_pair(line);
+    while (pair_line_[pair] != other) ++pair;
+    return {pair, row, other_row - row + 1, swap, false};
+  }
+  /// The block as numbers of an array in this layout.
+  struct Block {
+    std::size_t first, along_row, along_column;
+    std::size_t operator()(int a, int b) const {
+      return first + std::size_t(a) * along_row + std::size_t(b) * along_column;
+    }
+  };
+  /// Slots of a block, its rows and columns as asked for.
+  Block block(const Place& at) const {
+    const std::size_t start = at.pair * std::size_t(entries) + std::size_t(at.below);
+    std::size_t row = std::size_t(3 * PerNode) * stride_, column = 3 * stride_;
+    if (at.transposed) std::swap(row, column);
+    return {start * stride_ + std::size_t(at.row), row, column};
+  }
+
+private:
+  int lines_ = 0;
+  int rows_ = 0;
+  std::size_t stride_ = 0;
+  std::vector<std::size_t> pair_start_{0};
+  std::vector<int> pair_line_;
+};
 
 /// Line Gauss-Seidel over the vertical lines of an extruded mesh. Each line is solved exactly, in
 /// single precision: a preconditioner need not be exact, and half the memory traffic is half the

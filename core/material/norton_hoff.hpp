@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lanes.hpp"
+#include "core/base/instructions.hpp"
 #include "core/material/alloy_card.hpp"
 
 namespace dccast::material {
@@ -90,5 +90,12 @@ ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>
   if (exponent == 6.0) return detail::of_fifth_power<Count>(trial_norm, creep);
   return detail::each_by_itself<Count>(trial_norm, creep, exponent);
 }
+
+/// Root eta >= 1 of eta^(q-1) - eta^(q-2) = load, paper Lemma 3. Newton's method from an upper
+/// bound of the root of a convex increasing function: it converges monotonically.
+/// @param load      lambda_p kappa |zeta|^(q-2) / (1 - lambda_p gamma_p)^(q-1), not negative [1]
+/// @param exponent  q [1]
+/// @return          eta [1]
+double yosida_root(double load, double exponent);
 
 }  // namespace dccast::material

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/material/liquid_fraction.hpp"
-
 namespace dccast::material {
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "core/linalg/condensation.hpp"
 #include "core/linalg/conjugate_gradients.hpp"
-#include "core/mechanics/step_outcome.hpp"
+#include "core/mechanics/solve_step.hpp"
 
 namespace dccast::mechanics {
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstddef>
 
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/tensors.hpp"
 #include "core/fem/element_geometry.hpp"
-#include "core/mechanics/point_block.hpp"
+#include "core/mechanics/element_parts.hpp"
 
 namespace dccast::mechanics {
 
@@ -159,6 +159,126 @@ private:
     } else {
       return (point.gradient);
     }
+  }
+};
+
+/// The forms of an element whose strain is its mean and bending modes (fem::BendingQuadrilateral).
+/// The modes preserve the volume, so that the mean dilatation holds at every point.
+template <class Element, class Number>
+struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
+  using Base = ElementFormsBase<Element, Number>;
+  using Base::dim, Base::nodes, Base::points, Base::unknowns;
+  using typename Base::Cell, typename Base::Matrix, typename Base::Pressures,
+      typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
+      typename Base::Vectors;
+  static constexpr bool axisymmetric = fem::is_axisymmetric<Element>;
+  static constexpr std::size_t modes = axisymmetric ? 4 : 2;
+
+  static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
+    return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
+  }
+
+  static Tensors strain_deviators(const Cell& c, const Vectors& v) {
+    Tensor mean;
+    Number amplitude[modes] = {};
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const auto g = section_gradient(c, i);
+      mean[0] += g[0] * v[i][0];
+      mean[1] += g[1] * v[i][1];
+      if constexpr (axisymmetric) mean[2] += c.mean_hoop[i] * v[i][0];
+      mean[3] += 0.5 * (g[0] * v[i][1] + g[1] * v[i][0]);
+      for (std::size_t m = 0; m < modes; ++m) {
+        const auto& share = c.bending[m].amplitude[i];
+        amplitude[m] += share[0] * v[i][0] + share[1] * v[i][1];
+      }
+    }
+    Tensors deviators;
+    deviators.fill(mean.deviator());
+    for (std::size_t q = 0; q < points; ++q) {
+      for (std::size_t m = 0; m < modes; ++m) {
+        deviators[q].add(lever(c, q, m) * amplitude[m], c.bending[m].strain);
+      }
+    }
+    return deviators;
+  }
+
+  static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
+    Tensor sum;  // of the stress deviator over the volume [N/m]
+    Number pressures{}, bending[modes] = {};
+    for (std::size_t q = 0; q < points; ++q) {
+      const Number weight = c.point[q].weight;
+      const Tensor& s = deviator[q];
+      sum.add(weight, s);
+      pressures += weight * pressure[q];
+      for (std::size_t m = 0; m < modes; ++m) {
+        bending[m] += weight * lever(c, q, m) * contract(s, c.bending[m].strain);
+      }
+    }
+    Vectors force{};
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const auto g = section_gradient(c, i);
+      for (std::size_t a = 0; a < dim; ++a) {
+        Number f = sum.at(a, 0) * g[0] + sum.at(a, 1) * g[1] + pressures * c.mean_gradient[i][a];
+        for (std::size_t m = 0; m < modes; ++m) f += bending[m] * c.bending[m].amplitude[i][a];
+        force[i][a] = f;
+      }
+      if constexpr (axisymmetric) force[i][0] += sum[2] * c.mean_hoop[i];
+    }
+    return force;
+  }
+
+  static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
+    Matrix k{};
+    const auto mean = mean_deviators_of_unit_displacements(c);
+    for (std::size_t q = 0; q < points; ++q) {
+      const auto& r = response[q];
+      const Number weight = c.point[q].weight, twice_shear = 2.0 * weight * r.shear;
+      const Number softening = weight * r.softening;
+      std::array<Tensor, unknowns> strain = mean;  // deviators of unit displacements at the point
+      std::array<Number, unknowns> along;          // work of the stress on them
+      for (std::size_t n = 0; n < unknowns; ++n) {
+        for (std::size_t m = 0; m < modes; ++m) {
+          strain[n].add(lever(c, q, m) * c.bending[m].amplitude[n / 2][n % 2], c.bending[m].strain);
+        }
+        along[n] = contract(r.deviator, strain[n]);
+      }
+      for (std::size_t n = 0; n < unknowns; ++n) {
+        const Number bulk = weight * bulk_modulus * c.mean_gradient[n / 2][n % 2];
+        for (std::size_t m = 0; m <= n; ++m) {
+          k[n * unknowns + m] += twice_shear * contract(strain[n], strain[m]) +
+                                 bulk * c.mean_gradient[m / 2][m % 2] +
+                                 softening * along[n] * along[m];
+        }
+      }
+    }
+    return k;
+  }
+
+private:
+  static Number contract(const Tensor& a, const Tensor& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * a[3] * b[3];
+  }
+  static const Number& lever(const Cell& c, std::size_t q, std::size_t mode) {
+    return c.point[q].lever[Cell::lever_of(mode)];
+  }
+
+  /// Mean gradient of a shape function in the section, without the hoop.
+  static std::array<Number, 2> section_gradient(const Cell& c, std::size_t i) {
+    std::array<Number, 2> g = c.mean_gradient[i];
+    if constexpr (axisymmetric) g[0] -= c.mean_hoop[i];
+    return g;
+  }
+
+  static std::array<Tensor, unknowns> mean_deviators_of_unit_displacements(const Cell& c) {
+    std::array<Tensor, unknowns> strain;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const auto g = section_gradient(c, i);
+      Number hoop{}, none{};
+      if constexpr (axisymmetric) hoop = c.mean_hoop[i];
+      strain[2 * i] = Tensor{{g[0], none, hoop, 0.5 * g[1]}}.deviator();
+      strain[2 * i + 1] = Tensor{{none, g[1], none, 0.5 * g[0]}}.deviator();
+    }
+    return strain;
   }
 };
 

@@ -2,11 +2,9 @@
 
 #include <stdexcept>
 
-#include "core/mechanics/bending_forms.hpp"
 #include "core/mechanics/element_forms.hpp"
-#include "core/mechanics/element_rotations.hpp"
+#include "core/mechanics/local_frames.hpp"
 #include "core/mechanics/mechanics_forms.hpp"
-#include "core/mechanics/node_frames.hpp"
 #include "core/mechanics/solid_bending_forms.hpp"
 
 namespace dccast::mechanics {

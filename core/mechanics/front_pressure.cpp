@@ -4,8 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/mechanics/element_means.hpp"
-
 namespace dccast::mechanics {
 
 namespace {

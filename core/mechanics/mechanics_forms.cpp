@@ -1,6 +1,6 @@
 #include "core/mechanics/mechanics_forms.hpp"
 
-#include "core/fem/with_element.hpp"
+#include "core/fem/element.hpp"
 #include "core/mechanics/forms_of.hpp"
 
 namespace dccast::mechanics {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "core/base/symmetric_tensor.hpp"
-#include "core/fem/facet_geometry.hpp"
+#include "core/base/tensors.hpp"
+#include "core/fem/facet_pieces.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
-#include "core/mechanics/point_block.hpp"
+#include "core/mechanics/element_parts.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::mechanics {

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/material/yosida.hpp"
+#include "core/material/norton_hoff.hpp"
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
 #include "core/mechanics/equilibrium.hpp"
-#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mechanics/step_constraints.hpp"
 

@@ -5,12 +5,9 @@
 #include <utility>
 
 #include "core/mechanics/constitutive.hpp"
-#include "core/mechanics/element_means.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/front_pressure.hpp"
-#include "core/mechanics/round_off.hpp"
 #include "core/mechanics/step_constraints.hpp"
-#include "core/mechanics/viscoplastic_history.hpp"
 #include "core/mesh/extrusion.hpp"
 
 namespace dccast::mechanics {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/tensors.hpp"
 
 namespace dccast::mechanics {
 

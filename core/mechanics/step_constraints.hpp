@@ -5,10 +5,54 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/active_set.hpp"
 #include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
+
+/// Signorini's conditions at the nodes of the bottom and of walls, enforced by a primal-dual active
+/// set (Hintermueller, Ito, Kunisch 2002): gap >= 0, reaction >= 0, one of them zero.
+///
+/// A pair in the set is held at zero gap, and its reaction results from the solution; a pair
+/// outside carries no force, and its gap results from the solution. The generalised Newton method
+/// of the paper's section 4.3.1 with eps_c -> 0 is this iteration (Lemma 5).
+class ActiveSet {
+public:
+  struct Tolerance {
+    double gap;    ///< [m] penetration that counts as zero
+    double force;  ///< [N/m] tensile force that counts as zero; scaled to the weight, not to
+                   ///< thermal forces
+  };
+
+  ActiveSet() = default;
+  /// @param carrying  number of pairs, from the first, of which at least one must be closed
+  ActiveSet(std::vector<char> active, std::size_t carrying)
+      : active_(std::move(active)), carrying_(carrying) {}
+  explicit ActiveSet(std::vector<char> active) : active_(std::move(active)) {
+    carrying_ = active_.size();
+  }
+
+  const std::vector<char>& active() const { return active_; }
+  bool active(std::size_t pair) const { return active_[pair] != 0; }
+
+  /// Opens or closes the pairs that violate their condition. The carrying pairs are never all
+  /// opened: a slab without any support has no equilibrium.
+  /// @param gap         (pair) [m]
+  /// @param reaction    (pair) [N/m], meaningful for active pairs only
+  /// @param one_by_one  change only the worst violator, so that two pairs cannot keep switching
+  ///                    each other
+  /// @return number of pairs that changed
+  int update(std::span<const double> gap, std::span<const double> reaction,
+             const Tolerance& tolerance, bool one_by_one);
+
+private:
+  std::vector<char> active_;
+  std::size_t carrying_ = 0;
+};
+
+/// Largest violation of gap >= 0 [m], reaction >= 0 [N/m] and of the complementarity of the two
+/// [1], relative to the scales of length [m] and force [N/m].
+double complementarity_error(std::span<const double> gap, std::span<const double> reaction,
+                             double length_scale, double force_scale);
 
 /// The held unknowns of a step: those fixed by the problem and those closed by the contact set.
 /// Used by every algorithm that treats contact by an active set.
@@ -59,7 +103,7 @@ public:
   int update(std::span<const double> u, std::span<const double> residual, bool one_by_one) {
     if (problem_->contact.empty()) return 0;
     collect(u, residual);
-    const contact::ActiveSet::Tolerance tolerance{gap_tolerance, force_tolerance_};
+    const ActiveSet::Tolerance tolerance{gap_tolerance, force_tolerance_};
     const int changes = set_.update(gap_, reaction_, tolerance, one_by_one);
     if (changes > 0) mark();
     return changes;
@@ -97,7 +141,7 @@ public:
   int release(std::span<const double> u, std::span<const double> residual, bool only_one) {
     collect(u, residual);
     // The step length takes care of the gaps, so this call must not close any pair.
-    const contact::ActiveSet::Tolerance tolerance{INFINITY, force_tolerance_};
+    const ActiveSet::Tolerance tolerance{INFINITY, force_tolerance_};
     const int changes = set_.update(gap_, reaction_, tolerance, only_one);
     if (changes > 0) mark();
     return changes;
@@ -109,7 +153,7 @@ public:
     if (problem_->contact.empty()) return 0.0;
     collect(u, residual);
     constexpr double length_scale = 1e-3;
-    return contact::complementarity_error(gap_, reaction_, length_scale,
+    return mechanics::complementarity_error(gap_, reaction_, length_scale,
                                           std::max(problem_->weight, 1e-30));
   }
 
@@ -133,7 +177,7 @@ private:
       ++changes;
     }
     if (changes > 0) {
-      set_ = contact::ActiveSet(std::move(active), problem_->carrying());
+      set_ = ActiveSet(std::move(active), problem_->carrying());
       mark();
     }
     return changes;
@@ -147,7 +191,7 @@ private:
 
   const StepProblem<Dim>* problem_;
   std::vector<char>* active_;
-  contact::ActiveSet set_;
+  ActiveSet set_;
   std::vector<char> fixed_;
   std::vector<double> step_;
   std::vector<double> gap_;

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/tensors.hpp"
 #include "core/linalg/sparsity_pattern.hpp"
 #include "core/mechanics/element_parts.hpp"
 #include "core/mechanics/mechanics_forms.hpp"

@@ -1,8 +1,82 @@
 #include "core/mesh/extrusion.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 
 namespace dccast::mesh {
+
+namespace {
+
+/// Sum of 1 + r + ... + r^(n-1) with r = exp(log_ratio); without cancellation where r is near one.
+double geometric_sum(double log_ratio, int terms) {
+  return log_ratio == 0.0 ? terms : std::expm1(terms * log_ratio) / std::expm1(log_ratio);
+}
+
+}  // namespace
+
+std::vector<double> graded_cells(double length, int cells, double first) {
+  // Monotone in the ratio, so bisection on its logarithm cannot miss.
+  double low = -3.0, high = 3.0;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (first * geometric_sum(middle, cells) < length ? low : high) = middle;
+  }
+  const double log_ratio = 0.5 * (low + high);
+  std::vector<double> widths;
+  const double scale = length / geometric_sum(log_ratio, cells);
+  for (int i = 0; i < cells; ++i) widths.push_back(scale * std::exp(log_ratio * i));
+  return widths;
+}
+
+std::vector<double> ends_of_cells(const std::vector<double>& widths, double length) {
+  std::vector<double> at{0.0};
+  for (double w : widths) at.push_back(at.back() + w);
+  at.back() = length;  // without the rounding of the sum: patches must close
+  return at;
+}
+
+std::vector<double> refined(const std::vector<double>& at, int refinement) {
+  std::vector<double> fine{at.front()};
+  for (std::size_t i = 1; i < at.size(); ++i) {
+    for (int k = 1; k < refinement; ++k) {
+      fine.push_back(at[i - 1] + (at[i] - at[i - 1]) * k / refinement);
+    }
+    fine.push_back(at[i]);
+  }
+  return fine;
+}
+
+// Corners in 2D: 0 and 1 below, 2 above 0, 3 above 1. In 3D: 0 to 3 below, 4 to 7 above them.
+
+template <>
+const CellDivision<2>& division_of<2>(ElementKind kind) {
+  static const CellDivision<2> whole{
+      {{0, 1, 3, 2}}, {{{0, 1}, 0}}, {{{3, 2}, 0}}, {{{{2, 0}, 0}}, {{{1, 3}, 0}}}};
+  static const CellDivision<2> triangles{
+      {{0, 1, 3}, {0, 3, 2}}, {{{0, 1}, 0}}, {{{3, 2}, 1}}, {{{{2, 0}, 1}}, {{{1, 3}, 0}}}};
+  return kind == ElementKind::p1 ? triangles : whole;
+}
+
+template <>
+const CellDivision<3>& division_of<3>(ElementKind kind) {
+  static const CellDivision<3> whole{
+      {{0, 1, 2, 3, 4, 5, 6, 7}},
+      {{{0, 3, 2, 1}, 0}},
+      {{{4, 5, 6, 7}, 0}},
+      {{{{0, 1, 5, 4}, 0}}, {{{1, 2, 6, 5}, 0}}, {{{2, 3, 7, 6}, 0}}, {{{3, 0, 4, 7}, 0}}}};
+  // Six around the diagonal from 0 to 6. Every face is cut from its corner nearest to 0 to the one
+  // opposite, so that cells whose base starts at the same corner fit together.
+  static const CellDivision<3> tetrahedra{
+      {{0, 1, 2, 6}, {0, 5, 1, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 7, 4, 6}},
+      {{{0, 3, 2}, 2}, {{0, 2, 1}, 0}},
+      {{{4, 5, 6}, 4}, {{4, 6, 7}, 5}},
+      {{{{0, 1, 5}, 1}, {{0, 5, 4}, 4}},
+       {{{1, 2, 6}, 0}, {{1, 6, 5}, 1}},
+       {{{2, 3, 6}, 2}, {{3, 7, 6}, 3}},
+       {{{3, 0, 7}, 3}, {{0, 4, 7}, 5}}}};
+  return kind == ElementKind::p1 ? tetrahedra : whole;
+}
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/errors.hpp"
-#include "core/mesh/gmsh_file.hpp"
+#include "core/mesh/gmsh_reader.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::mesh {
@@ -16,7 +16,7 @@ template <int Dim>
 struct GmshImport {
   const gmsh::File& file;
   std::string name;  ///< of the file, for faults
-  int shape;         ///< required shape of the elements, see gmsh_file.hpp
+  int shape;         ///< required shape of the elements, see gmsh_reader.hpp
   Faults& faults;
   Mesh<Dim> mesh{};
   std::unordered_map<long, int> number{};  ///< number of a node by its Gmsh tag

@@ -67,6 +67,12 @@ struct Mesh {
     return nodes_per_element == 0 ? 0 : static_cast<int>(element_node.size()) / nodes_per_element;
   }
   const double* point(int n) const { return node.data() + std::size_t(n) * Dim; }  ///< [m]
+  /// Largest value of a coordinate over the nodes [m], at least 0.
+  double largest(int coordinate) const {
+    double value = 0.0;
+    for (int n = 0; n < nodes(); ++n) value = std::max(value, point(n)[coordinate]);
+    return value;
+  }
   const int* nodes_of(int e) const {
     return element_node.data() + std::size_t(e) * std::size_t(nodes_per_element);
   }

@@ -1,8 +1,207 @@
 #include "core/mesh/slab_mesh.hpp"
 
-#include "core/mesh/graded_cells.hpp"
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "core/mesh/extrusion.hpp"
 
 namespace dccast::mesh {
+
+namespace {
+
+constexpr double divide_above = 1.5;  // growth cells
+constexpr std::size_t first_rows = 2;  // of cells, when the mould begins to be filled
+
+/// The nodes of a cell, below and above, as the corners of its division.
+template <int Dim>
+std::array<int, CellDivision<Dim>::corners> corners_of(const Base<Dim>& base, int cell, int row) {
+  std::array<int, CellDivision<Dim>::corners> node;
+  constexpr std::size_t half = std::size_t(Base<Dim>::nodes_per_cell);
+  for (std::size_t k = 0; k < half; ++k) {
+    const int below = row * base.nodes() + base.cell_node[std::size_t(cell) * half + k];
+    node[k] = below;
+    node[half + k] = below + base.nodes();
+  }
+  return node;
+}
+
+template <int Dim>
+Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
+                    const std::array<int, CellDivision<Dim>::corners>& node, int first_element) {
+  Facet<Dim> facet;
+  facet.nodes = static_cast<int>(part.corner.size());
+  facet.element = first_element + part.element;
+  for (std::size_t k = 0; k < part.corner.size(); ++k)
+    facet.node[k] = node[std::size_t(part.corner[k])];
+  return facet;
+}
+
+/// The topmost initial row of cells becomes a growth cell when the first row is inserted.
+int first_grown(const std::vector<double>& row_heights) {
+  return static_cast<int>(row_heights.size()) - 2;
+}
+
+}  // namespace
+
+template <int Dim>
+ExtrudedMesh<Dim>::ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
+                                double growth_cell, RowMerging merging)
+    : base_(std::move(base)),
+      kind_(kind),
+      growth_cell_(growth_cell),
+      merging_(merging),
+      first_grown_(first_grown(row_heights)),
+      plan_(std::move(row_heights)),
+      heights_(plan_) {
+  build();
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::start_filling() {
+  heights_.resize(std::min(heights_.size(), first_rows + 1));
+  build();
+}
+
+template <int Dim>
+int ExtrudedMesh<Dim>::elements_per_row() const {
+  return base_.cells() * static_cast<int>(division_of<Dim>(kind_).elements.size());
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::build() {
+  mesh_ = Mesh<Dim>{};
+  mesh_.nodes_per_element = static_cast<int>(division_of<Dim>(kind_).elements.front().size());
+  for (const auto& wall : base_.walls)
+    mesh_.patches.push_back({wall.name, wall.kind, wall.normal, {}});
+  for (int row = 0; row <= rows(); ++row) place_row_of_nodes(row);
+  for (int row = 0; row < rows(); ++row) add_row_of_cells(row);
+  set_bottom();
+  set_top();
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::place_row_of_nodes(int row) {
+  const std::size_t nodes = std::size_t(base_.nodes()), first = std::size_t(row) * nodes;
+  if (mesh_.node.size() < Dim * (first + nodes)) mesh_.node.resize(Dim * (first + nodes));
+  for (std::size_t i = 0; i < nodes; ++i) {
+    double* at = mesh_.node.data() + Dim * (first + i);
+    for (std::size_t d = 0; d + 1 < Dim; ++d) at[d] = base_.node[i * (Dim - 1) + d];
+    at[Dim - 1] = heights_[std::size_t(row)];
+  }
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::add_row_of_cells(int row) {
+  for (int cell = 0; cell < base_.cells(); ++cell) {
+    const auto node = corners_of(base_, cell, row);
+    for (const auto& element : division_of<Dim>(kind_).elements)
+      for (const int corner : element) mesh_.element_node.push_back(node[std::size_t(corner)]);
+  }
+  add_walls(row);
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::add_walls(int row) {
+  const auto& division = division_of<Dim>(kind_);
+  const int per_cell = static_cast<int>(division.elements.size());
+  const int first_element = row * elements_per_row();
+  for (std::size_t w = 0; w < base_.walls.size(); ++w) {
+    for (const auto& piece : base_.walls[w].pieces) {
+      const auto node = corners_of(base_, piece.cell, row);
+      for (const auto& part : division.side[std::size_t(piece.side)])
+        mesh_.patches[w].facets.push_back(
+            facet_of<Dim>(part, node, first_element + per_cell * piece.cell));
+    }
+  }
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::set_bottom() {
+  const auto& division = division_of<Dim>(kind_);
+  const int per_cell = static_cast<int>(division.elements.size());
+  auto& facets = mesh_.facets(PatchKind::bottom);
+  for (int cell = 0; cell < base_.cells(); ++cell)
+    for (const auto& part : division.bottom)
+      facets.push_back(facet_of<Dim>(part, corners_of(base_, cell, 0), per_cell * cell));
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::set_top() {
+  const auto& division = division_of<Dim>(kind_);
+  const int per_cell = static_cast<int>(division.elements.size()), row = rows() - 1;
+  auto& facets = mesh_.facets(PatchKind::top);
+  facets.clear();
+  for (int cell = base_.cells() - 1; cell >= 0; --cell)
+    for (const auto& part : division.top)
+      facets.push_back(facet_of<Dim>(part, corners_of(base_, cell, row),
+                                     row * elements_per_row() + per_cell * cell));
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::divide_top_row(double height, std::vector<double>& between) {
+  const double level = heights_.back();
+  heights_.back() = height;
+  heights_.push_back(level);
+  between.push_back(height);
+}
+
+template <int Dim>
+std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
+  if (level < heights_.back()) throw std::logic_error("ExtrudedMesh: the metal level cannot sink");
+  std::vector<double> between;
+  const bool filling = heights_.back() < plan_.back();
+  heights_.back() = level;
+  const auto next_is_due = [&] {
+    const std::size_t next = heights_.size() - 1;
+    if (next + 1 >= plan_.size()) return false;
+    return level >= plan_.back() ||
+           level - plan_[next] > (divide_above - 1.0) * (plan_[next + 1] - plan_[next]);
+  };
+  while (filling && next_is_due()) divide_top_row(plan_[heights_.size() - 1], between);
+  while (level > plan_.back() &&
+         level - heights_[heights_.size() - 2] > divide_above * growth_cell_)
+    divide_top_row(heights_[heights_.size() - 2] + growth_cell_, between);
+  const int last_old_row = rows() - static_cast<int>(between.size());
+  for (int row = last_old_row; row <= rows(); ++row) place_row_of_nodes(row);
+  for (int row = last_old_row; row < rows(); ++row) add_row_of_cells(row);
+  if (!between.empty()) set_top();
+  return between;
+}
+
+template <int Dim>
+MergedRows ExtrudedMesh<Dim>::rows_to_merge() const {
+  return {heights_, mesh::rows_to_merge(heights_, first_grown_, merging_),
+          std::size_t(nodes_per_row()), std::size_t(elements_per_row())};
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::merge(const MergedRows& rows) {
+  take_out_rows(rows, 1, heights_);
+  build();
+}
+
+template <int Dim>
+void ExtrudedMesh<Dim>::restore(const std::vector<double>& row_heights) {
+  heights_ = row_heights;
+  build();
+}
+
+int rows_at_level(std::vector<double> heights, double growth_cell, const RowMerging& merging,
+                  double level) {
+  const int first = first_grown(heights);
+  while (level - heights[heights.size() - 2] > divide_above * growth_cell * (1.0 + 1e-9)) {
+    heights.back() = heights[heights.size() - 2] + growth_cell;
+    heights.push_back(heights.back() + growth_cell);
+    const MergedRows merged{heights, rows_to_merge(heights, first, merging), 1, 1};
+    if (!merged.empty()) take_out_rows(merged, 1, heights);
+  }
+  return static_cast<int>(heights.size()) - 1;
+}
+
+template class ExtrudedMesh<2>;
+template class ExtrudedMesh<3>;
 
 namespace {
 

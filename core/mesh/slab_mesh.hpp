@@ -1,9 +1,87 @@
 #pragma once
 
-#include "core/mesh/extruded_mesh.hpp"
+#include <vector>
+
+#include "core/mesh/base.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/mesh/row_merging.hpp"
 #include "core/mesh/section_spec.hpp"
 
 namespace dccast::mesh {
+
+/// A mesh of rows of cells over a base, which grows upwards.
+///
+/// Nodes are numbered row by row from the bottom, in the order of the base, so that growth only
+/// appends: existing nodes and elements keep their numbers, and the connectivity follows from the
+/// number of rows alone. Linear elements split each cell: a rectangle along its diagonal from lower
+/// left to upper right (the paper's SW-NE), a hexahedron into six tetrahedra around the diagonal
+/// from its first corner to the opposite one. Bilinear and trilinear elements use the whole cell.
+///
+/// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
+/// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
+/// can be merged in pairs once they are deep below the metal level; nodes and elements above them
+/// are then renumbered. While the mould is filled, rows are divided off at the planned heights of the
+/// initial rows instead.
+template <int Dim>
+class ExtrudedMesh {
+public:
+  /// @param row_heights  [m] of the rows of nodes, ascending from zero
+  /// @param growth_cell  [m] height of an added row
+  ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
+               double growth_cell, RowMerging merging = {});
+
+  const Mesh<Dim>& mesh() const { return mesh_; }
+  int cells_per_row() const { return base_.cells(); }
+  int rows() const { return static_cast<int>(heights_.size()) - 1; }
+  int nodes_per_row() const { return base_.nodes(); }
+  int elements_per_row() const;
+  double level() const { return heights_.back(); }                     ///< [m] metal level
+  double planned_level() const { return plan_.back(); }  ///< [m] once the mould is filled
+  const std::vector<double>& row_heights() const { return heights_; }  ///< [m] of the rows of nodes
+
+  /// Begins with the lowest rows only, before the mould is filled. @pre nothing has grown yet
+  void start_filling();
+
+  /// Raises the metal level.
+  /// @param level  [m], not below the present one
+  /// @return       heights of the inserted rows of nodes, ascending [m]; empty if the top row was
+  ///               only stretched
+  std::vector<double> grow_to(double level);
+
+  /// Rows that are now deep enough to be merged; may be empty.
+  MergedRows rows_to_merge() const;
+  /// Merges them: @see rows_to_merge()
+  void merge(const MergedRows& rows);
+
+  /// Restores the state of a checkpoint. @param row_heights  [m] from `row_heights()`
+  void restore(const std::vector<double>& row_heights);
+
+private:
+  void build();
+  void divide_top_row(double height, std::vector<double>& between);
+  void place_row_of_nodes(int row);
+  void add_row_of_cells(int row);
+  void add_walls(int row);
+  void set_bottom();
+  void set_top();
+
+  Base<Dim> base_;
+  ElementKind kind_;
+  double growth_cell_;  ///< [m]
+  RowMerging merging_;
+  int first_grown_;              ///< row of nodes below the rows added by growth
+  std::vector<double> plan_;     ///< [m] heights of the initial rows
+  std::vector<double> heights_;  ///< [m] of the rows of nodes
+  Mesh<Dim> mesh_;
+};
+
+/// Number of rows of a mesh with these initial rows when the metal level is at `level` [m].
+/// @param row_heights  [m] @param growth_cell  [m]
+int rows_at_level(std::vector<double> row_heights, double growth_cell, const RowMerging& merging,
+                  double level);
+
+extern template class ExtrudedMesh<2>;
+extern template class ExtrudedMesh<3>;
 
 /// The built-in mesh of a section: its base extruded in rows that are graded from the bottom block.
 template <int Dim>

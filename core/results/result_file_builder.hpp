@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/hdf5/hdf5_file.hpp"
-#include "core/restart/journal.hpp"
 #include "core/results/frame.hpp"
+#include "core/results/hdf5_file.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::results {
@@ -29,7 +29,7 @@ public:
   const std::vector<FrameOutline>& frames() const { return frames_; }
 
 private:
-  void take(const restart::Record& record);
+  void take(const Record& record);
 
   std::filesystem::path journal_;
   std::int64_t journal_end_ = 0;  ///< byte after the last record that was added
@@ -38,5 +38,18 @@ private:
   int dimension_ = 2;
   std::vector<FrameOutline> frames_;
 };
+
+}  // namespace dccast::results
+
+namespace dccast::hdf5 {
+class File;
+}
+
+namespace dccast::results {
+
+/// Writes and reads the group /findings of SCHEMA.md. The group exists only if there are findings.
+/// Both functions may throw storage::StorageError.
+void write_findings(hdf5::File& file, const std::vector<Finding>& findings);
+std::vector<Finding> read_findings(const hdf5::File& file);
 
 }  // namespace dccast::results

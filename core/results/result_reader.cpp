@@ -1,14 +1,20 @@
 #include "core/results/result_reader.hpp"
 
 #include <cerrno>
+#include <cstdio>
 
-#include "core/hdf5/hdf5_file.hpp"
-#include "core/results/findings_group.hpp"
-#include "core/results/history_fields.hpp"
-#include "core/results/result_file.hpp"
+#include "core/results/hdf5_file.hpp"
+#include "core/results/result_file_builder.hpp"
+#include "core/results/step_report.hpp"
 #include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
+
+std::string frame_group(std::size_t index) {
+  char name[40];
+  std::snprintf(name, sizeof name, "/frames/%06zu", index);
+  return name;
+}
 
 namespace {
 

@@ -3,20 +3,16 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_file_builder.hpp"
-#include "core/results/run_records.hpp"
 #include "core/results/xdmf.hpp"
 #include "core/storage/background.hpp"
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::results {
 
 namespace fs = std::filesystem;
-using restart::Journal;
-using restart::Record;
-using restart::RecordKind;
-using restart::Sections;
 
 namespace {
 
@@ -31,7 +27,7 @@ struct Cut {
 /// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
 std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
-  const bool is_journal = restart::visit_journal(journal, [&](const Record& record) {
+  const bool is_journal = visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
     if (record.kind == RecordKind::frame && frame_of(record.content).step > step) return false;
     ++cut.records;
@@ -180,7 +176,7 @@ void ResultWriter::checkpoint(const fs::path& path, Sections content,
                             sync_steps = std::move(sync_steps)] {
     parts->journal.sync();
     if (sync_steps) sync_steps();
-    restart::write_checkpoint(path, content);
+    write_checkpoint(path, content);
   });
 }
 

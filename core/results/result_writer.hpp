@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/restart/journal.hpp"
 #include "core/results/frame.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::results {
@@ -65,7 +65,7 @@ public:
   /// Syncs the journal to disk and then writes a checkpoint, with journal_records added. Both are
   /// done by the background thread; see wait().
   /// @param sync_steps  called before by that thread: the steps are on the disk when it returns
-  void checkpoint(const std::filesystem::path& path, restart::Sections content,
+  void checkpoint(const std::filesystem::path& path, Sections content,
                   std::function<void()> sync_steps = {});
   /// Waits until all pending work of the background thread is on disk.
   void wait();
@@ -78,7 +78,7 @@ public:
 private:
   struct Parts;
   explicit ResultWriter(std::unique_ptr<Parts> parts);
-  void append_record(restart::RecordKind kind, const restart::Sections& content);
+  void append_record(RecordKind kind, const Sections& content);
 
   std::unique_ptr<Parts> parts_;
 };

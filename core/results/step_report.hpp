@@ -1,9 +1,58 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
 #include <vector>
 
 namespace dccast::results {
+
+enum class Severity { note, warning, danger };
+
+/// A figure beyond its limit.
+struct Exceedance {
+  double time = 0.0;          ///< [s] end of the step
+  double value = 0.0;         ///< [unit of the finding]
+  std::vector<double> place;  ///< in the undeformed slab [m]; empty where there is none
+  bool operator==(const Exceedance&) const = default;
+};
+
+/// A finding about a casting that an engineer should know, see message Finding of job.proto.
+/// docs/findings.md lists all codes.
+struct Finding {
+  std::string code;  ///< e.g. "no_superheat"
+  Severity severity = Severity::warning;
+  std::string message;          ///< one sentence: what it means in practice
+  std::optional<double> time;   ///< [s] when first found; absent: follows from the case alone
+  std::vector<double> place;    ///< in the undeformed slab [m]; empty where there is none
+  std::optional<double> value;  ///< [`unit`] when first found
+  std::optional<double> limit;  ///< [`unit`]
+  std::string unit;
+  std::string key;  ///< key of the case that sets the limit or causes the finding; empty: none does
+  /// The figure farthest beyond the limit so far; absent if the finding has no time or no value.
+  std::optional<Exceedance> worst = std::nullopt;
+  bool operator==(const Finding&) const = default;
+};
+
+/// "note", "warning" or "danger".
+inline const char* name_of(Severity severity) {
+  constexpr const char* names[] = {"note", "warning", "danger"};
+  return names[static_cast<int>(severity)];
+}
+
+/// The time from which the results of a run are no longer valid (docs/validity.md).
+struct ValidityLoss {
+  std::string kind;  ///< the same words as for the outcome of a run that stops there, see SCHEMA.md
+  std::string message;        ///< one sentence, with time, place, value, limit and its key
+  double time = 0.0;          ///< [s] end of the step in which validity was lost
+  std::vector<double> place;  ///< coordinates in the undeformed slab [m]
+  double value = 0.0;         ///< [`unit`]
+  double limit = 0.0;         ///< [`unit`]
+  std::string unit;           ///< "m", "rad" or "1"
+  bool operator==(const ValidityLoss&) const = default;
+};
 
 /// Report of one accepted time step; the plain counterpart of StepReport in job.proto, where the
 /// fields are documented. All in SI units and °C. "Per metre" is per metre of face in plane strain
@@ -70,5 +119,39 @@ struct StepReport {
   double block_temperature = 0.0;    ///< [°C] of the block's surface, mean over its area
   bool operator==(const StepReport&) const = default;
 };
+
+/// A number of StepReport that is stored for every step: name in the file, unit and meaning. The
+/// journal, the HDF5 writer and the reader all use this one table.
+///
+/// Units: a real value is in the unit of its field. What is per metre of face in a section is that
+/// of the whole quarter in a quarter slab, and its name has no `_per_m` there.
+struct HistoryField {
+  const char* name;  ///< dataset below /history, of a section
+  const char* unit;
+  const char* meaning;
+  std::variant<double StepReport::*, int StepReport::*, std::int64_t StepReport::*,
+               bool StepReport::*>
+      member;
+
+  const char* solid_unit = nullptr;  ///< unit for a quarter slab, if different
+
+  bool real() const { return member.index() == 0; }
+  std::string name_in(int dimension) const;
+  const char* unit_in(int dimension) const {
+    return dimension == 3 && solid_unit != nullptr ? solid_unit : unit;
+  }
+};
+
+/// All fields except the monitors, which are arrays, and except `solver_seconds` and
+/// `process_seconds`: these depend on the computer, and two runs of a case would not give the same
+/// file.
+std::span<const HistoryField> history_fields();
+
+/// The value of a real field [its unit]. @pre field.real()
+double real_value(const HistoryField& field, const StepReport& report);
+void set_real(const HistoryField& field, StepReport& report, double value);
+/// The value of an integer field; 0 or 1 for a flag. @pre !field.real()
+std::int64_t integer_value(const HistoryField& field, const StepReport& report);
+void set_integer(const HistoryField& field, StepReport& report, std::int64_t value);
 
 }  // namespace dccast::results

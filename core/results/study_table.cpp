@@ -1,6 +1,6 @@
 #include "core/results/study_table.hpp"
 
-#include "core/hdf5/hdf5_file.hpp"
+#include "core/results/hdf5_file.hpp"
 
 namespace dccast::results {
 

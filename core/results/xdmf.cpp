@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "core/results/derived_fields.hpp"
-#include "core/results/result_file.hpp"
+#include "core/results/frame.hpp"
+#include "core/results/result_reader.hpp"
 
 namespace dccast::results {
 

@@ -4,7 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdio>
 
 #include "core/storage/storage_error.hpp"
 
@@ -64,6 +66,57 @@ std::string read_file(const std::filesystem::path& path) {
 
 void write_file(const std::filesystem::path& path, std::string_view bytes, mode_t permissions) {
   File(path, O_WRONLY | O_CREAT | O_TRUNC, permissions).write_at(0, bytes);
+}
+
+namespace {
+
+constexpr std::int64_t piece = 1 << 18;  // read at once at least [bytes]
+
+}  // namespace
+
+std::string_view FileWindow::at(std::int64_t offset, std::int64_t length) {
+  length = std::clamp<std::int64_t>(length, 0, std::max<std::int64_t>(size_ - offset, 0));
+  if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
+    fill(offset, std::max(length, piece));
+  const auto have = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
+  return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
+                                         static_cast<std::size_t>(std::min(length, have)));
+}
+
+void FileWindow::fill(std::int64_t offset, std::int64_t length) {
+  begin_ = offset;
+  bytes_.resize(static_cast<std::size_t>(length));
+  bytes_.resize(file_.read_at(offset, bytes_));
+}
+
+namespace fs = std::filesystem;
+
+void sync_directory(const fs::path& directory) {
+  const fs::path named = directory.empty() ? fs::path(".") : directory;
+  const File opened(named, O_RDONLY | O_DIRECTORY);
+  if (::fsync(opened.descriptor()) != 0)
+    throw StorageError(errno, named.string(), "cannot be synchronised");
+}
+
+void create_durably(const fs::path& path, std::string_view content) {
+  const File file(path, O_WRONLY | O_CREAT | O_EXCL);
+  file.write_at(0, content);
+  file.sync();
+}
+
+void publish(std::initializer_list<Publication> files) {
+  for (const Publication& file : files) File(file.finished, O_RDONLY).sync();
+  for (const auto& [finished, final_path] : files)
+    if (std::rename(finished.c_str(), final_path.c_str()) != 0)
+      throw StorageError(errno, final_path.string(), "cannot be given its final name");
+  sync_directory(files.begin()->final_path.parent_path());
+}
+
+void replace_file(const fs::path& path, std::string_view content, mode_t permissions) {
+  fs::path temporary = path;
+  temporary += ".tmp";
+  write_file(temporary, content, permissions);
+  publish({{temporary, path}});
 }
 
 }  // namespace dccast::storage

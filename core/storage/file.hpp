@@ -1,16 +1,38 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
-
-#include "core/storage/file_descriptor.hpp"
+#include <utility>
 
 namespace dccast::storage {
+
+/// Owns a file descriptor of any kind (file, socket, pipe, eventfd) and closes it.
+class FileDescriptor {
+public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  FileDescriptor(FileDescriptor&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~FileDescriptor() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  int get() const { return descriptor_; }
+  explicit operator bool() const { return descriptor_ >= 0; }
+
+private:
+  int descriptor_ = -1;
+};
 
 // Permissions of new files, before the umask is applied.
 inline constexpr mode_t owner_only = 0600;       ///< the daemon's own files
@@ -51,5 +73,51 @@ std::string read_file(const std::filesystem::path& path);
 /// @throws StorageError
 void write_file(const std::filesystem::path& path, std::string_view bytes,
                 mode_t permissions = owner_only);
+
+/// Buffered reads at any place of a file, efficient for sequential reading. Data appended after
+/// construction are not seen.
+class FileWindow {
+public:
+  /// @param file  must outlive this object
+  explicit FileWindow(const File& file) : file_(file), size_(file.size()) {}
+
+  std::int64_t size() const { return size_; }  ///< [bytes]
+
+  /// Bytes from `offset` on, fewer at the end of the file; valid until the next call.
+  /// @throws StorageError
+  std::string_view at(std::int64_t offset, std::int64_t length);
+
+private:
+  void fill(std::int64_t offset, std::int64_t length);
+
+  const File& file_;
+  std::int64_t size_;
+  std::int64_t begin_ = 0;  ///< offset of bytes_ in the file
+  std::string bytes_;
+};
+
+// Files that survive a crash of the machine completely or not at all. All calls throw
+// StorageError.
+
+/// Syncs a directory, so that the names in it survive a crash.
+void sync_directory(const std::filesystem::path& directory);
+
+/// Creates a file whose content survives a crash; its name survives after sync_directory().
+void create_durably(const std::filesystem::path& path, std::string_view content);
+
+/// A finished file and its final name, in the same folder.
+struct Publication {
+  std::filesystem::path finished;
+  std::filesystem::path final_path;
+};
+
+/// Renames finished files of one folder to their final names, in this order, so that after a crash
+/// either the old file or the complete new one exists.
+void publish(std::initializer_list<Publication> files);
+
+/// Replaces a file by `path`.tmp and publish(): readers see the old or the new content, never a
+/// part of it.
+void replace_file(const std::filesystem::path& path, std::string_view content,
+                  mode_t permissions = owner_only);
 
 }  // namespace dccast::storage

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <system_error>
 
@@ -14,5 +15,19 @@ public:
   StorageError(int system_code, const std::string& where, const std::string& what)
       : std::system_error(system_code, std::generic_category(), where + ": " + what) {}
 };
+
+// Recognises system errors caused by a temporary lack of resources: the operation can be repeated
+// later.
+
+/// The disk is full, failing or mounted read-only, or a quota or a limit is reached.
+bool is_disk_fault(const std::error_code& code);
+
+/// A disk fault, or a lack of file descriptors or memory in this process or machine.
+bool is_resource_fault(const std::error_code& code);
+
+/// A size as text, e.g. "120 MB", rounded down. @param bytes  [bytes], not negative
+inline std::string megabytes(std::int64_t bytes) {
+  return std::to_string(bytes / 1000000) + " MB";
+}
 
 }  // namespace dccast::storage

@@ -24,7 +24,7 @@ struct SideZone {
   std::optional<Face> face;  ///< face to which the zone applies; absent: all faces
 };
 
-/// How a falling film wets hot metal, loses contact with it and boils away (boiling.hpp). Defaults,
+/// How a falling film wets hot metal, loses contact with it and boils away (cooling.hpp). Defaults,
 /// ranges and sources stand in case.proto and docs/water.md.
 struct Wetting {
   double flow_exponent = 0.0;          ///< [1] of the flow in the critical flux

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/thermal/row_merging.hpp"
+#include "core/thermal/growth.hpp"
 
 namespace dccast::thermal {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/shipped.hpp"

@@ -6,6 +6,10 @@
 
 namespace dccast::case_file {
 
+/// Suffix of the field names of quantities with this unit: "m" -> "_m", "W/(m2 K)" ->
+/// "_w_per_m2_k"; "" for "" and "1". Empty for a unit that is not in the table: add it there.
+std::optional<std::string> unit_suffix(std::string_view unit);
+
 /// A number read from a text with a unit, or why it could not be read.
 struct Quantity {
   std::optional<double> value;  ///< in the unit asked for

@@ -7,8 +7,7 @@
 
 #include "dccast/v1/case.pb.h"
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/unit_suffix.hpp"
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
 

@@ -28,4 +28,13 @@ int edit_distance(std::string_view a, std::string_view b);
 /// The most similar of `known` if it differs in at most a third of the word, else empty.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
+/// Largest depth of nested lists and inline tables, and largest number of parts of a dotted key.
+/// The schema needs four. The parser needs a stack frame for each level, so the depth is checked
+/// before parsing.
+inline constexpr int maximum_nesting = 16;
+
+/// The first place where keys, lists or inline tables are nested too deeply; brackets and dots in
+/// strings and comments are ignored.
+std::optional<TextFault> check_nesting(std::string_view text);
+
 }  // namespace dccast::case_file

@@ -6,10 +6,10 @@
 #include <sstream>
 
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/size_bounds.hpp"
+#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/uncertainty.hpp"
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
 namespace {

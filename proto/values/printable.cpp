@@ -1,5 +1,6 @@
 #include "proto/values/printable.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -99,6 +100,31 @@ std::string escaped(std::string_view text, Lines lines) {
     text.remove_prefix(c.bytes);
   }
   return result;
+}
+
+namespace {
+
+constexpr std::string_view ellipsis = "...";
+
+/// The largest length up to `limit` at which no character of UTF-8 is cut.
+std::size_t whole_characters(std::string_view text, std::size_t limit) {
+  if (text.size() <= limit) return text.size();
+  while (limit > 0 && (static_cast<unsigned char>(text[limit]) & 0xC0) == 0x80) --limit;
+  return limit;
+}
+
+}  // namespace
+
+std::string shortened(std::string_view text, std::size_t limit) {
+  const std::size_t line = std::min(text.find('\n'), text.size());
+  const std::size_t kept = whole_characters(text.substr(0, line), limit);
+  return std::string(text.substr(0, kept)) + std::string(kept < text.size() ? ellipsis : "");
+}
+
+std::string too_long(std::string_view name, std::string_view text, std::size_t limit) {
+  if (text.size() <= limit) return {};
+  return std::string(name) + " has " + std::to_string(text.size()) + " bytes; at most " +
+         std::to_string(limit) + " are permitted";
 }
 
 }  // namespace dccast::values

@@ -18,7 +18,7 @@ struct CommandLine {
   std::string config_file;             ///< empty: all defaults
   std::vector<std::string> overrides;  ///< "key=value"
   WorkerPolicy workers;                ///< of serve
-  int exit_code = -1;                  ///< 0 or more: leave with it, everything has been said
+  int exit_code = -1;                  ///< 0 or more: leave with it, everything is printed
 };
 
 /// Reads the command line; prints help, version or what is wrong with it.

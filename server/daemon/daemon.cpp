@@ -12,13 +12,13 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/checker_pool.hpp"
+#include "server/jobs/checker.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/server.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::daemon {
@@ -115,7 +115,7 @@ std::string solver_of(jobs::CheckerPool& workers) {
     return workers.ask(jobs::Question::solver, "",
                        {.deadline = std::chrono::steady_clock::now() + longest});
   } catch (const jobs::WorkerDidNotAnswer& error) {
-    spdlog::warn("queries are answered by a run each time: {}", error.what());
+    log::warn("queries are answered by a run each time: {}", error.what());
     return {};
   }
 }
@@ -138,7 +138,7 @@ std::size_t connection_count(const v1::DaemonConfig& config) {
   const auto wanted = static_cast<std::size_t>(config.maximum_connections());
   const auto possible = static_cast<std::size_t>(raise_descriptor_limit() / 2);
   if (wanted <= possible) return wanted;
-  spdlog::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
+  log::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
   return possible;
 }
 
@@ -174,10 +174,10 @@ struct Serving {
 };
 
 void log_address(const v1::DaemonConfig& config, const service::PublicServer& server,
-               const DataDirectory& directory) {
+                 const DataDirectory& directory) {
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), server.address() + "\n");
-  spdlog::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
+  log::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
                directory.path().string(), worker_count(config));
 }
 
@@ -210,7 +210,7 @@ void stop_serving(const Serving& of, bool left_running) {
 void serve_until_signal(const Serving& serving, const WorkerPolicy& workers) {
   const int signal = wait_for_signal();
   const bool left_running = workers.left_running && workers.patience_s > 0.0;
-  spdlog::info("{}: running jobs {}", ::strsignal(signal),
+  log::info("{}: running jobs {}", ::strsignal(signal),
                left_running ? "go on for the next dccastd"
                             : "stop at a checkpoint and go back into the queue");
   stop_serving(serving, left_running);
@@ -228,9 +228,9 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::CheckerPool query_workers(worker, query_pool(config));
   const std::string solver = solver_of(query_workers);
   const intake::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
-                                   ceilings(config));
+                                  ceilings(config));
   const intake::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
-                                         ceilings(config));
+                                        ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
@@ -238,7 +238,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
-  studies::Studies studies(study_options(config, directory), study_store, scheduler, store,
+  studies::Studies studies(study_options(config, directory), study_store, scheduler,
                            intake);
   service::Context context{
       .scheduler = scheduler,
@@ -272,7 +272,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   log_address(config, server, directory);
   serve_until_signal({server, studies, scheduler, context, logs, executor}, workers);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
-  spdlog::info("dccastd has stopped");
+  log::info("dccastd has stopped");
   return 0;
 }
 

@@ -8,6 +8,7 @@
 #include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
+#include "server/jobs/log.hpp"
 #include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 
@@ -67,7 +68,7 @@ int main(int argc, char** argv) {
     std::cerr << error.what() << '\n';
     return exit_invalid;
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    dccast::log::error("{}", error.what());
     return exit_refused;
   }
 }

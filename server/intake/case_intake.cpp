@@ -15,8 +15,8 @@
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/uncertainty.hpp"
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "proto/values/sha256.hpp"
 #include "server/intake/attachment_names.hpp"
 
 namespace dccast::intake {
@@ -116,15 +116,15 @@ CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_
 
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                                  std::vector<std::string> faulty_keys,
-                                 const jobs::Patience& patience, jobs::Question question) const {
-  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), patience, question);
+                                 const jobs::CallLimits& waiting, jobs::Question question) const {
+  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), waiting, question);
   make_printable(examined.verdict);  // it repeats values that are refused for what they hold
   return examined;
 }
 
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
-                                std::vector<std::string> faulty_keys,
-                                const jobs::Patience& patience, jobs::Question question) const {
+                                std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
+                                jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -137,7 +137,7 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
     return examined;
   }
   try {
-    merge(ask_core(question, examined.complete, attachments, faulty_keys, patience), verdict);
+    merge(ask_core(question, examined.complete, attachments, faulty_keys, waiting), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
     note_that_checks_wait(verdict);
@@ -168,7 +168,7 @@ case_file::AlloyCard CaseIntake::card(const std::string& name) const {
 v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Case& complete,
                                               const jobs::Attachments& attachments,
                                               const std::vector<std::string>& faulty_keys,
-                                              const jobs::Patience& patience) const {
+                                              const jobs::CallLimits& waiting) const {
   std::optional<jobs::CheckFolder> folder;
   if (!attachments.empty()) folder.emplace(check_directory_, attachments);
   v1::WorkerOrder question;
@@ -176,13 +176,13 @@ v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Ca
   question.set_directory(folder ? folder->path() : check_directory_);
   *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
   return parsed<v1::ValidateCaseResponse>(
-      checkers_.ask(asked, question.SerializeAsString(), patience));
+      checkers_.ask(asked, question.SerializeAsString(), waiting));
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
-                                                 int number, const jobs::Patience& patience) const {
+                                                 int number, const jobs::CallLimits& waiting) const {
   const std::string question = std::to_string(number) + " " + job_folder.string();
-  return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, patience));
+  return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, waiting));
 }
 
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {
@@ -214,8 +214,8 @@ void make_printable(google::protobuf::Message& message) {
     const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
     for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {
       if (text && field->is_repeated())
-        reflection->SetRepeatedString(
-            &message, field, i, printable(reflection->GetRepeatedString(message, field, i)));
+        reflection->SetRepeatedString(&message, field, i,
+                                      printable(reflection->GetRepeatedString(message, field, i)));
       else if (text)
         reflection->SetString(&message, field, printable(reflection->GetString(message, field)));
       else

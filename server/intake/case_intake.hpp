@@ -7,7 +7,7 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
-#include "server/jobs/checker_pool.hpp"
+#include "server/jobs/checker.hpp"
 #include "server/jobs/job_folder.hpp"
 
 namespace dccast::intake {
@@ -45,27 +45,27 @@ public:
   /// @param question     check, or judge for a verdict with findings
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
-                       std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                        jobs::Question question = jobs::Question::check) const;
 
   /// The times of all frames that a job has stored, and one of them; without it when there are
   /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
   v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder, int number,
-                                       const jobs::Patience& patience) const;
+                                       const jobs::CallLimits& waiting) const;
 
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
   const Ceilings& ceilings() const { return ceilings_; }
 
 private:
   ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
-                      std::vector<std::string> faulty_keys, const jobs::Patience& patience,
+                      std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                       jobs::Question question) const;
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
   v1::ValidateCaseResponse ask_core(jobs::Question question, const v1::Case& complete,
                                     const jobs::Attachments& attachments,
                                     const std::vector<std::string>& faulty_keys,
-                                    const jobs::Patience& patience) const;
+                                    const jobs::CallLimits& waiting) const;
   /// The card of this name; with faults when there is none.
   case_file::AlloyCard card(const std::string& name) const;
 

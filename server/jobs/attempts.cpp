@@ -1,17 +1,16 @@
 #include "server/jobs/attempts.hpp"
 
-#include "server/jobs/log.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <system_error>
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
-#include "server/jobs/free_space.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/jobs/worker_exit.hpp"
 
 namespace dccast::jobs {
 
@@ -65,7 +64,8 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
     return settle_run_end(record, *end, facts);
   }
-  if (!exit) return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
+  if (!exit)
+    return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
   facts.storage_error = storage_error_of(folder, *exit);
   return settle_lost(record, *exit, facts);
 }
@@ -156,8 +156,7 @@ void Attempts::worker_not_started(const std::string& job_id, int number, const s
 }
 
 void Attempts::worker_ended(const std::string& job_id, int number, const WorkerExit& exit) {
-  if (const auto attempt = find(job_id); attempt && attempt->number == number)
-    attempt->exit = exit;
+  if (const auto attempt = find(job_id); attempt && attempt->number == number) attempt->exit = exit;
 }
 
 AttemptFacts Attempts::facts_of(const Attempt& attempt) const {
@@ -185,7 +184,7 @@ void Attempts::count_storage_failure(const Attempt& attempt, const Settlement& s
 void Attempts::kill_hung(Attempt& attempt, const std::string& what) {
   attempt.hung = what;
   attempt.kill_at = Clock::now() + between_kills;
-  spdlog::warn("job {}: its worker {}: killed", attempt.job_id, what);
+  log::warn("job {}: its worker {}: killed", attempt.job_id, what);
   executor_.kill(attempt.job_id, attempt.number);
 }
 
@@ -195,7 +194,7 @@ void Attempts::kill_overdue(Clock::time_point now) {
     if (attempt->kill_at) {
       if (now < *attempt->kill_at) continue;
       attempt->kill_at = now + between_kills;
-      spdlog::warn("job {}: its worker did not leave in time: killed", id);
+      log::warn("job {}: its worker did not leave in time: killed", id);
       executor_.kill(id, attempt->number);
       continue;
     }
@@ -221,6 +220,45 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
 
 void Attempts::forgive_silences(Clock::time_point now) {
   for (const auto& [id, attempt] : attempts_) forgive_silence(*attempt, now);
+}
+
+void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
+                    Attempt::Clock::time_point now) {
+  attempt.looked = now;
+  const auto sign = last_sign_of_life(folder);
+  if (std::exchange(attempt.sign, sign) != sign) {
+    if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
+    attempt.last_sign = now;
+  }
+  const std::int64_t sequence = attempt.log->last_sequence();
+  if (std::exchange(attempt.sequence, sequence) != sequence)
+    attempt.last_sign = attempt.last_progress = now;
+}
+
+SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
+  if (!attempt.begun)
+    return {attempt.last_sign + limits.hello,
+            fmt::format("did not begin within {:g} s of its start", seconds(limits.hello))};
+  const SilenceDeadline heartbeat{
+      attempt.last_sign + limits.heartbeat,
+      fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
+  if (limits.stall.count() == 0) return heartbeat;
+  const SilenceDeadline stall{
+      attempt.last_progress + limits.stall,
+      fmt::format("was alive but made no step for {:g} s", seconds(limits.stall))};
+  return heartbeat.at <= stall.at ? heartbeat : stall;
+}
+
+Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
+  auto shortest = std::min(limits.hello, limits.heartbeat);
+  if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
+  const auto interval = shortest / 4;
+  return attempt.looked +
+         std::max<std::chrono::milliseconds>(interval, std::chrono::milliseconds(1));
+}
+
+void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {
+  attempt.looked = attempt.last_sign = attempt.last_progress = now;
 }
 
 }  // namespace dccast::jobs

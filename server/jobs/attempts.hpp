@@ -1,23 +1,75 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "server/jobs/attempt.hpp"
+#include "server/jobs/event_log.hpp"
 #include "server/jobs/executor.hpp"
+#include "server/jobs/job_store.hpp"
 #include "server/jobs/settlement.hpp"
-#include "server/jobs/watchdog.hpp"
 
 namespace dccast::jobs {
 
+/// One try at a job, from the start of its worker until what became of the job is on the disk. The
+/// scheduler's mutex guards it.
+struct Attempt {
+  using Clock = std::chrono::steady_clock;
+
+  std::string job_id;
+  int number = 0;  ///< counts the attempts at the job from 1
+  std::shared_ptr<EventLog> log;
+  bool adopted = false;  ///< its worker was started by an earlier daemon
+  JobRecord record;
+
+  std::optional<Clock::time_point> kill_at;
+  std::string hung;  ///< why its worker was taken to hang and killed; empty: it was not
+  std::optional<WorkerExit> exit;  ///< its process has ended
+  std::string not_started;         ///< why there never was a worker; empty: there was one
+
+  // Signs of life.
+  bool begun = false;               ///< the worker has claimed the folder
+  Clock::time_point looked;         ///< when the signs were looked at last
+  Clock::time_point last_sign;      ///< when there was a new one; of the start until then
+  Clock::time_point last_progress;  ///< when there was a new event
+  std::optional<std::filesystem::file_time_type> sign{};
+  std::int64_t sequence = 0;  ///< of the last event that was seen
+};
+
+/// How long a worker may be silent; from the settings of the daemon.
+struct WatchdogLimits {
+  std::chrono::milliseconds hello{30000};      ///< from its start to its claim on the folder
+  std::chrono::milliseconds heartbeat{60000};  ///< between two signs of life
+  std::chrono::milliseconds stall{3600000};    ///< between two events; 0: no limit
+};
+
+/// Looks for new signs of life: the time of the claim on the folder, the events of the log.
+void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
+                    Attempt::Clock::time_point now);
+
+/// The first moment at which the worker of an attempt will have been silent for too long.
+struct SilenceDeadline {
+  Attempt::Clock::time_point at;
+  std::string what;  ///< what it will not have done by then
+};
+SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits);
+
+/// When to look for signs again.
+Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits);
+
+/// Begins to count anew: the daemon itself stood still (a stopped process, a suspended machine) and
+/// has seen no signs.
+void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now);
+
 struct AttemptOptions {
   std::filesystem::path jobs_directory;
-  int worker_restarts = 2;                      ///< times a job whose worker died is tried again
-  std::chrono::milliseconds stop_grace{20000};  ///< from the request to stop to the kill
+  int worker_restarts = 2;                       ///< times a job whose worker died is tried again
+  std::chrono::milliseconds stop_grace{20000};   ///< from the request to stop to the kill
   std::chrono::milliseconds daemon_patience{0};  ///< a worker runs on without a daemon; 0: it ends
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;
@@ -84,8 +136,8 @@ private:
   std::map<std::string, StorageFailures> storage_failures_;  ///< by job
 };
 
-/// What a job becomes whose worker has gone, from the job's own folder: how its run ended as the
-/// log says, else how its process did. Waits for the disk.
+/// What a job becomes whose worker has gone, from the job's own folder: how its run ended by the
+/// log, else how its process did. Waits for the disk.
 /// @param exit  nothing: it ended while there was no daemon
 /// @throws std::system_error  the log cannot be read or taken over
 Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path& folder,

@@ -15,9 +15,8 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/megabytes.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/process.hpp"
-#include "server/jobs/spawn.hpp"
 
 namespace dccast::jobs {
 
@@ -81,36 +80,36 @@ Checker::~Checker() {
   collect(process_, Waiting::until_its_end);
 }
 
-std::string Checker::ask(Question question, std::string_view text, const Patience& patience,
+std::string Checker::ask(Question question, std::string_view text, const CallLimits& limits,
                          const OnPart& on_part) {
   const std::array<std::uint32_t, 2> head{static_cast<std::uint32_t>(question),
                                           static_cast<std::uint32_t>(text.size())};
-  send({reinterpret_cast<const char*>(head.data()), sizeof head}, patience);
-  send(text, patience);
-  std::string said;
-  std::uint32_t kind = receive_piece(said, patience);
-  for (; kind == answer_part; kind = receive_piece(said, patience)) on_part(said);
+  send({reinterpret_cast<const char*>(head.data()), sizeof head}, limits);
+  send(text, limits);
+  std::string answer;
+  std::uint32_t kind = receive_piece(answer, limits);
+  for (; kind == answer_part; kind = receive_piece(answer, limits)) on_part(answer);
   ++answers_;
-  if (kind == answer_refused) throw WorkerDidNotAnswer(Why::refused, said);
-  return said;
+  if (kind == answer_refused) throw WorkerDidNotAnswer(Why::refused, answer);
+  return answer;
 }
 
 /// The next part of an answer, or its end. @return which
-std::uint32_t Checker::receive_piece(std::string& text, const Patience& patience) {
+std::uint32_t Checker::receive_piece(std::string& text, const CallLimits& limits) {
   std::array<std::uint32_t, 2> head;
   text.resize(sizeof head);
-  receive(text, patience);
+  receive(text, limits);
   ::memcpy(head.data(), text.data(), sizeof head);
   if (head[0] > answer_part || head[1] > largest_answer)
     throw WorkerDidNotAnswer(Why::died, name_ + " sent an answer that cannot be read");
   text.resize(head[1]);
-  receive(text, patience);
+  receive(text, limits);
   return head[0];
 }
 
 bool Checker::waits() const {
   pollfd look{socket_.get(), POLLIN, 0};
-  return ::poll(&look, 1, 0) == 0;  // it says nothing unasked: anything readable is its end
+  return ::poll(&look, 1, 0) == 0;  // it sends nothing unasked: anything readable is its end
 }
 
 std::int64_t Checker::resident_bytes() const {
@@ -120,13 +119,13 @@ std::int64_t Checker::resident_bytes() const {
   return resident * ::sysconf(_SC_PAGESIZE);
 }
 
-void Checker::wait_until(short events, const Patience& patience) const {
+void Checker::wait_until(short events, const CallLimits& limits) const {
   pollfd look{socket_.get(), events, 0};
   for (;;) {
     // Asked first: a worker whose parts come faster than this looks would never be called off.
-    if (patience.called_off())
-      throw WorkerDidNotAnswer(Why::called_off, "nobody waits for this answer any more");
-    if (std::chrono::steady_clock::now() > patience.deadline)
+    if (limits.called_off())
+      throw WorkerDidNotAnswer(Why::called_off, "no one waits for this answer any more");
+    if (std::chrono::steady_clock::now() > limits.deadline)
       throw WorkerDidNotAnswer(Why::too_slow, name_ + " took longer than it may");
     if (::poll(&look, 1, look_interval_ms) > 0) return;
     if (resident_bytes() > largest_bytes_)
@@ -135,20 +134,20 @@ void Checker::wait_until(short events, const Patience& patience) const {
   }
 }
 
-void Checker::send(std::string_view bytes, const Patience& patience) {
+void Checker::send(std::string_view bytes, const CallLimits& limits) {
   while (!bytes.empty()) {
     const auto sent =
         ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent >= 0)
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     else if (errno == EAGAIN)
-      wait_until(POLLOUT, patience);
+      wait_until(POLLOUT, limits);
     else if (errno != EINTR)
       report_death();
   }
 }
 
-void Checker::receive(std::string& bytes, const Patience& patience) {
+void Checker::receive(std::string& bytes, const CallLimits& limits) {
   std::size_t received = 0;
   while (received < bytes.size()) {
     const auto size =
@@ -156,7 +155,7 @@ void Checker::receive(std::string& bytes, const Patience& patience) {
     if (size > 0)
       received += static_cast<std::size_t>(size);
     else if (size < 0 && errno == EAGAIN)
-      wait_until(POLLIN, patience);
+      wait_until(POLLIN, limits);
     else if (size == 0 || errno != EINTR)
       report_death();
   }
@@ -171,6 +170,75 @@ void Checker::report_death() {
   const bool killed = by_signal && (WTERMSIG(*status) == SIGKILL || WTERMSIG(*status) == SIGTERM);
   throw WorkerDidNotAnswer(killed ? Why::killed : Why::died,
                            name_ + " ended with " + describe_exit(*status));
+}
+
+CheckerPool::CheckerPool(std::filesystem::path worker_program, CheckerLimits limits)
+    : worker_program_(std::move(worker_program)), limits_(std::move(limits)) {}
+
+void CheckerPool::warm_up() {
+  for (int i = 0; i < limits_.kept; ++i) give_back(start());
+}
+
+std::string CheckerPool::ask(Question question, std::string_view text, const CallLimits& limits,
+                             const OnPart& on_part) {
+  auto checker = take();
+  try {
+    std::string answer = checker->ask(question, text, limits, on_part);
+    give_back(std::move(checker));
+    return answer;
+  } catch (const WorkerDidNotAnswer& error) {
+    if (error.why() == WorkerDidNotAnswer::Why::refused) {
+      give_back(std::move(checker));
+    } else {
+      checker.reset();  // first: two at once may be one too many for the memory
+      replace();
+    }
+    throw;
+  }
+}
+
+/// Starts one more, if fewer than are kept wait. One that cannot be started now is tried again when
+/// it is needed, and reported then.
+void CheckerPool::replace() noexcept {
+  try {
+    {
+      const std::lock_guard lock(mutex_);
+      if (static_cast<int>(idle_.size()) >= limits_.kept) return;
+    }
+    keep(start());
+  } catch (const std::exception&) {
+  }
+}
+
+std::unique_ptr<Checker> CheckerPool::start() const {
+  return std::make_unique<Checker>(worker_program_, limits_.option, limits_.largest_bytes);
+}
+
+std::unique_ptr<Checker> CheckerPool::take() {
+  for (;;) {
+    std::unique_ptr<Checker> checker;
+    {
+      const std::lock_guard lock(mutex_);
+      if (idle_.empty()) break;
+      checker = std::move(idle_.back());
+      idle_.pop_back();
+    }
+    if (checker->waits()) return checker;
+  }
+  return start();
+}
+
+void CheckerPool::give_back(std::unique_ptr<Checker> checker) {
+  const bool worn =
+      checker->answers() >= limits_.answers || checker->resident_bytes() > limits_.idle_bytes;
+  if (!worn) return keep(std::move(checker));
+  checker.reset();
+  replace();
+}
+
+void CheckerPool::keep(std::unique_ptr<Checker> checker) {
+  const std::lock_guard lock(mutex_);
+  if (static_cast<int>(idle_.size()) < limits_.kept) idle_.push_back(std::move(checker));
 }
 
 }  // namespace dccast::jobs

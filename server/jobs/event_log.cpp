@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 
@@ -30,8 +30,7 @@ EventLog::EventLog(const std::filesystem::path& path) : log_(opened(path)) {
   if (!content_.sound_header && content_.last_sequence == 0 &&
       content_.size >= event_log_header_size)
     throw std::runtime_error(path.string() + " is not an event log of version 1");
-  for (const EventGap& gap : content_.gaps)
-    spdlog::warn("{}: {}", path.string(), gap.description());
+  for (const EventGap& gap : content_.gaps) log::warn("{}: {}", path.string(), gap.description());
 }
 
 void EventLog::take_over() {
@@ -105,7 +104,7 @@ void EventLog::repair() {
     log_.cut(0);
     log_.append(event_log_header());
   } else if (!content_.sound_header) {
-    spdlog::warn("{}: the header was damaged and is written again", path().string());
+    log::warn("{}: the header was damaged and is written again", path().string());
     log_.file().write_at(0, event_log_header());
   }
   content_.sound_header = true;
@@ -114,25 +113,25 @@ void EventLog::repair() {
 }
 
 /// What a crash leaves of the last write is worth nothing. A whole record that is damaged is kept
-/// aside: it was said once.
+/// aside: it was reported once.
 void EventLog::cut_tail() {
   if (!content_.torn) {
     std::string tail(static_cast<std::size_t>(content_.size - content_.end), '\0');
     tail.resize(log_.file().read_at(content_.end, tail));
     const std::string aside = path().string() + ".damaged-" + std::to_string(content_.end);
     storage::replace_file(aside, tail);
-    spdlog::warn("{}: the end is damaged after event {}: moved to {}", path().string(),
-                 content_.last_sequence, aside);
+    log::warn("{}: the end is damaged after event {}: moved to {}", path().string(),
+              content_.last_sequence, aside);
   }
-  spdlog::info("{}: cut off {} bytes after event {}", path().string(), content_.size - content_.end,
-               content_.last_sequence);
+  log::info("{}: cut off {} bytes after event {}", path().string(), content_.size - content_.end,
+            content_.last_sequence);
 }
 
 EventLog::~EventLog() {
   try {
     sync();
   } catch (const std::system_error& error) {
-    spdlog::error("{}", error.what());
+    log::error("{}", error.what());
   }
 }
 
@@ -157,8 +156,7 @@ void EventLog::prepare(v1::JobEvent& event) {
   if (!appends()) take_over();
   const std::lock_guard lock(mutex_);
   if (prepared_) return;
-  if (content_.terminal)
-    throw std::logic_error("an event log that has ended takes no more events");
+  if (content_.terminal) throw std::logic_error("an event log that has ended takes no more events");
   event.set_sequence(content_.last_sequence + 1);
   if (!event.has_time()) *event.mutable_time() = now();
   log_.append(short_records.framed(event.SerializeAsString()));

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "core/storage/record_format.hpp"
+#include "core/storage/record_log.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::jobs {
@@ -23,7 +23,7 @@ constexpr std::int64_t event_start_size = 16;  // in which the sequence of an ev
 /// The first fields of a serialised JobEvent, which C++ writes in the order of their numbers.
 struct EventStart {
   std::int64_t sequence = 0;
-  int what = 0;  ///< number of the field that says what happened; 0: not read
+  int what = 0;  ///< number of the field of what happened; 0: not read
 };
 
 std::optional<EventStart> start_of(std::string_view payload) {

@@ -32,7 +32,7 @@ struct EventGap {
   std::string description() const;
 };
 
-/// What an event log holds, without its events: what one pass over the file tells, kept up to date
+/// What an event log holds, without its events: what one pass over the file gives, kept up to date
 /// by every append.
 struct EventLogContent {
   /// A record that can be found without reading those before it.
@@ -50,11 +50,11 @@ struct EventLogContent {
   std::vector<Anchor> anchors;  ///< every 64th record, and the first one behind each gap
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
-  std::optional<v1::StepReport> last_step;  ///< not taken back by a resumption
+  std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
-  std::int64_t reached_step = 0;            ///< up to which the history goes
-  std::optional<v1::ValidityLoss> validity_loss;  ///< the first one
-  std::optional<v1::RunEnd> run_end;              ///< of the last attempt, once it has ended
+  std::int64_t reached_step = 0;                             ///< up to which the history goes
+  std::optional<v1::ValidityLoss> validity_loss;             ///< the first one
+  std::optional<v1::RunEnd> run_end;                   ///< of the last attempt, once it has ended
   std::optional<google::protobuf::Timestamp> started;  ///< first start of a worker
   int attempts = 0;                                    ///< starts of a worker
 
@@ -64,12 +64,12 @@ struct EventLogContent {
   const EventGap* gap_with(std::int64_t sequence) const;
   /// The last anchor not behind an event that is in the log.
   const Anchor& anchor_before(std::int64_t sequence) const;
-  /// Takes note of a step that others follow: of where it is, not of what it says.
+  /// Takes note of a step that others follow: of where it is, not of its content.
   void take_unread_step(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 
 private:
   void take_state(const v1::JobEvent& event);
-  /// Takes note of where the next record is, not of what it says.
+  /// Takes note of where the next record is, not of its content.
   void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 };
 

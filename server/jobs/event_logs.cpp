@@ -2,10 +2,10 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include "server/jobs/log.hpp"
 #include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include "server/jobs/log.hpp"
 
 #include <algorithm>
 #include <array>
@@ -93,7 +93,7 @@ void EventLogs::refresh_followed(const std::set<int>& marked) {
     try {
       if (log) log->refresh();
     } catch (const std::exception& error) {
-      spdlog::error("job {}: {}", job_id, error.what());
+      log::error("job {}: {}", job_id, error.what());
     }
     if (log) continue;
     const std::lock_guard lock(mutex_);
@@ -185,7 +185,7 @@ void EventLogs::run_syncer(const std::stop_token& stop) {
       try {
         if (log) log->sync();
       } catch (const std::system_error& error) {
-        spdlog::error("job {}: {}", job_id, error.what());
+        log::error("job {}: {}", job_id, error.what());
       }
     }
   }

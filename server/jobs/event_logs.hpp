@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 
 namespace dccast::jobs {
@@ -22,7 +22,7 @@ public:
   virtual void on_appended() = 0;
 };
 
-/// The open event logs: each file is open once, whoever uses it. Wakes watchers on a thread of its
+/// The open event logs: each file is open once. Wakes watchers on a thread of its
 /// own, so that a writer never waits for a watcher; syncs appended events to disk about every
 /// 0.5 s; follows the files that workers append to.
 class EventLogs {
@@ -31,8 +31,8 @@ public:
   explicit EventLogs(std::filesystem::path jobs_directory);
   ~EventLogs();
 
-  /// The log of a job, opened when nobody has it open. Reading a long file keeps nobody waiting who
-  /// asks for another job's log. @throws as EventLog's constructor
+  /// The log of a job, opened if it is not open. Reading a long file delays no call for another
+  /// job's log. @throws as EventLog's constructor
   std::shared_ptr<EventLog> open(const std::string& job_id);
 
   /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.

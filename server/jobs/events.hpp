@@ -24,7 +24,7 @@ void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
 
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level);
 
-/// The event that says a job has come into its present state.
+/// The event of a job that has come into its present state.
 /// @param job    with its new state, and failure and artifacts if it has ended
 /// @param cause  why, one line for people
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);

@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <sstream>
+#include <stdexcept>
 #include <system_error>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log_scan.hpp"
 #include "server/jobs/log.hpp"
 
@@ -17,14 +20,14 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.bin";  // core/restart/CHECKPOINT.md
+constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
 constexpr const char* request_file = "request";
 
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::remove_all(folder, error);
-  if (error) spdlog::warn("cannot remove {}: {}", folder.string(), error.message());
+  if (error) log::warn("cannot remove {}: {}", folder.string(), error.message());
 }
 
 void make_directory(const std::filesystem::path& path) {
@@ -50,7 +53,10 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
                        const JobDescription& description) {
   try {
     write_attachments(folder, attachments);
-    write_job_description(folder, description);
+    JobDescription with_digests = description;
+    for (const v1::Attachment& attachment : attachments)
+      with_digests.attachment_sha256[attachment.name()] = values::sha256(attachment.content());
+    write_job_description(folder, with_digests);
     if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
     storage::sync_directory(folder);
     storage::sync_directory(folder.parent_path());
@@ -78,7 +84,7 @@ std::optional<Request> read_request(const std::filesystem::path& folder) {
 void remove_request(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::remove(folder / request_file, error);
-  if (error) spdlog::warn("cannot remove {}: {}", (folder / request_file).string(), error.message());
+  if (error) log::warn("cannot remove {}: {}", (folder / request_file).string(), error.message());
 }
 
 void remove_run_files(const std::filesystem::path& folder) {
@@ -86,22 +92,21 @@ void remove_run_files(const std::filesystem::path& folder) {
                            "journal.bin", "results.h5.part", "worker.lock", request_file}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
-    if (error) spdlog::warn("cannot remove {}: {}", (folder / name).string(), error.message());
+    if (error) log::warn("cannot remove {}: {}", (folder / name).string(), error.message());
   }
 }
 
 void set_checkpoint_aside(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::rename(folder / checkpoint_name, folder / "checkpoint.other-version.bin", error);
-  if (error)
-    spdlog::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
+  if (error) log::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
 }
 
 void mark_accepted(const std::filesystem::path& folder) {
   try {
     storage::File(folder / accepted_file, O_WRONLY | O_CREAT);
   } catch (const std::system_error& error) {
-    spdlog::warn("{}", error.what());
+    log::warn("{}", error.what());
   }
 }
 
@@ -123,6 +128,87 @@ CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments&
 
 CheckFolder::~CheckFolder() {
   remove_folder(path_);
+}
+
+namespace {
+
+constexpr std::uint32_t largest_part = UINT32_MAX;  // a case is bounded where it is taken
+constexpr std::size_t sha256_length = 64;           // [characters]
+constexpr std::size_t name_column = sha256_length + 2;
+
+std::string header(std::uint32_t version) {
+  return "DCCASTJD" + storage::little_endian(version) + storage::little_endian(0);
+}
+
+/// One byte in front, as a frame is never empty but a message may be.
+std::string part(std::string_view content) {
+  return storage::short_records.framed('\1' + std::string(content));
+}
+
+std::string_view take_part(std::string_view& rest) {
+  const auto record = storage::short_records.first_of(rest, largest_part);
+  if (!record) throw std::runtime_error("is damaged (wrong checksum)");
+  rest.remove_prefix(static_cast<std::size_t>(record->size));
+  return record->payload.substr(1);
+}
+
+JobDescription parse_parts(std::string_view bytes) {
+  JobDescription description;
+  if (!description.job.ParseFromString(std::string(take_part(bytes))))
+    throw std::runtime_error("cannot be parsed");
+  description.submitted_case = take_part(bytes);
+  description.complete_case = take_part(bytes);
+  if (!bytes.empty()) description.answer_key = take_part(bytes);
+  if (bytes.empty()) return description;
+  std::istringstream digests{std::string(take_part(bytes))};
+  for (std::string line; std::getline(digests, line);)
+    if (line.size() > name_column)
+      description.attachment_sha256[line.substr(name_column)] = line.substr(0, sha256_length);
+  return description;
+}
+
+JobDescription parse(std::string_view bytes) {
+  const std::string first = header(1);
+  if (bytes.starts_with(first)) return parse_parts(bytes.substr(first.size()));
+  bytes.remove_prefix(std::min(bytes.size(), first.size()));  // damaged, maybe: the parts decide
+  const std::size_t half = bytes.size() / 2;
+  try {
+    return parse_parts(bytes.substr(0, half));
+  } catch (const std::runtime_error&) {
+    return parse_parts(bytes.substr(half));
+  }
+}
+
+}  // namespace
+
+void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
+  std::string digests;
+  for (const auto& [name, sha256] : description.attachment_sha256)
+    digests += sha256 + "  " + name + "\n";
+  const std::string parts = part(description.job.SerializeAsString()) +
+                            part(description.submitted_case) + part(description.complete_case) +
+                            part(description.answer_key) + part(digests);
+  storage::create_durably(folder / description_file, header(2) + parts + parts);
+}
+
+JobDescription read_job_description(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / description_file;
+  if (!std::filesystem::exists(path))
+    throw std::runtime_error(std::string("it has no ") + description_file +
+                             ": it was submitted to an earlier version of dccastd");
+  try {
+    return parse(storage::read_file(path));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("its ") + description_file + " " + error.what());
+  }
+}
+
+bool read_complete_case(const std::filesystem::path& folder, v1::Case& to) {
+  try {
+    return to.ParseFromString(read_job_description(folder).complete_case);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
 }  // namespace dccast::jobs

@@ -1,13 +1,40 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
+#include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
-#include "server/jobs/job_description.hpp"
 
 namespace dccast::jobs {
+
+/// The job as its folder describes it, so that its row in the store can be made again. Written
+/// once, before the job is acknowledged.
+struct JobDescription {
+  v1::Job job;  ///< as it was submitted: identity, priority, owner, time, case_sha256
+  std::string submitted_case;  ///< serialised
+  std::string complete_case;   ///< serialised, with defaults and alloy card
+  std::string answer_key{};    ///< see JobRecord; empty: none, or of an earlier version
+  std::map<std::string, std::string> attachment_sha256{};  ///< by name; of an earlier version none
+};
+
+/// Name of the file: 8 bytes "DCCASTJD", version 2 and zero as in EVENT_LOG.md, then twice the same
+/// frames: the serialised Job, the submitted Case, the complete Case, the answer key, the digests
+/// of the attachments as sha256sum(1) writes them, each behind one byte that is 1. Where the first
+/// five are damaged the second five are read. Version 1 has three or four frames, once.
+inline constexpr const char* description_file = "description.bin";
+
+/// Writes the file so that its content survives a crash; its name does after sync_directory().
+/// @throws std::system_error
+void write_job_description(const std::filesystem::path& folder, const JobDescription& description);
+
+/// @throws std::runtime_error  there is none, or it is damaged; the text is the reason
+JobDescription read_job_description(const std::filesystem::path& folder);
+
+/// The case that runs. @return false where it cannot be read
+bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);
 
 /// Where a job's attachments lie inside its folder: apart from what daemon and worker write there,
 /// so that no attachment can take the name of one of those.
@@ -24,13 +51,13 @@ bool is_plain_file_name(const std::string& name);
 void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
                        const JobDescription& description);
 
-/// Marks a folder whose job is in the store, before who submitted it hears so. A folder with the
-/// mark and without a row says that rows were lost. A failure is logged: the job is kept without
+/// Marks a folder whose job is in the store, before its submission is answered. A folder with the
+/// mark and without a row means that rows were lost. A failure is logged: the job is kept without
 /// it.
 void mark_accepted(const std::filesystem::path& folder);
 
-/// Whether a folder belongs to a job that was acknowledged: it has the mark, or its event log says
-/// more than that the job was submitted. @throws std::system_error
+/// Whether a folder belongs to a job that was acknowledged: it has the mark, or its event log has
+/// more than the submission. @throws std::system_error
 bool was_accepted(const std::filesystem::path& folder);
 
 /// What a caller requested of a job and has not been carried out yet.

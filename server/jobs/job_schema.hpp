@@ -6,8 +6,9 @@
 
 namespace dccast::jobs {
 
-/// Makes the tables of the job store, or brings those of an earlier version up to date. @throws
-/// StoreError  also for a file of a later version
-void bring_up_to_date(Database& database, const std::filesystem::path& path);
+/// Makes the tables of the job store in an empty file. A store of an earlier version is not brought
+/// up to date but built again from the folders of the jobs. @throws StoreError  also for a file of
+/// another version
+void require_schema(Database& database, const std::filesystem::path& path);
 
 }  // namespace dccast::jobs

@@ -1,12 +1,12 @@
 #include "server/jobs/job_store.hpp"
 
-#include "server/jobs/log.hpp"
-
 #include <utility>
 
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/job_rows.hpp"
 #include "server/jobs/job_schema.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 
@@ -28,12 +28,103 @@ std::string condition_of(const JobStore::Page& page) {
   return sql;
 }
 
+void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
+  *time = timestamp(milliseconds);
+}
+
+/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity and the
+/// findings set.
+std::string outcome_of(const v1::Job& job) {
+  v1::Job outcome;
+  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
+  *outcome.mutable_artifacts() = job.artifacts();
+  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
+  *outcome.mutable_findings() = job.findings();
+  return outcome.SerializeAsString();
+}
+
+void read_labels(const std::string& lines, v1::Job& job) {
+  for (std::size_t begin = 1; begin < lines.size();) {
+    const std::size_t end = lines.find('\n', begin);
+    job.add_labels(values::escaped(lines.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
+/// In the order in which read_row() takes them.
+constexpr std::string_view job_columns =
+    "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
+    "attempts, failure, outcome, losses, lost_step, first_loss, "
+    "study, owner, bytes, labels, changes, answer_key, solver";
+
+/// The labels of a job, one a line, each between two line ends.
+std::string label_lines(const v1::Job& job) {
+  std::string lines;
+  for (const std::string& label : job.labels()) lines += (lines.empty() ? "\n" : "") + label + "\n";
+  return lines;
+}
+
+/// A serialised Job with only the changes set.
+std::string changes_of(const v1::Job& job) {
+  v1::Job changes;
+  *changes.mutable_changes() = job.changes();
+  return changes.SerializeAsString();
+}
+
+/// Texts of an earlier version may hold characters that are refused now, and go to terminals.
+JobRecord read_row(const Statement& statement) {
+  JobRecord record;
+  v1::Job& job = record.job;
+  job.ParseFromString(statement.text(11));
+  job.MergeFromString(statement.text(19));
+  job.set_id(statement.text(0));
+  job.set_request_id(values::escaped(statement.text(1)));
+  job.set_case_sha256(statement.text(2));
+  job.set_title(values::escaped(statement.text(3)));
+  job.set_priority(static_cast<v1::Priority>(statement.integer(4)));
+  job.set_state(static_cast<v1::JobState>(statement.integer(5)));
+  set_time(statement.integer(6), job.mutable_create_time());
+  if (statement.integer(7) != 0) set_time(statement.integer(7), job.mutable_start_time());
+  if (statement.integer(8) != 0) set_time(statement.integer(8), job.mutable_end_time());
+  job.set_attempts(static_cast<int>(statement.integer(9)));
+  if (const std::string failure = statement.text(10); !failure.empty())
+    job.mutable_failure()->ParseFromString(failure);
+  record.losses = static_cast<int>(statement.integer(12));
+  record.lost_step = statement.integer(13);
+  record.first_loss = statement.text(14);
+  job.set_study(statement.text(15));
+  job.set_owner(statement.text(16));
+  record.bytes = statement.integer(17);
+  read_labels(statement.text(18), job);
+  record.answer_key = statement.text(20);
+  record.solver = statement.text(21);
+  return record;
+}
+
+/// Binds the columns that change in a job's life, in the order of JobStore::update().
+void bind_changing(Statement& statement, const JobRecord& record) {
+  const v1::Job& job = record.job;
+  statement.bind(job.state())
+      .bind(milliseconds(job.start_time()))
+      .bind(milliseconds(job.end_time()))
+      .bind(job.attempts());
+  if (job.has_failure())
+    statement.bind_blob(job.failure().SerializeAsString());
+  else
+    statement.bind_null();
+  statement.bind_blob(outcome_of(job))
+      .bind(record.losses)
+      .bind(record.lost_step)
+      .bind(record.first_loss)
+      .bind(record.solver);
+}
+
 }  // namespace
 
 JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
       "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
-  bring_up_to_date(database_, path);
+  require_schema(database_, path);
   reader_.emplace(path);
   reader_->execute("PRAGMA busy_timeout = 2000");
 }
@@ -43,7 +134,7 @@ JobStore::Bulk::~Bulk() {
   try {
     store_.probe();  // a commit that waits for the disk takes all before it along
   } catch (const StoreError& error) {
-    spdlog::error("{}", error.what());
+    log::error("{}", error.what());
   }
 }
 
@@ -53,43 +144,33 @@ void JobStore::set_durability(Durability durability) {
                                                    : "PRAGMA synchronous = NORMAL");
 }
 
-std::optional<JobRecord> JobStore::insert(const JobRecord& record, std::string_view submitted_case,
-                                          std::string_view complete_case) {
+std::optional<JobRecord> JobStore::insert(const JobRecord& record) {
   const v1::Job& job = record.job;
   if (!job.request_id().empty())
     if (auto there = find_request(job.request_id())) return there;
   const std::lock_guard lock(mutex_);
   set_durability(Durability::full);
-  Transaction transaction(database_);
-  {
-    Statement statement(database_,
-                        "INSERT INTO job (" + std::string(job_columns) +
-                            ") VALUES (?, ?, ?, ?, ?, ?, ?, 0, 0, 0, NULL, NULL, 0, '', 0, -1, '', "
-                            "?, ?, ?, ?, ?, ?, '')");
-    statement.bind(job.id());
-    if (job.request_id().empty())
-      statement.bind_null();
-    else
-      statement.bind(job.request_id());
-    statement.bind(job.case_sha256())
-        .bind(job.title())
-        .bind(job.priority())
-        .bind(job.state())
-        .bind(milliseconds(job.create_time()))
-        .bind(job.study())
-        .bind(job.owner())
-        .bind(record.bytes)
-        .bind(label_lines(job))
-        .bind_blob(changes_of(job))
-        .bind(record.answer_key)
-        .step();
-  }
-  {
-    Statement statement(database_,
-                        "INSERT INTO job_case (id, submitted, complete) VALUES (?, ?, ?)");
-    statement.bind(job.id()).bind_blob(submitted_case).bind_blob(complete_case).step();
-  }
-  transaction.commit();
+  Statement statement(database_,
+                      "INSERT INTO job (id, request_id, case_sha256, title, priority, state, "
+                      "created_ms, study, owner, bytes, labels, changes, answer_key) "
+                      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  statement.bind(job.id());
+  if (job.request_id().empty())
+    statement.bind_null();
+  else
+    statement.bind(job.request_id());
+  statement.bind(job.case_sha256())
+      .bind(job.title())
+      .bind(job.priority())
+      .bind(job.state())
+      .bind(milliseconds(job.create_time()))
+      .bind(job.study())
+      .bind(job.owner())
+      .bind(record.bytes)
+      .bind(label_lines(job))
+      .bind_blob(changes_of(job))
+      .bind(record.answer_key)
+      .step();
   return std::nullopt;
 }
 
@@ -98,8 +179,8 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   set_durability(durability);
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
-                      "failure = ?, outcome = ?, wish = ?, wish_reason = ?, losses = ?, "
-                      "lost_step = ?, first_loss = ?, solver = ? WHERE id = ?");
+                      "failure = ?, outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
+                      "solver = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
 }
@@ -115,8 +196,8 @@ bool JobStore::erase(const std::string& id) {
 std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
                                         const std::string& argument) {
   const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT " + std::string(job_columns) + " FROM job " +
-                                     std::string(where_and_order));
+  Statement statement(
+      *reader_, "SELECT " + std::string(job_columns) + " FROM job " + std::string(where_and_order));
   if (!argument.empty()) statement.bind(argument);
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(read_row(statement));
@@ -133,20 +214,6 @@ std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
   auto found = select("WHERE request_id = ?", request_id);
   if (found.empty()) return std::nullopt;
   return std::move(found.front());
-}
-
-std::optional<std::string> JobStore::complete_case(const std::string& id) {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT complete FROM job_case WHERE id = ?");
-  if (!statement.bind(id).step()) return std::nullopt;
-  return statement.text(0);
-}
-
-std::optional<std::string> JobStore::submitted_case(const std::string& id) {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT submitted FROM job_case WHERE id = ?");
-  if (!statement.bind(id).step()) return std::nullopt;
-  return statement.text(0);
 }
 
 std::string JobStore::first_fault() {
@@ -226,6 +293,42 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
   std::vector<JobRecord> records;
   while (statement.step()) records.push_back(read_row(statement));
   return records;
+}
+
+namespace {
+
+v1::Job new_job_message(const NewJob& new_job) {
+  v1::Job job;
+  job.set_id(values::random_uuid());
+  job.set_title(new_job.title);
+  job.set_state(v1::QUEUED);
+  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
+  job.set_request_id(new_job.request_id);
+  job.set_study(new_job.study);
+  job.set_owner(new_job.owner);
+  job.set_case_sha256(new_job.case_sha256);
+  job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
+  job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
+  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
+  return job;
+}
+
+std::int64_t size_of(const NewJob& new_job, const Attachments& attachments) {
+  auto bytes =
+      static_cast<std::int64_t>(new_job.submitted_case.size() + new_job.complete_case.size());
+  for (const v1::Attachment& attachment : attachments)
+    bytes += static_cast<std::int64_t>(attachment.content().size());
+  return bytes;
+}
+
+}  // namespace
+
+JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments) {
+  JobRecord record;
+  record.job = new_job_message(new_job);
+  record.bytes = size_of(new_job, attachments);
+  record.answer_key = new_job.answer_key;
+  return record;
 }
 
 }  // namespace dccast::jobs

@@ -17,36 +17,33 @@ namespace dccast::jobs {
 /// A job with what the service keeps to itself.
 struct JobRecord {
   v1::Job job;
-  RequestedAction requested_action = RequestedAction::none;
-  std::string request_reason;
-  int losses = 0;               ///< times its worker died
+  RequestedAction requested_action = RequestedAction::none;  ///< of its folder, not of its row
+  std::string request_reason;                                ///< the same
+  int losses = 0;                                            ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  std::int64_t bytes = 0;    ///< of the case and its attachments
-  std::string answer_key{};  ///< of all that decides its figures, see service/answer_key.hpp
-  std::string solver{};      ///< identity of the solver that succeeded with it; empty: none has
+  std::int64_t bytes = 0;       ///< of the case and its attachments
+  std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
+  std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
 };
 
 /// normal: survives a crash of the daemon. full: survives one of the machine.
 enum class Durability { normal, full };
 
-/// All jobs, in one SQLite file (WAL): an index of what the folders of the jobs say. Safe to use from
+/// All jobs, in one SQLite file (WAL): an index of the folders of the jobs. Safe to use from
 /// several threads; who reads waits for no write. Every call throws
 /// StoreError when the file cannot be read or written; the virtual ones are those that tests let
 /// fail.
 class JobStore {
 public:
   virtual ~JobStore() = default;
-  /// Opens the store, makes it, or brings one of an earlier version up to date. @throws StoreError
-  /// also for a file of a later version
+  /// Opens the store, or makes it. @throws StoreError  also for a file of another version
   explicit JobStore(const std::filesystem::path& path);
 
-  /// Adds a job, durably, with its case as it was submitted and as it will run. Nothing is added
-  /// when its request_id is there already.
+  /// Adds a job, durably. Nothing is added when its request_id is there already.
   /// @return the job that has this request_id already; nothing when the new one was added
-  std::optional<JobRecord> insert(const JobRecord& record, std::string_view submitted_case,
-                                  std::string_view complete_case);
-  /// Writes everything of a job but its cases.
+  std::optional<JobRecord> insert(const JobRecord& record);
+  /// Writes what changes in a job's life.
   virtual void update(const JobRecord& record, Durability durability);
   /// @return whether it was there
   bool erase(const std::string& id);
@@ -55,10 +52,6 @@ public:
   std::optional<JobRecord> find_request(const std::string& request_id);
   /// The newest job that has succeeded with this key by this solver. @return its id
   std::optional<std::string> find_answer(const std::string& answer_key, const std::string& solver);
-  /// The serialised Case that runs. @return nothing for an unknown job
-  virtual std::optional<std::string> complete_case(const std::string& id);
-  /// The serialised Case as it was submitted. @return nothing for an unknown job
-  std::optional<std::string> submitted_case(const std::string& id);
   /// Jobs that have not ended, oldest first.
   std::vector<JobRecord> unfinished();
   /// What the jobs that have not ended hold of cases and attachments [bytes].
@@ -82,8 +75,8 @@ public:
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
 
-  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be made
-  /// again.
+  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be
+  /// made again.
   class Bulk {
   public:
     explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }
@@ -109,5 +102,23 @@ private:
   std::mutex reading_;
   std::optional<Database> reader_;
 };
+
+/// A case that was found good, ready to become a job.
+struct NewJob {
+  std::string request_id;  ///< empty: none
+  std::string study{};     ///< empty: none
+  std::string title;
+  v1::Priority priority = v1::NORMAL;
+  std::string owner{};         ///< who submits it
+  std::string case_sha256;     ///< of the case as it was submitted, with its attachments
+  std::string submitted_case;  ///< serialised
+  std::string complete_case;   ///< serialised, with defaults and alloy card
+  std::vector<std::string> labels{};
+  std::vector<v1::CaseChange> changes{};  ///< made in the case already
+  std::string answer_key{};               ///< see JobRecord
+};
+
+/// The job as it is stored first: with an id of its own, queued, created now.
+JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments);
 
 }  // namespace dccast::jobs

@@ -45,20 +45,18 @@ void Ledger::write_event(JobRecord& record, const std::string& cause) {
 
 void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::JobState from) {
   const v1::Job& job = record.job;
-  spdlog::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
-               v1::JobState_Name(job.state()), values::escaped(cause));
+  log::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
+            v1::JobState_Name(job.state()), values::escaped(cause));
   try {
     store_.update(record, durability_of(job.state()));
-    {
-      const std::lock_guard lock(mutex_);
-      kept_.erase(job.id());
-    }
-    report(job);
+    const std::lock_guard lock(mutex_);
+    kept_.erase(job.id());
   } catch (const std::exception& error) {
-    spdlog::error("job {}: {}; its event log has what it is, the store follows", job.id(),
+    log::error("job {}: {}; its event log has what it is, the store follows", job.id(),
                   error.what());
-    keep(record, error.what());
+    return keep(record, error.what());
   }
+  report(job);
 }
 
 void Ledger::observe(JobObserver observer) {
@@ -74,7 +72,7 @@ void Ledger::report(const v1::Job& job) {
 void Ledger::keep(const JobRecord& record, const std::string& why) {
   const std::lock_guard lock(mutex_);
   kept_[record.job.id()] = record;
-  trouble_ = why;
+  refusal_ = why;
 }
 
 void Ledger::transition(JobRecord& record, v1::JobState to, const std::string& cause) {
@@ -90,8 +88,8 @@ void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause
   try {
     transition(record, to, cause);
   } catch (const std::exception& error) {
-    spdlog::error("job {}: cannot write that it is {}: {}", record.job.id(), v1::JobState_Name(to),
-                  error.what());
+    log::error("job {}: cannot write that it is {}: {}", record.job.id(), v1::JobState_Name(to),
+               error.what());
     if (daemon_lacks(error)) throw;
     // The files of the job itself are damaged: that is how it ends, unless it has ended before.
     const v1::JobState from = record.job.state();
@@ -105,7 +103,7 @@ void Ledger::announce(const std::string& job_id) {
   try {
     logs_.open(job_id)->announce();
   } catch (const std::exception& error) {
-    spdlog::error("job {}: {}", job_id, error.what());  // damaged: settle() has logged it
+    log::error("job {}: {}", job_id, error.what());  // damaged: settle() has logged it
   }
 }
 
@@ -131,9 +129,9 @@ bool Ledger::retry() {
   return kept_.empty();
 }
 
-std::string Ledger::trouble() const {
+std::string Ledger::refusal() const {
   const std::lock_guard lock(mutex_);
-  return kept_.empty() ? "" : trouble_;
+  return kept_.empty() ? "" : refusal_;
 }
 
 std::optional<JobRecord> Ledger::find(const std::string& id) {

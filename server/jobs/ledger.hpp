@@ -23,7 +23,7 @@ public:
   Ledger(JobStore& store, EventLogs& logs) : store_(store), logs_(logs) {}
 
   /// Brings a job into a state. Watchers see it after announce(). When this throws, nothing has
-  /// changed, neither `record` nor what the folder of the job says.
+  /// changed, neither `record` nor what the folder of the job has.
   /// @throws std::exception  the event cannot be written
   void transition(JobRecord& record, v1::JobState to, const std::string& cause);
   /// The same where a job whose own files are damaged fails.
@@ -42,7 +42,7 @@ public:
   /// Writes what the store has refused. @return whether nothing is left
   bool retry();
   /// What the store refused last, while something is kept; empty when nothing is.
-  std::string trouble() const;
+  std::string refusal() const;
 
   /// The job as it is. @throws StoreError
   std::optional<JobRecord> find(const std::string& id);
@@ -59,7 +59,7 @@ private:
   JobObserver observer_;
   mutable std::mutex mutex_;               ///< of all below
   std::map<std::string, JobRecord> kept_;  ///< by job
-  std::string trouble_;
+  std::string refusal_;
 };
 
 }  // namespace dccast::jobs

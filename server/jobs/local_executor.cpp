@@ -18,7 +18,6 @@
 
 #include "server/jobs/log.hpp"
 #include "server/jobs/process.hpp"
-#include "server/jobs/spawn.hpp"
 
 namespace dccast::jobs {
 
@@ -48,7 +47,7 @@ std::optional<ClaimHolder> claim_on(const WorkerLaunch& launch) {
   try {
     return holder_of(launch.folder);
   } catch (const std::exception& error) {
-    spdlog::error("job {}: {}", launch.job_id, error.what());
+    log::error("job {}: {}", launch.job_id, error.what());
     return std::nullopt;
   }
 }
@@ -59,7 +58,7 @@ bool has_ended(const FileDescriptor& handle, int longest_ms) {
   return ::poll(&waiting, 1, longest_ms) > 0;
 }
 
-/// To the process of a pidfd, whoever its parent is.
+/// To the process of a pidfd, whatever its parent is.
 void send_to(const FileDescriptor& handle, int number) {
   ::syscall(SYS_pidfd_send_signal, handle.get(), number, nullptr, 0);
 }
@@ -67,7 +66,7 @@ void send_to(const FileDescriptor& handle, int number) {
 void kill_and_wait(const FileDescriptor& handle) {
   constexpr int longest_ms = 5000;
   send_to(handle, SIGKILL);
-  if (!has_ended(handle, longest_ms)) spdlog::error("a worker that was killed does not end");
+  if (!has_ended(handle, longest_ms)) log::error("a worker that was killed does not end");
 }
 
 /// What a worker reads on its standard input: see wait_for_order() of the worker.
@@ -146,8 +145,8 @@ Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
     });
     return Adoption::found;
   }
-  spdlog::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
-               holder->process);
+  log::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
+            holder->process);
   kill_and_wait(holder->handle);
   return Adoption::gone;
 }
@@ -159,8 +158,8 @@ LocalExecutor::Child LocalExecutor::spawn() const {
   posix_spawn_file_actions_adddup2(&actions, read_end.get(), STDIN_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   Child child;
-  const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"},
-                                job_environment(), actions, &child.process);
+  const int error = jobs::spawn(worker_program_, {worker_program_, "--wait"}, job_environment(),
+                                actions, &child.process);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) fail("cannot start " + worker_program_.string(), error);
   child.orders = std::move(write_end);
@@ -176,8 +175,8 @@ void LocalExecutor::hand_over(const WorkerLaunch& launch) {
     const std::string order = framed(launch.order);
     // One that died while it waited is found by collect().
     if (::write(child.orders.get(), order.data(), order.size()) < 0 && errno != EPIPE)
-      spdlog::warn("job {}: cannot hand a worker its job: {}", launch.job_id,
-                   std::generic_category().message(errno));
+      log::warn("job {}: cannot hand a worker its job: {}", launch.job_id,
+                std::generic_category().message(errno));
     child.orders = FileDescriptor();
     children_[{launch.job_id, launch.attempt}] = std::move(child);
   } catch (const std::exception& error) {
@@ -196,7 +195,7 @@ void LocalExecutor::keep_one_ready() {
   try {
     ready_ = spawn();
   } catch (const std::exception& error) {
-    spdlog::debug("no worker is kept ready: {}", error.what());
+    log::debug("no worker is kept ready: {}", error.what());
   }
 }
 

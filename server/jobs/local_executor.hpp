@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/executor.hpp"
 #include "server/jobs/worker_claim.hpp"
 

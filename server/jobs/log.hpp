@@ -2,7 +2,8 @@
 
 #include <fmt/core.h>
 
-/// The daemon's log. Only log.cpp includes the library's own header, which takes seconds to compile.
+/// The daemon's log. Only log.cpp includes the library's own header, which takes seconds to
+/// compile.
 namespace dccast::log {
 
 enum class Level { debug = 1, info, warning, error, critical };  // numbers of spdlog's levels
@@ -31,7 +32,3 @@ void critical(fmt::format_string<Arguments...> format, Arguments&&... arguments)
 }
 
 }  // namespace dccast::log
-
-namespace dccast {
-namespace spdlog = log;  // calls keep the library's spelling, so that either header serves them
-}

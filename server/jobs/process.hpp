@@ -1,12 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-
+#include <spawn.h>
 #include <sys/types.h>
 
-#include "core/storage/file_descriptor.hpp"
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/storage/file.hpp"
 
 namespace dccast::jobs {
 
@@ -17,7 +20,7 @@ struct ProcessIdentity {
       0;  ///< clock ticks after the machine's start, /proc/PID/stat field 22
 };
 
-/// The identity of a living process. @return nothing when there is none with this id
+/// The identity of a process that runs. @return nothing when there is none with this id
 std::optional<ProcessIdentity> identify(pid_t id);
 
 /// A pidfd of a process: readable once the process has ended, and never of another process with the
@@ -34,8 +37,18 @@ enum class Waiting { until_its_end, not_at_all };
 /// Collects a child that has ended.
 ChildState collect(pid_t child, Waiting waiting);
 
-/// How a process ended, from the status of waitpid(), as people say it: "exit code 3",
+/// How a process ended, from the status of waitpid(), in words: "exit code 3",
 /// "signal 11 (Segmentation fault)".
 std::string describe_exit(int wait_status);
+
+/// The daemon's environment without what is a worker's own, and with one thread for BLAS: jobs
+/// share the cores, and the solver was measured to gain nothing from two.
+std::vector<std::string> worker_environment();
+
+/// posix_spawn with signals as a program expects them: default handlers, none blocked (the daemon
+/// blocks those it waits for). @return 0 or an error number
+int spawn(const std::filesystem::path& program, std::vector<std::string> arguments,
+          std::vector<std::string> environment, const posix_spawn_file_actions_t& actions,
+          pid_t* process);
 
 }  // namespace dccast::jobs

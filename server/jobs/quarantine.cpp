@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <ctime>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -57,7 +57,7 @@ void end_removals(const fs::path& jobs_directory, const std::set<std::string>& k
     if (known_ids.contains(id)) {
       undo_removal(jobs_directory / name);
     } else {
-      spdlog::info("job {}: its folder is deleted, as was asked for", id);
+      log::info("job {}: its folder is deleted, as was asked for", id);
       fs::remove_all(jobs_directory / name);
     }
   }
@@ -87,8 +87,8 @@ std::vector<fs::path> quarantine_unknown_folders(const fs::path& jobs_directory,
   for (const std::string& id : folder_ids(jobs_directory)) {
     if (known_ids.contains(id)) continue;
     moved.push_back(quarantine_folder(jobs_directory, id));
-    spdlog::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
-                 id, moved.back().string());
+    log::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
+              id, moved.back().string());
   }
   return moved;
 }

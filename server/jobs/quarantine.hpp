@@ -22,7 +22,7 @@ std::filesystem::path quarantine_of(const std::filesystem::path& jobs_directory)
 std::filesystem::path quarantine_folder(const std::filesystem::path& jobs_directory,
                                         const std::string& id);
 
-/// Moves every folder of a job that is not among `known_ids` aside, and says so in the log; ends
+/// Moves every folder of a job that is not among `known_ids` aside, which the log reports; ends
 /// removals that a crash cut short. @return where they are now @throws std::system_error
 std::vector<std::filesystem::path> quarantine_unknown_folders(
     const std::filesystem::path& jobs_directory, const std::set<std::string>& known_ids);
@@ -37,7 +37,7 @@ std::set<std::string> folder_ids(const std::filesystem::path& jobs_directory);
 /// `jobs/` has a folder of that name @throws std::system_error
 bool release_folder(const std::filesystem::path& jobs_directory, const std::string& id);
 
-/// First half of deleting a job: its folder gets the name `<id>.removed`, which says that deletion
+/// First half of deleting a job: its folder gets the name `<id>.removed`, which marks that deletion
 /// was asked for. Then erase the row, then delete the folder. A crash in between is put right by
 /// quarantine_unknown_folders(): with a row the folder gets its name back, without one it is
 /// deleted.

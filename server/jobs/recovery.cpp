@@ -40,11 +40,11 @@ public:
     job.set_attempts(std::max(job.attempts(), content.attempts));
     const WorkerLaunch launch{.job_id = job.id(), .attempt = job.attempts(), .folder = folder_};
     const auto request = read_request(folder_);
-    const bool cancelled = request && request->action == RequestedAction::cancel;
+    if (request) record_.requested_action = request->action;
+    const bool cancelled = record_.requested_action == RequestedAction::cancel;
     if (executor_.adopt(launch, state == v1::RUNNING && !cancelled) == Adoption::found) {
-      spdlog::info("job {}: its worker was found again", job.id());
+      log::info("job {}: its worker was found again", job.id());
       job.set_state(v1::RUNNING);
-      if (request) record_.requested_action = request->action;
       return true;
     }
     if (const auto end = log_->terminal_event()) {
@@ -52,12 +52,12 @@ public:
       become(end->state_change().state(),
              "ended just before the last daemon did: " + end->state_change().cause());
     } else if (state == v1::RUNNING || record_.requested_action != RequestedAction::none) {
-      const Settlement settlement = settle(record_, *log_, folder_, std::nullopt,
-                                           {.worker_restarts = options_.worker_restarts,
-                                            .other_version = options_.other_version});
+      const Settlement settlement = settle(
+          record_, *log_, folder_, std::nullopt,
+          {.worker_restarts = options_.worker_restarts, .other_version = options_.other_version});
       become(settlement.state, settlement.cause);
     } else if (state != job.state()) {
-      become(state, "as its event log says; dccastd was restarted");
+      become(state, "as in its event log; dccastd was restarted");
     }
     return false;
   }
@@ -95,7 +95,7 @@ RecoveredJobs recover_jobs(const AttemptOptions& options, JobStore& store, Event
     } catch (const std::exception& error) {
       if (const auto lack = daemon_lacks(error)) {
         // It waits as it is, and goes on from its last checkpoint.
-        spdlog::error("job {}: {}", id, error.what());
+        log::error("job {}: {}", id, error.what());
         recovered.daemon_lacks = *lack;
         record.job.set_state(v1::QUEUED);
         ledger.keep(record, *lack);

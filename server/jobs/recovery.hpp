@@ -19,7 +19,7 @@ struct RecoveredJobs {
 };
 
 /// Puts in order what the last daemon left, before anything else happens: jobs whose workers have
-/// ended meanwhile become what their folders say. @throws StoreError
+/// ended meanwhile become what their folders have. @throws StoreError
 RecoveredJobs recover_jobs(const AttemptOptions& options, JobStore& store, EventLogs& logs,
                            Ledger& ledger, Executor& executor);
 

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
-#include "server/jobs/free_space.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/recovery.hpp"
@@ -140,8 +139,8 @@ void Scheduler::conclude_ended() {
   for (const auto& attempt : ended) conclude(attempt);
 }
 
-/// Decides and writes what a job becomes whose worker has gone. What the disk does not take is tried
-/// again once it does; until then the job is as it was.
+/// Decides and writes what a job becomes whose worker has gone. What the disk does not take is
+/// tried again once it does; until then the job is as it was.
 void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   const auto folder = jobs_directory_ / attempt->job_id;
   std::unique_lock lock(mutex_);
@@ -169,7 +168,7 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   attempts_.count_storage_failure(*attempt, settlement, attempt->log->reached_step());
   attempts_.erase(*attempt);
   if (record.job.state() == v1::QUEUED) queue_.push(record.job);
-  for (const std::string& lack : {settlement.daemon_lacks, ledger_.trouble()})
+  for (const std::string& lack : {settlement.daemon_lacks, ledger_.refusal()})
     if (!lack.empty()) hold(lack);
   lock.unlock();
   ledger_.announce(attempt->job_id);
@@ -177,8 +176,8 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
 
 void Scheduler::hold(const std::string& reason) {
   if (hold_.set(reason))
-    spdlog::error("the queue is held, no job fails for it: {}; looking again every few seconds",
-                  reason);
+    log::error("the queue is held, no job fails for it: {}; looking again every few seconds",
+               reason);
   changed_.notify_all();
 }
 
@@ -187,16 +186,16 @@ void Scheduler::look_whether_hold_has_passed() {
     const std::lock_guard lock(mutex_);
     if (!hold_.holds() || Clock::now() < hold_.next_look()) return;
   }
-  const std::string trouble = storage_trouble();  // waits for the disk: outside of the mutex
-  const bool passed = trouble.empty() && ledger_.retry();
+  const std::string fault = storage_fault();  // waits for the disk: outside of the mutex
+  const bool passed = fault.empty() && ledger_.retry();
   const std::lock_guard lock(mutex_);
   if (!passed) return hold_.look_again_later();
-  spdlog::info("the queue goes on; it was held: {}", hold_.reason());
+  log::info("the queue goes on; it was held: {}", hold_.reason());
   hold_.lift();
   changed_.notify_all();
 }
 
-std::string Scheduler::storage_trouble() {
+std::string Scheduler::storage_fault() {
   try {
     require_free_space(jobs_directory_, options_.minimum_free_bytes);
     probe_directory(jobs_directory_);
@@ -230,7 +229,7 @@ bool Scheduler::start_next() {
     queue_.erase(*id);
     if (!log) return true;  // it waits no more
     attempts_.start(*attempts_.add(std::move(record), std::move(log), false));
-    if (const std::string trouble = ledger_.trouble(); !trouble.empty()) hold(trouble);
+    if (const std::string fault = ledger_.refusal(); !fault.empty()) hold(fault);
   } catch (const std::exception& error) {
     refuse_start(*id, error);
     return true;

@@ -21,8 +21,6 @@
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/ledger.hpp"
-#include "server/jobs/new_job.hpp"
-#include "server/jobs/queue_hold.hpp"
 
 namespace dccast::jobs {
 
@@ -35,10 +33,10 @@ struct SchedulerOptions {
 
 /// A run that was computed outside of the queue.
 struct FinishedRun {
-  std::string id;                          ///< of the job it becomes
-  std::filesystem::path folder;            ///< where its results are
-  std::vector<v1::JobEvent> events;        ///< what it reported
-  v1::RunEnd end{};                        ///< succeeded or failed
+  std::string id;                    ///< of the job it becomes
+  std::filesystem::path folder;      ///< where its results are
+  std::vector<v1::JobEvent> events;  ///< what it reported
+  v1::RunEnd end{};                  ///< succeeded or failed
   google::protobuf::Timestamp begun;
 };
 
@@ -77,8 +75,8 @@ struct Reply {
 ///
 /// Safe to use from several threads. A request that throws has changed nothing: it throws
 /// StoreError or std::system_error when the disk refuses. No thread waits for the disk while it
-/// holds the mutex: what changes a job holds the job instead (Exclusive), and readers see the job as
-/// it was until the change is on the disk.
+/// holds the mutex: what changes a job holds the job instead (Exclusive), and readers see the job
+/// as it was until the change is on the disk.
 class Scheduler {
 public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
@@ -154,7 +152,7 @@ private:
   std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
   void refuse_start(const std::string& id, const std::exception& error);
   void look_whether_hold_has_passed();
-  std::string storage_trouble();
+  std::string storage_fault();
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);

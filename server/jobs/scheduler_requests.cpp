@@ -1,17 +1,17 @@
-// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete.
-#include "server/jobs/log.hpp"
-
+// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete, keep what a query
+// has computed.
 #include <system_error>
 #include <utility>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/free_space.hpp"
 #include "server/jobs/job_folder.hpp"
-#include "server/jobs/new_job.hpp"
+#include "server/jobs/job_store.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
+#include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {
 
@@ -84,8 +84,8 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
     require_same_submission(*there, new_job);
     return find(there->id()).value_or(*there);
   }
-  spdlog::info("job {}: QUEUED: submitted{}", record.job.id(),
-               record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
+  log::info("job {}: QUEUED: submitted{}", record.job.id(),
+            record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
   const std::lock_guard lock(mutex_);
   queue_.push(record.job);
   changed_.notify_all();
@@ -97,16 +97,16 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {
   const auto folder = jobs_directory_ / record.job.id();
-  create_job_folder(folder, attachments,
-                    {record.job, new_job.submitted_case, new_job.complete_case,
-                     new_job.answer_key});
+  create_job_folder(
+      folder, attachments,
+      {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key});
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
     log->append(event);
     log->sync();
     storage::sync_directory(folder);
-    const auto there = store_.insert(record, new_job.submitted_case, new_job.complete_case);
+    const auto there = store_.insert(record);
     if (!there) {
       mark_accepted(folder);
       return std::nullopt;
@@ -203,7 +203,7 @@ Reply Scheduler::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& reco
     queue_.push(record.job);
   else
     queue_.erase(id);
-  if (const std::string trouble = ledger_.trouble(); !trouble.empty()) hold(trouble);
+  if (const std::string refusal = ledger_.refusal(); !refusal.empty()) hold(refusal);
   Reply reply{Reply::Kind::done, view(record)};
   lock.unlock();
   ledger_.announce(id);
@@ -220,8 +220,8 @@ Reply Scheduler::request(std::unique_lock<std::mutex>& lock, Attempt& attempt,
     attempt.record.requested_action = request.action;
     attempt.record.request_reason = request.reason;
     attempts_.expect_stop(attempt);
-    spdlog::info("job {}: {} requested", attempt.job_id,
-                 request.action == RequestedAction::cancel ? "cancel" : "pause");
+    log::info("job {}: {} requested", attempt.job_id,
+              request.action == RequestedAction::cancel ? "cancel" : "pause");
     changed_.notify_all();
   }
   return {Reply::Kind::done, view(attempt)};
@@ -287,10 +287,76 @@ Reply Scheduler::remove(const std::string& id) {
   // Without its row nothing refers to the folder any more; a large one takes its time.
   std::error_code error;
   if (removed) std::filesystem::remove_all(*removed, error);
-  if (error) spdlog::warn("job {}: part of its folder is left: {}", id, error.message());
+  if (error) log::warn("job {}: part of its folder is left: {}", id, error.message());
   ledger_.report(record->job);
-  spdlog::info("job {}: deleted by request", id);
+  log::info("job {}: deleted by request", id);
   return {Reply::Kind::done, {}};
+}
+
+namespace {
+
+/// What the run leaves in the job, but for its history.
+void take_outcome(const FinishedRun& run, JobRecord& record) {
+  v1::Job& job = record.job;
+  job.set_attempts(1);
+  *job.mutable_start_time() = timestamp(milliseconds(run.begun));
+  *job.mutable_artifacts() = run.end.artifacts();
+  if (run.end.has_failure()) *job.mutable_failure() = run.end.failure();
+  for (const v1::JobEvent& event : run.events) {
+    if (event.has_validity_lost()) *job.mutable_validity_loss() = event.validity_lost();
+    if (event.has_finding()) keep_finding(*job.mutable_findings(), event.finding());
+  }
+}
+
+void move_results(const FinishedRun& run, const std::filesystem::path& folder) {
+  for (const v1::Artifact& artifact : run.end.artifacts())
+    std::filesystem::rename(run.folder / artifact.name(), folder / artifact.name());
+}
+
+}  // namespace
+
+void Scheduler::write_history(const JobRecord& record, const FinishedRun& run) {
+  const auto log = logs_.open(record.job.id());
+  v1::JobEvent begun = state_event(record.job, "computed by a query");
+  begun.mutable_state_change()->set_state(v1::RUNNING);
+  log->append(begun);
+  for (v1::JobEvent event : run.events) log->append(event);
+}
+
+/// Removes a job that was never acknowledged. What cannot be removed is computed after the next
+/// start.
+void Scheduler::forget(const std::string& id) {
+  try {
+    store_.erase(id);
+    std::filesystem::remove_all(jobs_directory_ / id);
+  } catch (const std::exception& error) {
+    log::error("job {}: {}", id, error.what());
+  }
+}
+
+v1::Job Scheduler::keep(const NewJob& new_job, const Attachments& attachments,
+                        const FinishedRun& run) {
+  JobRecord record = record_of_new(new_job, attachments);
+  record.job.set_id(run.id);
+  require_room(record.bytes);
+  // Queued on the disk and in no queue here: should the machine stop now, it is computed again.
+  write_new_job(record, new_job, attachments);
+  try {
+    write_history(record, run);
+    move_results(run, jobs_directory_ / run.id);
+  } catch (...) {
+    forget(run.id);
+    throw;
+  }
+  take_outcome(run, record);
+  const bool succeeded = run.end.outcome() == v1::RunEnd::SUCCEEDED;
+  if (succeeded) record.solver = options_.attempts.solver;
+  ledger_.settle(record, succeeded ? v1::SUCCEEDED : v1::FAILED,
+                 succeeded ? "finished" : run.end.failure().message());
+  ledger_.announce(run.id);
+  const std::lock_guard lock(mutex_);
+  if (const std::string refusal = ledger_.refusal(); !refusal.empty()) hold(refusal);
+  return view(std::move(record));
 }
 
 }  // namespace dccast::jobs

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/jobs/events.hpp"
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 
@@ -27,8 +27,7 @@ Settlement settle_for_storage(JobRecord& record, const std::string& error,
   return settlement;
 }
 
-Settlement settle_succeeded(JobRecord& record, const RunEnd& end,
-                            const AttemptFacts& facts) {
+Settlement settle_succeeded(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   *record.job.mutable_artifacts() = end.artifacts();
   if (facts.missing_artifact.empty()) return {v1::SUCCEEDED, "finished"};
   add_failure(record.job, v1::Failure::STORAGE, facts.missing_artifact);
@@ -54,8 +53,7 @@ Settlement settle_failed(JobRecord& record, const RunEnd& end, const AttemptFact
   return {v1::FAILED, failure.message()};
 }
 
-Settlement settle_other_version(JobRecord& record, const RunEnd& end,
-                                const AttemptFacts& facts) {
+Settlement settle_other_version(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   const std::string& reason = end.failure().message();
   if (facts.other_version == v1::FAIL) {
     *record.job.mutable_failure() = end.failure();

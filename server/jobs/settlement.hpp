@@ -21,12 +21,13 @@ struct AttemptFacts {
   bool shutting_down = false;
   int worker_restarts = 2;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
-  int storage_failures = 0;        ///< attempts in a row that were ended by it and got no further
-  std::int64_t reached_step = 0;   ///< last one reported, or that of the checkpoint it went on from
-  double reached_time = 0.0;       ///< [s]
-  std::string hung{};              ///< why the worker was taken to hang; empty: it was not
-  std::string missing_artifact{};  ///< a result that is not on the disk as the run's end says
-  std::string storage_error{};     ///< why the folder of the job takes nothing; empty: it does
+  int storage_failures = 0;       ///< attempts in a row that were ended by it and got no further
+  std::int64_t reached_step = 0;  ///< last one reported, or that of the checkpoint it went on from
+  double reached_time = 0.0;      ///< [s]
+  std::string hung{};             ///< why the worker was taken to hang; empty: it was not
+  std::string
+      missing_artifact{};  ///< a result that is not on the disk although the run's end names it
+  std::string storage_error{};  ///< why the folder of the job takes nothing; empty: it does
 };
 
 /// The worker has left its run in good order. Fills in failure, artifacts and what was requested.

@@ -35,8 +35,8 @@ std::string meaning(int code) {
 
 [[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
   const int code = sqlite3_errcode(handle) & 0xff;
-  spdlog::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
-                sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
+  log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
+             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
   throw StoreError("the job store failed: " + meaning(code), code);
 }
 
@@ -45,7 +45,7 @@ std::string meaning(int code) {
 Database::Database(const std::filesystem::path& path) {
   constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK) return;
-  spdlog::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
+  log::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
   sqlite3_close(handle_);
   throw StoreError("the job store " + path.string() + " cannot be opened", SQLITE_CANTOPEN);
 }
@@ -62,8 +62,9 @@ int Database::changes() const {
   return sqlite3_changes(handle_);
 }
 
-bool is_damage(const StoreError& error) {
-  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB;
+bool must_be_built_again(const StoreError& error) {
+  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB ||
+         error.code() == SQLITE_SCHEMA;
 }
 
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {
@@ -125,7 +126,7 @@ Transaction::~Transaction() {
     database_.execute("ROLLBACK");
   } catch (const StoreError& error) {
     // A full disk rolls back by itself; what remains is worth a line, the cause is already thrown.
-    spdlog::warn("{}", error.what());
+    log::warn("{}", error.what());
   }
 }
 

@@ -22,8 +22,9 @@ private:
   int code_;
 };
 
-/// Whether the file itself is damaged, rather than the disk full or out of reach.
-bool is_damage(const StoreError& error);
+/// Whether the file itself is damaged or of an earlier version, rather than the disk full or out of
+/// reach.
+bool must_be_built_again(const StoreError& error);
 
 /// One SQLite connection. Not safe for several threads: its owner has a mutex.
 class Database {

@@ -1,13 +1,18 @@
 #include "server/jobs/storage_fault.hpp"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/statvfs.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <new>
+#include <string>
 #include <system_error>
 
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/sqlite.hpp"
 
 namespace dccast::jobs {
@@ -26,6 +31,37 @@ std::optional<std::string> daemon_lacks(const std::exception& error) {
   if (const auto* store = dynamic_cast<const StoreError*>(&error))
     lacks = std::ranges::find(passing_store_errors, store->code()) != passing_store_errors.end();
   return lacks ? std::optional<std::string>(error.what()) : std::nullopt;
+}
+
+namespace {
+
+using storage::megabytes;
+
+constexpr std::size_t probe_size =
+    256 * 1024;  // about what a step and a frame of a small case take
+
+}  // namespace
+
+void require_free_space(const std::filesystem::path& directory, std::int64_t minimum) {
+  struct statvfs status;
+  if (::statvfs(directory.c_str(), &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot look at " + directory.string());
+  const auto free =
+      static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
+  if (free >= minimum) return;
+  throw std::system_error(ENOSPC, std::generic_category(),
+                          "only " + megabytes(free) + " are free in " + directory.string() +
+                              ", and minimum_free_bytes is " + megabytes(minimum));
+}
+
+void probe_directory(const std::filesystem::path& directory) {
+  const std::filesystem::path path = directory / ".probe";
+  {
+    const storage::File file(path, O_WRONLY | O_CREAT | O_TRUNC);
+    file.write_at(0, std::string(probe_size, '\0'));
+    file.sync();
+  }
+  std::filesystem::remove(path);
 }
 
 }  // namespace dccast::jobs

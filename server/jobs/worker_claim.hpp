@@ -7,17 +7,18 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "core/storage/file.hpp"
 
 namespace dccast::jobs {
 
-/// Version of what a worker and a daemon agree on while the worker runs: who appends to which file of
-/// the folder, and what means what. A daemon leads on a worker of an earlier program only when this
-/// is equal. Version 1 reported over a socket.
+/// Version of what a worker and a daemon agree on while the worker runs: who appends to which file
+/// of the folder, and what means what. A daemon leads on a worker of an earlier program only when
+/// this is equal. Version 1 reported over a socket.
 inline constexpr int worker_protocol = 2;
 
-/// What a worker says of itself in the folder of its job.
+/// What a worker writes of itself in the folder of its job.
 struct WorkerClaim {
   std::string job_id;
   int attempt = 0;
@@ -35,8 +36,8 @@ public:
 ///
 /// The claim is a lock of the operating system (fcntl) on `worker.lock`, so that it ends with its
 /// process, and the system itself names that process: an id that was given to another process,
-/// after a restart of the machine say, deceives nobody. The process must not open the file again:
-/// closing it gives up the lock.
+/// for example after a restart of the machine, is not mistaken for it. The process must not open
+/// the file again: closing it gives up the lock.
 class FolderClaim {
 public:
   /// @param longest  to wait for a worker that is about to end
@@ -58,7 +59,7 @@ private:
 struct ClaimHolder {
   pid_t process = 0;
   storage::FileDescriptor handle;  ///< pidfd, of this process beyond doubt
-  /// Nothing: it has not said who it is, or cannot be understood.
+  /// Nothing: it has not written who it is, or cannot be understood.
   std::optional<WorkerClaim> claim{};
 };
 
@@ -66,8 +67,21 @@ struct ClaimHolder {
 std::optional<std::filesystem::file_time_type> last_sign_of_life(
     const std::filesystem::path& folder);
 
-/// Who claims a folder. Not for the holder itself, see FolderClaim. @return nothing for nobody
+/// Who claims a folder. Not for the holder itself, see FolderClaim. @return nothing if no one does
 /// @throws std::system_error  it cannot be found out
 std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder);
+
+/// Whether an error of the system is one of memory: threads and mappings need it, too.
+inline bool is_memory_fault(const std::error_code& code) {
+  return code == std::errc::not_enough_memory || code == std::errc::resource_unavailable_try_again;
+}
+
+// Exit codes by which a worker names the resource that kept it from ending its run in good order.
+inline constexpr int exit_out_of_memory = 71;
+inline constexpr int exit_storage = 74;
+
+inline constexpr const char* out_of_memory_text =
+    "the worker could get no more memory: make the mesh coarser, run fewer workers at once, or "
+    "give it more (ulimit -v, the limit of the container)";
 
 }  // namespace dccast::jobs

@@ -24,7 +24,7 @@ std::optional<grpc::Status> no_longer_wanted(const Call& call) {
                       "the call waited until its deadline; try again");
 }
 
-jobs::Patience patience(const Call& call, std::chrono::milliseconds most) {
+jobs::CallLimits waiting_time(const Call& call, std::chrono::milliseconds most) {
   const auto left = call.deadline - std::chrono::system_clock::now();
   return {
       .deadline = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, most),

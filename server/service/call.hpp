@@ -47,6 +47,6 @@ private:
 std::optional<grpc::Status> no_longer_wanted(const Call& call);
 
 /// As long as the caller waits, and no longer than `most`.
-jobs::Patience patience(const Call& call, std::chrono::milliseconds most);
+jobs::CallLimits waiting_time(const Call& call, std::chrono::milliseconds most);
 
 }  // namespace dccast::service

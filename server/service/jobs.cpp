@@ -25,7 +25,7 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
   if (const auto status = check_labels(request.labels()); !status.ok()) return status;
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
-                                    patience(call, context.check_timeout));
+                                    waiting_time(call, context.check_timeout));
   return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
 }
 
@@ -56,9 +56,9 @@ void cut(std::string& text, std::size_t most) {
   text += "...";
 }
 
-/// Cuts a job until it is fit for an answer with others: first its title to 1 KiB, then the monitors
-/// of its last step, the residuals and the texts of its failure. Cases of today are bounded by the
-/// schema; those in a store of an earlier version may hold anything.
+/// Cuts a job until it is fit for an answer with others: first its title to 1 KiB, then the
+/// monitors of its last step, the residuals and the texts of its failure. Cases of today are
+/// bounded by the schema; those in a store of an earlier version may hold anything.
 void fit_into_list(v1::Job& job) {
   constexpr std::size_t most_of_a_title = 1024;
   constexpr std::size_t most_of_a_job = 64 * 1024;
@@ -131,7 +131,7 @@ private:
         return {.message = std::move(*event)};
       }
     } catch (const std::exception& error) {
-      spdlog::error("{}", error.what());
+      log::error("{}", error.what());
       return {.end = grpc::Status(
                   grpc::StatusCode::DATA_LOSS,
                   std::string(error.what()) + "; `dccastd check` says what is left of it")};

@@ -123,13 +123,13 @@ void Listener::accept_one() {
   const int connection = ::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (connection < 0) {
     if (errno != EMFILE && errno != ENFILE && errno != ENOMEM && errno != ENOBUFS) return;
-    spdlog::warn("cannot take a connection: {}", ::strerror(errno));
+    log::warn("cannot take a connection: {}", ::strerror(errno));
     std::this_thread::sleep_for(pause_after_refusal);
     return;
   }
   const bool was_full = std::exchange(full_, count_open() >= maximum_connections_);
   if (full_ && !was_full)
-    spdlog::warn("{} connections are open; further ones are closed until one of them ends",
+    log::warn("{} connections are open; further ones are closed until one of them ends",
                  maximum_connections_);
   if (full_) {
     ::close(connection);

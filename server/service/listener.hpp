@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::service {
 

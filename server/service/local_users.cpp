@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/storage/file_descriptor.hpp"
+#include "core/storage/file.hpp"
 
 namespace dccast::service {
 

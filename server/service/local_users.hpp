@@ -14,7 +14,7 @@ public:
   explicit LocalUsers(std::string address) : address_(std::move(address)) {}
 
   /// @param peer  as gRPC writes it: "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000"
-  /// @return      a name, or the number of a user without one; empty when the system does not say
+  /// @return      a name, or the number of a user without one; empty when the system does not know
   std::string name_of(const std::string& peer);
 
 private:

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
@@ -55,7 +55,7 @@ std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
       place = page->next;
     }
   } catch (const std::exception& error) {
-    spdlog::warn("job {} cannot answer a query: {}", job.id(), error.what());
+    log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
   }
   for (const v1::Finding& finding : job.findings())
@@ -91,7 +91,7 @@ public:
     return answer && replay(*answer, "");
   }
 
-  grpc::Status run(const jobs::Patience& patience) {
+  grpc::Status run(const jobs::CallLimits& waiting) {
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
     run_.folder = folder.path();
     run_.begun = jobs::now();
@@ -99,8 +99,8 @@ public:
     send_(accepted(examined_, false, run_.id));
     for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
     const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
-    const std::string last = context_.query_workers.ask(
-        question, order().SerializeAsString(), patience, [this](auto part) { take(part); });
+    const std::string last = context_.query_workers.ask(question, order().SerializeAsString(),
+                                                        waiting, [this](auto part) { take(part); });
     if (!run_.end.ParseFromString(last))
       throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                      "the end of a query's run cannot be read");
@@ -164,8 +164,7 @@ private:
     if (request_.keep()) keep_job();
     Response response;
     response.mutable_ended()->set_state(state_of(run_.end.outcome()));
-    if (run_.end.has_failure())
-      *response.mutable_ended()->mutable_failure() = run_.end.failure();
+    if (run_.end.has_failure()) *response.mutable_ended()->mutable_failure() = run_.end.failure();
     response.mutable_ended()->set_solver_s(solver_s_);
     pass_on(std::move(response));
     if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));
@@ -173,15 +172,16 @@ private:
   }
 
   void keep_job() {
-    context_.scheduler.keep({.request_id = "",
-                             .title = request_.case_().title(),
-                             .owner = caller_,
-                             .case_sha256 = intake::fingerprint(request_.case_(), request_.attachments()),
-                             .submitted_case = request_.case_().SerializeAsString(),
-                             .complete_case = examined_.complete.SerializeAsString(),
-                             .changes = {request_.changes().begin(), request_.changes().end()},
-                             .answer_key = key_},
-                            request_.attachments(), run_);
+    context_.scheduler.keep(
+        {.request_id = "",
+         .title = request_.case_().title(),
+         .owner = caller_,
+         .case_sha256 = intake::fingerprint(request_.case_(), request_.attachments()),
+         .submitted_case = request_.case_().SerializeAsString(),
+         .complete_case = examined_.complete.SerializeAsString(),
+         .changes = {request_.changes().begin(), request_.changes().end()},
+         .answer_key = key_},
+        request_.attachments(), run_);
   }
 
   Context& context_;
@@ -202,18 +202,17 @@ grpc::Status answer_query(Context& context, const Call& call,
                           const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
   const intake::ExaminedCase examined = context.query_intake.examine(
-      request.case_(), request.attachments(), {}, patience(call, context.check_timeout));
+      request.case_(), request.attachments(), {}, waiting_time(call, context.check_timeout));
   if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
   Query query(context, call, request, examined, send);
   if (query.answer_from_store()) return grpc::Status::OK;
-  return query.run(patience(call, longest_query));
+  return query.run(waiting_time(call, longest_query));
 }
 
 /// One query: what the thread of its run has passed on and gRPC has not sent yet.
 class QueryStream final : public MessageStream<Response> {
 public:
-  QueryStream(WorkPool& lane, CallOrigin origin, Context& context,
-              v1::QueryButtCurlRequest request)
+  QueryStream(WorkPool& lane, CallOrigin origin, Context& context, v1::QueryButtCurlRequest request)
       : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
 
 private:

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "proto/values/shortened.hpp"
-#include "proto/values/uuid.hpp"
 
 namespace dccast::service {
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
-#include "proto/values/sha256.hpp"
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/request_checks.hpp"
 #include "server/service/simulation_service.hpp"
@@ -71,7 +71,7 @@ grpc::Status add_frame(Context& context, const Call& call, const v1::QueryResult
   if (!has_result(job))
     return wrong_state(job, "it has no frame yet: watch it until it has results");
   v1::QueryResultResponse stored = context.intake.stored_frame(
-      context.jobs_directory / request.id(), number, patience(call, context.check_timeout));
+      context.jobs_directory / request.id(), number, waiting_time(call, context.check_timeout));
   const int frames = stored.frame_time_s_size();
   if (frames == 0) return wrong_state(job, "its results hold no frame");
   if (!stored.has_frame())
@@ -87,10 +87,9 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
                                 const v1::QueryResultRequest& request, const v1::Job& job,
                                 v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
-  const auto complete = context.store.complete_case(request.id());
-  if (complete && !response.mutable_case_()->ParseFromString(*complete))
+  if (!jobs::read_complete_case(context.jobs_directory / request.id(), *response.mutable_case_()))
     return {grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
-                                             " cannot be read from the job store any more; " +
+                                             " cannot be read any more; " +
                                              "dccastd check says what else is damaged"};
   intake::make_printable(*response.mutable_case_());
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
@@ -202,8 +201,8 @@ private:
 
 /// The study as a file that has no name any more: it is gone with the call. A study that has not
 /// changed gives the same bytes, so that a client goes on where it was.
-grpc::Status open_study(Context& context, const Call& call,
-                        const v1::FetchStudyRequest& request, SentFile& sent) {
+grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request,
+                        SentFile& sent) {
   if (const auto status = check_study_id(request.id()); !status.ok()) return status;
   v1::EvaluateStudyRequest every_curve;
   every_curve.set_id(request.id());
@@ -212,8 +211,8 @@ grpc::Status open_study(Context& context, const Call& call,
   if (!result) return study_not_found(request.id());
   const PassingFile file(context.query_directory);
   context.checkers.ask(jobs::Question::study_table,
-                               file.path().string() + "\n" + result->SerializeAsString(),
-                               patience(call, context.check_timeout));
+                       file.path().string() + "\n" + result->SerializeAsString(),
+                       waiting_time(call, context.check_timeout));
   sent = {.file = storage::File(file.path(), O_RDONLY),
           .name = "the table of study " + request.id(),
           .sha256 = values::sha256_of_file(file.path())};

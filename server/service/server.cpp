@@ -107,7 +107,7 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
 
 void log_grpc_as_debug() {
   gpr_set_log_function([](gpr_log_func_args* line) {
-    spdlog::debug("gRPC {}:{}: {}", line->file, line->line, line->message);
+    log::debug("gRPC {}:{}: {}", line->file, line->line, line->message);
   });
 }
 

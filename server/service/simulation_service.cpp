@@ -24,8 +24,8 @@ SimulationService::Unary* SimulationService::answer(Wire* wire,
                                                     const google::protobuf::Message& request,
                                                     std::vector<Stage> stages) {
   Unary* reactor = wire->DefaultReactor();
-  do_stage(std::make_shared<const UnaryCall>(wire, reactor, origin_of(wire),
-                                             request.ByteSizeLong(), std::move(stages)),
+  do_stage(std::make_shared<const UnaryCall>(wire, reactor, origin_of(wire), request.ByteSizeLong(),
+                                             std::move(stages)),
            0);
   return reactor;
 }
@@ -41,8 +41,7 @@ void SimulationService::do_stage(std::shared_ptr<const UnaryCall> call, std::siz
     if (!status.ok()) return call->reactor->Finish(status);
     do_stage(call, number + 1);
   };
-  if (!call->stages[number].lane.post(work, call->bytes))
-    call->reactor->Finish(too_many_waiting());
+  if (!call->stages[number].lane.post(work, call->bytes)) call->reactor->Finish(too_many_waiting());
 }
 
 }  // namespace dccast::service

@@ -68,7 +68,8 @@ private:
   };
   struct UnaryCall;
 
-  /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends it.
+  /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends
+  /// it.
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
   void do_stage(std::shared_ptr<const UnaryCall> call, std::size_t number);

@@ -3,7 +3,8 @@
 #include <new>
 #include <system_error>
 
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/storage_error.hpp"
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"
@@ -31,14 +32,14 @@ grpc::Status disk_refuses(const std::string& what) {
 
 grpc::Status internal(const std::string& what) {
   const std::string shown = values::escaped(what, values::Lines::several);
-  spdlog::error("{}", values::escaped(what));
+  log::error("{}", values::escaped(what));
   return {grpc::StatusCode::INTERNAL, shown};
 }
 
-/// The log has the SQL that failed; a caller is told what is wrong with the store and who repairs
+/// The log has the SQL that failed; a caller receives what is wrong with the store and who repairs
 /// it.
 grpc::Status store_refuses(const jobs::StoreError& error) {
-  spdlog::error("{}", error.what());
+  log::error("{}", error.what());
   switch (error.code()) {
     case sqlite_full:
       return disk_refuses("the job store cannot grow");
@@ -64,7 +65,7 @@ grpc::Status store_refuses(const jobs::StoreError& error) {
 grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
   using Why = jobs::WorkerDidNotAnswer::Why;
   const std::string what = values::escaped(error.what());
-  spdlog::warn("{}", what);
+  log::warn("{}", what);
   switch (error.why()) {
     case Why::called_off:
       return {grpc::StatusCode::CANCELLED, what};
@@ -104,10 +105,10 @@ grpc::Status guarded(const std::function<grpc::Status()>& handler) {
     return not_answered(error);
   } catch (const std::system_error& error) {
     if (!storage::is_disk_fault(error.code())) return internal(error.what());
-    spdlog::error("{}", error.what());
+    log::error("{}", error.what());
     return disk_refuses(error.what());
   } catch (const std::bad_alloc&) {
-    spdlog::error("out of memory");
+    log::error("out of memory");
     return {grpc::StatusCode::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
   } catch (const std::exception& error) {
     return internal(error.what());

@@ -26,7 +26,7 @@ grpc::Status wrong_state(const v1::Job& job, const std::string& remedy);
 
 /// INVALID_ARGUMENT with the verdict, serialised, in the details. Details travel in the trailers of
 /// the call, which clients limit to 8 KiB: faults that do not fit are left out there, and the
-/// message says so.
+/// message states that.
 grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict);
 
 /// Puts a reply into the answer: OK, NOT_FOUND, or FAILED_PRECONDITION with this remedy.

@@ -39,17 +39,16 @@ grpc::Status faulty_run(const std::string& name, const v1::ValidateCaseResponse&
   return {status.error_code(), name + ": " + status.error_message(), status.error_details()};
 }
 
-grpc::Status check_run(Context& context, const Call& call,
-                       const v1::CreateStudyRequest& request, const studies::PlannedRun& run) {
-  const auto examined = context.intake.examine(
-      run.description, request.attachments(), {}, patience(call, context.check_timeout));
+grpc::Status check_run(Context& context, const Call& call, const v1::CreateStudyRequest& request,
+                       const studies::PlannedRun& run) {
+  const auto examined = context.intake.examine(run.description, request.attachments(), {},
+                                               waiting_time(call, context.check_timeout));
   if (examined.verdict.faults_size() == 0) return grpc::Status::OK;
   return faulty_run(run.name, examined.verdict);
 }
 
 /// CreateStudy's first half: everything that can be wrong with the plan and its cases.
-grpc::Status examine(Context& context, const Call& call,
-                           const v1::CreateStudyRequest& request) {
+grpc::Status examine(Context& context, const Call& call, const v1::CreateStudyRequest& request) {
   if (const auto status = check_texts(request); !status.ok()) return status;
   if (const auto status = check_plan(request); !status.ok()) return status;
   const auto plan = studies::study_plan(request);

@@ -46,7 +46,7 @@ void WorkPool::run() {
       work();
     } catch (const std::exception& error) {
       // Posted work answers its caller for what it throws; this was not foreseen.
-      spdlog::critical("posted work has thrown: {}", error.what());
+      log::critical("posted work has thrown: {}", error.what());
     }
   }
 }

@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/job_store.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/check.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 
@@ -89,6 +91,15 @@ void require_empty(const fs::path& directory) {
     throw std::runtime_error(directory.string() + " is not empty; give a new directory");
 }
 
+/// Rows that are lost would be lost in the backup too.
+void require_whole_store(const StateFolder& folder) {
+  const auto lost = lost_jobs(folder, jobs::JobStore(folder.store()).ids());
+  if (!lost.empty())
+    throw std::runtime_error("the job store " + folder.store().string() + " lacks " +
+                             std::to_string(lost.size()) + " jobs, e.g. " + *lost.begin() + "; " +
+                             repair_remedy(folder));
+}
+
 /// Copies the folders of all jobs in the copied store; forgets those that were deleted meanwhile.
 std::size_t copy_jobs(const StateFolder& from, const StateFolder& to) {
   jobs::JobStore store(to.store());
@@ -107,13 +118,45 @@ void copy_studies(const StateFolder& from, const StateFolder& to) {
   }
 }
 
+struct ManifestLine {
+  std::string sha256;
+  fs::path file;
+};
+
+std::vector<ManifestLine> read_manifest(const fs::path& backup) {
+  if (!fs::exists(backup / manifest_file))
+    throw std::runtime_error(backup.string() + " has no " + manifest_file +
+                             ": it is no backup, or one that did not come to its end");
+  std::istringstream text(storage::read_file(backup / manifest_file));
+  std::vector<ManifestLine> lines;
+  for (std::string line; std::getline(text, line);)
+    if (line.size() > 66) lines.push_back({line.substr(0, 64), line.substr(66)});
+  return lines;
+}
+
+/// Copies one file and holds the copy against the manifest.
+void copy_verified(const ManifestLine& line, const fs::path& from, const fs::path& to) {
+  if (line.file.is_absolute() || line.file.lexically_normal().string().starts_with(".."))
+    throw std::runtime_error("the manifest names " + line.file.string() + ", outside the backup");
+  fs::create_directories((to / line.file).parent_path());
+  fs::copy_file(from / line.file, to / line.file);
+  if (values::sha256_of_file(to / line.file) != line.sha256)
+    throw std::runtime_error((from / line.file).string() +
+                             " is damaged: its SHA-256 is not the one " + "in " + manifest_file);
+}
+
+void require_no_state(const StateFolder& folder) {
+  if (fs::exists(folder.store()) || fs::exists(folder.jobs()))
+    throw std::runtime_error("the data directory " + folder.path().string() +
+                             " has jobs; set another data_directory, or move them away");
+}
+
 }  // namespace
 
 void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   if (!fs::exists(folder.store()))
     throw std::runtime_error("there is no job store in " + folder.path().string());
-  if (const std::string fault = store_file_fault(folder); !fault.empty())
-    throw std::runtime_error(fault + "; " + repair_remedy(folder));
+  require_whole_store(folder);
   require_empty(to);
   const StateFolder target(to);
   make_state_folder(target);
@@ -126,6 +169,19 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   storage::replace_file(to / manifest_file, manifest_of(to));
   sync_file_system(to);
   out << count << " jobs copied to " << to.string() << std::endl;
+}
+
+int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) {
+  const auto lines = read_manifest(from);
+  make_state_folder(folder);
+  {
+    const StateLock lock(folder);
+    require_no_state(folder);
+    for (const ManifestLine& line : lines) copy_verified(line, from, folder.path());
+    fs::create_directories(folder.jobs());
+  }
+  out << lines.size() << " files restored to " << folder.path().string() << std::endl;
+  return check(folder, {.repair = true, .deep = false, .adopt = {}}, out);
 }
 
 }  // namespace dccast::state

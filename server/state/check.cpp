@@ -5,13 +5,11 @@
 #include <optional>
 #include <set>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/state/adoption.hpp"
-#include "server/state/store_guard.hpp"
-#include "server/state/wal_file.hpp"
+#include "server/state/index.hpp"
 
 namespace dccast::state {
 
@@ -38,7 +36,7 @@ public:
       for (const std::string& id : ids_)
         check_job(folder_, *store_, id, options_, report_, totals_);
       check_studies(folder_, *store_, options_, report_);
-      say_totals();
+      report_totals();
     }
     if (!options_.index_only) {
       list_removals();
@@ -50,22 +48,37 @@ public:
 private:
   /// Opens the store, or leaves it closed when it is damaged and not to be repaired.
   void check_store() {
-    std::string fault = store_file_fault(folder_);
-    if (fault.empty()) fault = open();
+    const std::string fault = open();
     if (fault.empty()) return;
     if (!options_.repair) return report_.damage(fault + "; --repair begins it again");
+    keep_requests();
     report_.repaired(fault + "; its files are now in " + set_store_aside());
-    if (const std::string still = open(); !still.empty()) {
-      set_store_aside(true);
-      if (const std::string last = open(); !last.empty()) report_.damage(last);
+    if (const std::string still = open(); !still.empty()) report_.damage(still);
+  }
+
+  /// Before version 7 a request to stop stood in the store alone; now it stands in the folder.
+  void keep_requests() const try {
+    constexpr std::int64_t last_with_requests = 6;
+    if (!fs::exists(folder_.store())) return;
+    jobs::Database store(folder_.store());
+    jobs::Statement version(store, "PRAGMA user_version");
+    if (!version.step() || version.integer(0) == 0 || version.integer(0) > last_with_requests)
+      return;
+    jobs::Statement requests(store, "SELECT id, wish, wish_reason FROM job WHERE wish <> 0");
+    while (requests.step()) {
+      const fs::path of_job = folder_.jobs() / requests.text(0);
+      if (!fs::exists(of_job) || jobs::read_request(of_job)) continue;
+      const auto action = static_cast<jobs::RequestedAction>(requests.integer(1));
+      jobs::write_request(of_job, {action, requests.text(2)});
     }
+  } catch (const jobs::StoreError&) {
+    // It is damaged, or of a version that has them in the folders.
   }
 
   /// @return what is wrong with the store; it is closed then
   std::string open() {
     try {
-      keep_store_out_of_empty_folder();
-      keep_damaged_wal(folder_);
+      if (!options_.repair && !fs::exists(folder_.store())) return missing_store();
       store_ = std::make_unique<jobs::JobStore>(folder_.store());
       std::string fault = store_->first_fault();
       ids_ = store_->ids();
@@ -74,33 +87,28 @@ private:
       return "the job store " + folder_.store().string() + " is damaged: " + fault;
     } catch (const jobs::StoreError& error) {
       store_.reset();
-      if (!jobs::is_damage(error)) throw;
+      if (!jobs::must_be_built_again(error)) throw;
       return std::string(error.what()) + " (" + folder_.store().string() + ")";
     }
   }
 
-  void keep_store_out_of_empty_folder() const {
-    if (!options_.repair && !fs::exists(folder_.store()))
+  /// A check makes no store where there is none.
+  std::string missing_store() const {
+    if (jobs::folder_ids(folder_.jobs()).empty())
       throw std::runtime_error("there is no job store in " + folder_.path().string() +
                                " and no job; nothing to check");
+    return "the job store " + folder_.store().string() + " is missing";
   }
 
-  /// Moves the files of the store to quarantine. A store whose write-ahead log alone is damaged is
-  /// copied: the rows that had reached it are kept. @return where
-  std::string set_store_aside(bool whole = false) {
-    const bool only_wal = !whole && inspect_wal(folder_.wal()) == WalState::damaged_header;
+  /// Moves the files of the store to quarantine. @return where
+  std::string set_store_aside() {
     fs::create_directories(folder_.quarantine());
     fs::path aside = folder_.quarantine() / "store";
     for (int number = 2; fs::exists(aside); ++number)
       aside = folder_.quarantine() / ("store-" + std::to_string(number));
     fs::create_directory(aside);
-    for (const fs::path& file : {folder_.store(), folder_.wal(), folder_.shared_memory()}) {
-      if (!fs::exists(file)) continue;
-      if (only_wal && file == folder_.store())
-        fs::copy_file(file, aside / file.filename());
-      else
-        fs::rename(file, aside / file.filename());
-    }
+    for (const fs::path& file : {folder_.store(), folder_.wal(), folder_.shared_memory()})
+      if (fs::exists(file)) fs::rename(file, aside / file.filename());
     storage::sync_directory(aside);
     storage::sync_directory(folder_.quarantine());
     storage::sync_directory(folder_.path());
@@ -134,7 +142,7 @@ private:
   /// @return whether the store has the job now
   bool adopt_folder(const std::string& id) {
     try {
-      adopt(*store_, folder_.jobs() / id);
+      index_job(*store_, folder_.jobs() / id);
     } catch (const jobs::StoreError&) {
       throw;
     } catch (const std::runtime_error& error) {
@@ -162,11 +170,7 @@ private:
       report_.note(subject + "moved to " + jobs::quarantine_folder(folder_.jobs(), id).string());
   }
 
-  void say_totals() {
-    if (totals_.without_description > 0)
-      report_.note(std::to_string(totals_.without_description) + " jobs without " +
-                   jobs::description_file +
-                   ": their rows could not be made again; --repair writes the files");
+  void report_totals() {
     if (totals_.with_leftovers > 0)
       report_.note("checkpoints and journals of " + std::to_string(totals_.with_leftovers) +
                    " ended jobs: " + std::to_string(totals_.leftover_bytes) + " bytes" +

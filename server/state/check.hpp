@@ -9,7 +9,7 @@
 
 namespace dccast::state {
 
-/// What a check has to say, line by line: a word for the kind, the subject, what about it.
+/// The findings of a check, line by line: a word for the kind, the subject, what about it.
 class Report {
 public:
   explicit Report(std::ostream& out) : out_(out) {}
@@ -33,18 +33,17 @@ struct CheckOptions {
   bool index_only = false;         ///< only the store is put right; workers may run
 };
 
-/// Inspects a state folder that no daemon uses and says what is wrong with it; with `repair` puts
-/// it right. docs/operations.md describes each line. @return damages that are left
+/// Inspects a state folder that no daemon uses and reports what is wrong with it; with `repair`
+/// puts it right. docs/operations.md describes each line. @return damages that are left
 /// @throws std::runtime_error  there is no such folder, a daemon uses it, or it cannot be read
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out);
 
-/// Makes the store what the folders of jobs and studies say. The daemon holds the state folder.
+/// Makes the store from the folders of jobs and studies. The daemon holds the state folder.
 /// @throws jobs::StoreError, std::system_error
 void rebuild_index(const StateFolder& folder, std::ostream& out);
 
-/// Sums over all jobs, said once at the end.
+/// Sums over all jobs, reported once at the end.
 struct JobTotals {
-  int without_description = 0;
   int with_leftovers = 0;
   std::uintmax_t leftover_bytes = 0;
 };

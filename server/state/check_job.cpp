@@ -3,15 +3,15 @@
 #include <optional>
 #include <system_error>
 
-#include "core/storage/durable_file.hpp"
-#include "proto/values/sha256.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/state/adoption.hpp"
 #include "server/state/check.hpp"
+#include "server/state/index.hpp"
 
 namespace dccast::state {
 
@@ -37,9 +37,10 @@ public:
 
   void run() {
     if (!has_folder()) return;
-    check_description();
+    if (!check_row()) return;
     if (options_.index_only) return check_running();
     check_log();
+    check_attachments();
     for (const v1::Artifact& artifact : record_.job.artifacts()) check_artifact(artifact);
     if (record_.job.state() == v1::SUCCEEDED || record_.job.state() == v1::CANCELLED)
       check_leftovers();
@@ -61,61 +62,44 @@ private:
     return fs::exists(folder_);
   }
 
-  void check_description() {
-    jobs::JobDescription described;
+  /// @return whether the folder describes the job
+  bool check_row() {
+    std::string what;
     try {
-      described = jobs::read_job_description(folder_);
+      if (agrees(record_, described_job(folder_))) return true;
+      what = subject_ + "its row is not that of its folder";
     } catch (const std::runtime_error& error) {
-      return describe_again(error.what());
+      report_.damage(subject_ + error.what() + "; restore its folder from a backup");
+      return false;
     }
-    const std::string field = contradiction(store_, record_, described);
-    if (field.empty()) return;
-    const std::string what =
-        subject_ + "its row is damaged: the " + field + " is not the one it was submitted with";
-    if (!options_.repair) return report_.damage(what + "; --repair makes the row again");
-    store_.erase(record_.job.id());
-    adopt(store_, folder_);
+    if (options_.repair)
+      make_row_again(what);
+    else
+      report_.damage(what + "; --repair makes the row again");
+    return true;
+  }
+
+  void make_row_again(const std::string& what) {
+    index_job(store_, folder_);
     record_ = store_.find(record_.job.id()).value();
     report_.repaired(what + "; the row is made again");
   }
 
   /// A row that has ended although the run in the folder has not.
   void check_running() {
-    const fs::path path = folder_ / "events.log";
-    if (!jobs::is_terminal(record_.job.state()) || !jobs::last_sign_of_life(folder_)) return;
-    if (jobs::scan_event_log(path).terminal) return;
-    record_.job.clear_end_time();
-    bring_up_to_log(record_, path);
-    store_.update(record_, jobs::Durability::full);
-    report_.repaired(subject_ + "the store has the state of its folder now");
+    if (jobs::is_terminal(record_.job.state()) && jobs::last_sign_of_life(folder_) &&
+        !jobs::scan_event_log(folder_ / "events.log").terminal)
+      make_row_again(subject_ + "the store has it as ended");
   }
 
-  void describe_again(const std::string& reason) {
-    if (!options_.repair) {
-      if (fs::exists(folder_ / jobs::description_file)) return report_.damage(subject_ + reason);
-      ++totals_.without_description;
-      return;
+  /// Attachments are read by the worker alone; a bit that flips in one would go into the results.
+  void check_attachments() {
+    for (const auto& [name, sha256] : jobs::read_job_description(folder_).attachment_sha256) {
+      const fs::path path = folder_ / jobs::attachments_folder / name;
+      if (fs::exists(path) && (!options_.deep || values::sha256_of_file(path) == sha256)) continue;
+      report_.damage(subject_ + "its attachment " + name + " is missing or damaged" +
+                     "; restore it from a backup, or submit the case again");
     }
-    fs::remove(folder_ / jobs::description_file);
-    jobs::write_job_description(folder_, description());
-    storage::sync_directory(folder_);
-    report_.repaired(subject_ + jobs::description_file + " is written from the store");
-  }
-
-  jobs::JobDescription description() {
-    const v1::Job& job = record_.job;
-    jobs::JobDescription description;
-    description.job.set_id(job.id());
-    description.job.set_title(job.title());
-    description.job.set_request_id(job.request_id());
-    description.job.set_study(job.study());
-    description.job.set_priority(job.priority());
-    description.job.set_owner(job.owner());
-    *description.job.mutable_create_time() = job.create_time();
-    description.job.set_case_sha256(job.case_sha256());
-    description.submitted_case = store_.submitted_case(job.id()).value_or("");
-    description.complete_case = store_.complete_case(job.id()).value_or("");
-    return description;
   }
 
   void check_log() {
@@ -154,7 +138,7 @@ private:
   }
 
   void append_state(jobs::EventLog& log) {
-    v1::JobEvent state = jobs::state_event(record_.job, "as the store says; its events are lost");
+    v1::JobEvent state = jobs::state_event(record_.job, "as in the store; its events are lost");
     log.append(state);
     log.sync();
   }
@@ -162,14 +146,12 @@ private:
   void check_end(const jobs::EventLogContent& log, const fs::path& path) {
     const v1::JobState in_store = record_.job.state();
     if (!log.last_state || log.last_state->state() == in_store) return;
-    const std::string what = subject_ + "the store says " + v1::JobState_Name(in_store) +
+    const std::string what = subject_ + "the store has " + v1::JobState_Name(in_store) +
                              ", its events.log ends with " +
                              v1::JobState_Name(log.last_state->state());
     if (jobs::is_terminal(in_store) && !log.terminal) return complete_log(what, path);
     if (!options_.repair) return report_.damage(what + "; --repair takes the log's");
-    bring_up_to_log(record_, path);
-    store_.update(record_, jobs::Durability::full);
-    report_.repaired(what + "; the store has the log's now");
+    make_row_again(what);
   }
 
   void complete_log(const std::string& what, const fs::path& path) {

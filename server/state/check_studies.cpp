@@ -1,9 +1,10 @@
 // What `dccastd check` looks at in studies: a row for every file, and a file for every row.
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include "server/state/check.hpp"
-#include "server/state/store_guard.hpp"
+#include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
@@ -12,9 +13,11 @@ namespace dccast::state {
 
 namespace {
 
-/// The run as its jobs tell it: the last attempt that has a row stands for it.
+/// The run as its jobs show it: the last attempt that has a row stands for it, unless the file of
+/// the study has something later.
 studies::RunRecord run_of(const studies::StudyRecord& study, const studies::StudyPlan& plan,
-                          int number, jobs::JobStore& jobs) {
+                          int number, const std::map<int, studies::RunRecord>& kept,
+                          jobs::JobStore& jobs) {
   studies::RunRecord run;
   run.number = number;
   const std::string key = plan.key(number);
@@ -23,17 +26,19 @@ studies::RunRecord run_of(const studies::StudyRecord& study, const studies::Stud
     run.job = job->job.id();
     ++run.attempt;
   }
-  return run;
+  const auto found = kept.find(number);
+  return found != kept.end() && found->second.attempt >= run.attempt ? found->second : run;
 }
 
 /// Makes the row of a study from its file and its jobs. @throws std::runtime_error
 void adopt_study(const StateFolder& folder, studies::StudyStore& store, jobs::JobStore& jobs,
                  const std::string& id) {
   const studies::StudyRecord record = studies::read_study_file(folder.studies(), id);
+  const auto kept = studies::read_study_runs(folder.studies(), id);
   const auto plan = studies::study_plan(record.request);
   std::vector<studies::RunRecord> runs;
   for (int number = 0; number < plan->most_runs(); ++number) {
-    runs.push_back(run_of(record, *plan, number, jobs));
+    runs.push_back(run_of(record, *plan, number, kept, jobs));
     // Of a plan that grows the first run without a job waits; the daemon decides whether it is
     // needed.
     if (number + 1 >= plan->runs() && runs.back().job.empty()) break;

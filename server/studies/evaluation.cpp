@@ -1,9 +1,10 @@
-// What studies say: their runs with figures and curves, and what a plan makes of them.
+// The results of studies: their runs with figures and curves, and what a plan makes of them.
 #include <chrono>
 #include <climits>
 #include <limits>
 
 #include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::studies {
@@ -77,11 +78,9 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
   }
   v1::Case complete;
-  const auto kept = jobs_.complete_case(job.id());
-  if (!kept || !complete.ParseFromString(*kept))
+  if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
-                                   "the case of job " + job.id() +
-                                       " cannot be read from the job store");
+                                   "the case of job " + job.id() + " cannot be read");
   const auto last = intake_.stored_frame(
       options_.jobs_directory / job.id(), 0,
       {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});

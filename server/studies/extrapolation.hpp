@@ -11,7 +11,7 @@ struct RefinedCurve {
   std::vector<double> value_m;  ///< NaN where nothing is known
 };
 
-/// What curves on finer and finer meshes say of the curve they tend to.
+/// The curve that curves on finer and finer meshes tend to.
 struct CurveLimit {
   std::optional<double> order;        ///< observed; nothing where the curves do not settle
   std::vector<double> value_m;        ///< extrapolated; the finest curve where there is no order

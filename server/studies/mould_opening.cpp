@@ -180,7 +180,7 @@ MouldTrial sampled(const MouldTrial& trial, const std::vector<double>& x) {
           values::at_instants(x, trial.x, trial.cold)};
 }
 
-/// What one trial to the next tells of the share, as the sums of a least-squares fit.
+/// What each pair of trials in a row gives for the share, as the sums of a least-squares fit.
 void add_change(const MouldTrial& from, const MouldTrial& to, double& product, double& square) {
   for (std::size_t i = 0; i < from.x.size(); ++i) {
     const double opening = to.opening[i] - from.opening[i];

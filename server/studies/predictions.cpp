@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/jobs/log.hpp"
@@ -249,8 +249,8 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
   if (auto surface = kept_surface(wanted)) return surface;
   std::unique_lock one_at_a_time(building_, std::try_to_lock);
   if (!one_at_a_time) {
-    // While runs arrive, what a surface of fewer of them says now is worth more than a better
-    // answer later: the prediction says how many it rests on.
+    // While runs arrive, the answer of a surface of fewer of them now is worth more than a
+    // better one later: the prediction has how many it rests on.
     if (auto older = wanted.running ? kept_surface(wanted, true) : nullptr) return older;
     one_at_a_time.lock();
   }
@@ -263,7 +263,7 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
 
 void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
   const auto now = Clock::now();
-  spdlog::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
+  log::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
                 std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
   const std::lock_guard lock(mutex_);
   kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,
@@ -340,7 +340,7 @@ void Predictions::prepare(const StudyRecord& study, int succeeded, bool running,
         return std::make_shared<const SweepSurface>(study, keys->all, kind, evaluated);
       });
     } catch (const CannotPredict&) {
-      // Whoever asks is told.
+      // Reported to the caller who asks for it.
     }
   }
 }

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
-#include "server/studies/study_plan.hpp"
 #include "server/studies/study_file.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 
-/// There is nothing to predict from: not a sweep, or too few runs. The text says what to do.
+/// There is nothing to predict from: not a sweep, or too few runs. The text has the remedy.
 class CannotPredict : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/divided_case.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/studies/extrapolation.hpp"

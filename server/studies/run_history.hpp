@@ -7,7 +7,7 @@
 
 namespace dccast::studies {
 
-/// What one run says of its curl: the vertical displacement of every monitor.
+/// The curl of one run: the vertical displacement of every monitor.
 struct RunHistory {
   std::vector<v1::CurlCurve> curves;    ///< by monitor, all at the instants of the run's steps
   std::optional<double> beyond_from_s;  ///< first step at which the model was no longer valid

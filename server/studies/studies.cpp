@@ -1,4 +1,4 @@
-// The requests about studies. How runs become jobs is in study_feeder.cpp, what they say in
+// The requests about studies. How runs become jobs is in study_feeder.cpp, their results in
 // evaluation.cpp.
 #include "server/studies/studies.hpp"
 
@@ -8,7 +8,7 @@
 #include <climits>
 #include <utility>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/study_file.hpp"
@@ -86,11 +86,10 @@ std::vector<RunRecord> runs_to_queue(int count) {
 }
 
 Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
-                 jobs::JobStore& jobs, const intake::CaseIntake& intake)
+                 const intake::CaseIntake& intake)
     : options_(std::move(options)),
       store_(store),
       scheduler_(scheduler),
-      jobs_(jobs),
       intake_(intake),
       surface_keeper_([this](const std::string& id) { ready_surface(id); }) {
   scheduler_.observe([this](const v1::Job& job) { on_job(job); });
@@ -148,7 +147,7 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::
     throw jobs::RequestIdTaken("there is a study " + record.id +
                                " already; choose a new request_id");
   write_study_file(options_.directory, record);
-  spdlog::info("study {}: {} runs", record.id, runs);
+  log::info("study {}: {} runs", record.id, runs);
   wake_feeder();
   return view(record);
 }
@@ -164,17 +163,39 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     record.request.mutable_refinement()->set_levels(request.refinement().levels());
     auto runs = runs_to_queue(request.refinement().levels());
     store_.extend(record, {runs.begin() + before, runs.end()});
-    write_study_file(options_.directory, record);
+    {
+      const std::lock_guard lock(files_mutex_);
+      write_study_file(options_.directory, record);
+    }
     const std::lock_guard lock(plans_mutex_);
     plans_.erase(record.id);
   }
   const auto jobs = jobs_of(record.id);
-  std::vector<int> deleted;
+  std::vector<RunRecord> deleted;
   for (const RunRecord& run : store_.runs(record.id))
-    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run.number);
-  store_.queue_again(record.id, deleted);
+    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run);
+  queue_again(record, deleted);
   wake_feeder();
   return view(record);
+}
+
+/// Writes what becomes of runs without a job into the file of the study, before the rows.
+void Studies::keep(const StudyRecord& record, const std::vector<RunRecord>& runs) {
+  const std::lock_guard lock(files_mutex_);
+  if (!std::filesystem::exists(study_file(options_.directory, record.id)))
+    write_study_file(options_.directory, record);
+  append_runs(options_.directory, record.id, runs);
+}
+
+void Studies::queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs) {
+  std::vector<RunRecord> waiting;
+  std::vector<int> numbers;
+  for (const RunRecord& run : runs) {
+    waiting.push_back({.number = run.number, .attempt = run.attempt, .failure = {}});
+    numbers.push_back(run.number);
+  }
+  keep(record, waiting);
+  store_.queue_again(record.id, numbers);
 }
 
 v1::Study Studies::view(const StudyRecord& record) {
@@ -222,6 +243,10 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   if (view(*record).state() != v1::STUDY_RUNNING) return {StudyReply::Kind::done, view(*record)};
   {
     const std::lock_guard lock(queueing_mutex_);
+    std::vector<RunRecord> waiting = store_.runs(id);
+    std::erase_if(waiting, [](const RunRecord& run) { return !run.to_queue(); });
+    for (RunRecord& run : waiting) run.outcome = v1::CANCELLED;
+    keep(*record, waiting);
     store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
   }
   for (const auto& [job, about] : jobs_of(id))
@@ -235,15 +260,15 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
   const auto jobs = jobs_of(id);
-  std::vector<int> again;
+  std::vector<RunRecord> again;
   for (const RunRecord& run : store_.runs(id)) {
     const auto job = jobs.find(run.job);
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
     const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
     const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
-    if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run.number);
+    if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
-  store_.queue_again(id, again);
+  queue_again(*record, again);
   note_change(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};
@@ -260,7 +285,7 @@ StudyReply Studies::remove(const std::string& id) {
   store_.begin_removal(id);
   remove_now(id);
   note_change(id);
-  spdlog::info("study {}: deleted by request", id);
+  log::info("study {}: deleted by request", id);
   return {StudyReply::Kind::done};
 }
 

@@ -29,7 +29,7 @@ namespace dccast::studies {
 struct StudyOptions {
   std::filesystem::path directory;       ///< of the study files
   std::filesystem::path jobs_directory;  ///< of the jobs' folders
-  int waiting = 16;                 ///< jobs of one study that wait in the queue at once
+  int waiting = 16;                      ///< jobs of one study that wait in the queue at once
   std::chrono::milliseconds check_timeout{30000};
 };
 
@@ -47,9 +47,8 @@ struct StudyReply {
 /// nothing then.
 class Studies {
 public:
-  /// @param jobs  where the complete cases of runs are
   Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
-          jobs::JobStore& jobs, const intake::CaseIntake& intake);
+          const intake::CaseIntake& intake);
   ~Studies();
 
   /// Puts in order what the last daemon left; before start().
@@ -69,7 +68,7 @@ public:
   /// @param failed  also runs that failed by their own case
   StudyReply resume(const std::string& id, bool failed);
   StudyReply remove(const std::string& id);
-  /// What the study says so far; nothing when there is no such study.
+  /// The results of a study so far; nothing when there is no such study.
   std::optional<v1::StudyResult> evaluate(const v1::EvaluateStudyRequest& request);
   /// @return nothing when there is no such study
   /// @throws OutsideDomain, CannotPredict
@@ -103,6 +102,8 @@ private:
                        const std::string& case_sha256);
   v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                     const std::string& case_sha256);
+  void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
+  void queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs);
   void remove_now(const std::string& id);
   std::map<std::string, v1::Job> jobs_of(const std::string& id);
   RunHistory history_of(const v1::Job& job);
@@ -124,13 +125,13 @@ private:
   const StudyOptions options_;
   StudyStore& store_;
   jobs::Scheduler& scheduler_;
-  jobs::JobStore& jobs_;
   const intake::CaseIntake& intake_;
   StudyNotifier notifier_;
   Predictions predictions_;
 
   std::mutex requests_mutex_;  ///< one creation, resumption or removal at a time
   std::mutex queueing_mutex_;  ///< a run gets its job and knows it, or is cancelled, as one
+  std::mutex files_mutex_;     ///< of the study files
   std::mutex plans_mutex_;
   std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
   std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended

@@ -74,7 +74,7 @@ void Studies::feed(const std::stop_token& stop) {
       }
       rest(stop, std::chrono::hours(24));
     } catch (const std::exception& error) {
-      spdlog::warn("studies wait to be queued: {}", error.what());
+      log::warn("studies wait to be queued: {}", error.what());
       rest(stop, try_again);
     }
   }
@@ -178,11 +178,13 @@ Studies::Fed Studies::not_examined(const StudyRecord& study, const RunRecord& ru
 }
 
 void Studies::refuse(const StudyRecord& study, const RunRecord& run, const std::string& why) {
-  v1::Failure failure;
-  failure.set_kind(v1::Failure::INVALID_CASE);
-  failure.set_message(why);
-  store_.refuse(study.id, run.number, failure, jobs::milliseconds(jobs::now()));
-  spdlog::warn("study {}: {}", study.id, why);
+  RunRecord refused = run;
+  refused.outcome = v1::FAILED;
+  refused.failure.set_kind(v1::Failure::INVALID_CASE);
+  refused.failure.set_message(why);
+  keep(study, {refused});
+  store_.refuse(study.id, run.number, refused.failure, jobs::milliseconds(jobs::now()));
+  log::warn("study {}: {}", study.id, why);
 }
 
 }  // namespace dccast::studies

@@ -1,10 +1,12 @@
 #include "server/studies/study_file.hpp"
 
+#include <fcntl.h>
+
 #include <stdexcept>
 
-#include "core/storage/durable_file.hpp"
-#include "core/storage/record_format.hpp"
-#include "proto/values/uuid.hpp"
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 
 namespace dccast::studies {
@@ -24,6 +26,45 @@ std::string take_part(std::string_view& rest) {
   if (!record) throw std::runtime_error("is damaged");
   rest.remove_prefix(static_cast<std::size_t>(record->size));
   return std::string(record->payload);
+}
+
+constexpr int frames_of_study = 3;
+
+/// What follows the description of a study in its file, as far as it is sound.
+std::string_view runs_in(std::string_view bytes) {
+  if (!bytes.starts_with(header())) return {};
+  bytes.remove_prefix(header().size());
+  for (int i = 0; i < frames_of_study; ++i) take_part(bytes);
+  std::string_view rest = bytes;
+  while (const auto record = storage::short_records.first_of(rest, largest_part))
+    rest.remove_prefix(static_cast<std::size_t>(record->size));
+  return bytes.substr(0, bytes.size() - rest.size());
+}
+
+/// The same of a file that may be damaged or empty.
+std::string_view kept_runs(std::string_view bytes) {
+  try {
+    return runs_in(bytes);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+}
+
+constexpr std::size_t size_of_numbers = 12;
+
+std::string frame_of(const RunRecord& run) {
+  return storage::short_records.framed(
+      storage::little_endian(static_cast<std::uint32_t>(run.number)) +
+      storage::little_endian(static_cast<std::uint32_t>(run.attempt)) +
+      storage::little_endian(static_cast<std::uint32_t>(run.outcome)) +
+      run.failure.SerializeAsString());
+}
+
+int number_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 4; i-- > 0;)
+    number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return static_cast<int>(number);
 }
 
 StudyRecord parse(std::string_view bytes) {
@@ -51,10 +92,44 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
   study.set_id(record.id);
   study.set_owner(record.owner);
   *study.mutable_create_time() = jobs::timestamp(record.created_ms);
-  storage::replace_file(study_file(directory, record.id),
-                        header() + storage::short_records.framed(study.SerializeAsString()) +
-                            storage::short_records.framed(record.request.SerializeAsString()) +
-                            storage::short_records.framed(record.case_sha256));
+  const fs::path path = study_file(directory, record.id);
+  const std::string before = fs::exists(path) ? storage::read_file(path) : std::string();
+  storage::replace_file(
+      path, header() + storage::short_records.framed(study.SerializeAsString()) +
+                storage::short_records.framed(record.request.SerializeAsString()) +
+                storage::short_records.framed(record.case_sha256) + std::string(kept_runs(before)));
+}
+
+void append_runs(const fs::path& directory, const std::string& id,
+                 const std::vector<RunRecord>& runs) {
+  if (runs.empty()) return;
+  const fs::path path = study_file(directory, id);
+  const std::string bytes = storage::read_file(path);
+  const std::string_view kept = runs_in(bytes);
+  const auto end = kept.data() + kept.size() - bytes.data();
+  std::string added;
+  for (const RunRecord& run : runs) added += frame_of(run);
+  const storage::File file(path, O_WRONLY);
+  file.cut(end);  // what a crash cut short
+  file.write_at(end, added);
+  file.sync();
+}
+
+std::map<int, RunRecord> read_study_runs(const fs::path& directory, const std::string& id) {
+  read_study_file(directory, id);
+  const std::string bytes = storage::read_file(study_file(directory, id));
+  std::map<int, RunRecord> runs;
+  for (std::string_view rest = runs_in(bytes); !rest.empty();) {
+    const std::string part = take_part(rest);
+    if (part.size() < size_of_numbers) continue;
+    RunRecord run;
+    run.number = number_at(part, 0);
+    run.attempt = number_at(part, 4);
+    run.outcome = static_cast<v1::JobState>(number_at(part, 8));
+    run.failure.ParseFromString(part.substr(size_of_numbers));
+    runs[run.number] = std::move(run);
+  }
+  return runs;
 }
 
 StudyRecord read_study_file(const fs::path& directory, const std::string& id) {

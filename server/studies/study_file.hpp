@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/study.pb.h"
 
@@ -39,18 +41,28 @@ inline std::string job_request_id(const std::string& study, const std::string& k
   return attempt == 1 ? first : first + "/" + std::to_string(attempt);
 }
 
-/// What the data directory holds of a study beside the store, so that its row can be made again:
-/// `studies/<id>.bin`. Written after the row and before the study is acknowledged, removed before
-/// the row: a file without a row shows that rows were lost.
+/// What the data directory holds of a study: `studies/<id>.bin`, the truth about it; rows are an
+/// index that is made again from it and the jobs. Written before the study is acknowledged, removed
+/// before its row: a file without a row shows that rows were lost.
 ///
 /// Format: 8 bytes "DCCASTSD", version 1 and zero as in EVENT_LOG.md, then three frames: a
 /// serialised Study with id, owner and create_time, the serialised CreateStudyRequest, case_sha256
-/// in hexadecimal.
+/// in hexadecimal. A frame follows for each time a run without a job was cancelled, refused or put
+/// back to wait: its number, attempt and outcome, 4 bytes each, and a serialised Failure.
 std::filesystem::path study_file(const std::filesystem::path& directory, const std::string& id);
 
-/// Writes or replaces the file; it survives a crash of the machine once this has returned.
-/// @throws std::system_error
+/// Writes the file, or replaces its first three frames; it survives a crash of the machine once
+/// this has returned. @throws std::system_error
 void write_study_file(const std::filesystem::path& directory, const StudyRecord& record);
+
+/// Adds what became of runs that have no job; survives a crash of the machine once this has
+/// returned. @throws std::system_error
+void append_runs(const std::filesystem::path& directory, const std::string& id,
+                 const std::vector<RunRecord>& runs);
+
+/// What was added last of each run, by its number. @throws as read_study_file()
+std::map<int, RunRecord> read_study_runs(const std::filesystem::path& directory,
+                                         const std::string& id);
 
 /// @throws std::runtime_error  it is missing or damaged
 StudyRecord read_study_file(const std::filesystem::path& directory, const std::string& id);

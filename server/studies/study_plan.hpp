@@ -35,7 +35,7 @@ struct EvaluatedRun {
   bool succeeded() const { return run.state() == v1::SUCCEEDED; }
 };
 
-/// What the runs of a study are, and what they say together. One implementation for each kind.
+/// What the runs of a study are, and their results together. One implementation for each kind.
 class StudyPlan {
 public:
   virtual ~StudyPlan() = default;
@@ -55,7 +55,7 @@ public:
   virtual void describe(int number, v1::StudyRun& run) const = 0;
   /// Whether evaluate() needs the histories of the runs that succeeded.
   virtual bool needs_histories() const { return false; }
-  /// Adds what the runs say together. @param runs  in the order of the plan
+  /// Adds the results of the runs together. @param runs  in the order of the plan
   virtual void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const;
 };
 

@@ -44,7 +44,7 @@ void SurfaceKeeper::build(const std::string& study) const {
   try {
     ready_(study);
   } catch (const std::exception& error) {
-    spdlog::warn("study {}: no response surface yet: {}", study, error.what());
+    log::warn("study {}: no response surface yet: {}", study, error.what());
   }
 }
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "core/statistics/sampling.hpp"
-#include "proto/case_file/key_number.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/studies/study_plan.hpp"
@@ -78,7 +77,7 @@ public:
 
   std::string at(double place) const {
     const double value = low_ + place * (high_ - low_);
-    // Six digits tell any two runs apart, and can be read.
+    // Six digits distinguish any two runs, and can be read.
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, whole_ ? std::round(value) : value,
                                    std::chars_format::general, 6);

@@ -2,7 +2,7 @@
 
 #include <google/protobuf/util/json_util.h>
 
-#include "core/material/liquid_fraction.hpp"
+#include "core/material/thermal_properties.hpp"
 #include "server/translate/case_parts.hpp"
 
 namespace dccast::translate {

@@ -1,4 +1,4 @@
-#include "server/worker/answers.hpp"
+#include "server/worker/main.hpp"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -13,8 +13,8 @@
 #include <string_view>
 
 #include "core/case/case_check.hpp"
-#include "core/casting/forecast.hpp"
-#include "core/casting/solver_identity.hpp"
+#include "core/casting/simulation.hpp"
+#include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
@@ -23,10 +23,7 @@
 #include "server/jobs/checker.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/translate/case_to_core.hpp"
-#include "server/translate/faults_to_proto.hpp"
-#include "server/translate/frame_to_proto.hpp"
-#include "server/translate/step_to_proto.hpp"
-#include "server/translate/study_to_table.hpp"
+#include "server/translate/to_proto.hpp"
 #include "server/worker/run_job.hpp"
 
 namespace dccast::worker {

@@ -20,8 +20,8 @@ constexpr int exit_daemon_gone = 70;
 /// Between two synchronisations of the log, the most that a crash of the machine takes back.
 constexpr std::chrono::milliseconds sync_interval{500};
 
-/// From the request to stop, because no daemon came, to the end of the process: for a run that is in
-/// the middle of a long step.
+/// From the request to stop, because no daemon came, to the end of the process: for a run that is
+/// in the middle of a long step.
 constexpr std::chrono::seconds last_step_time{60};
 
 // Set by a signal handler, read by the thread of the run: only a lock-free atomic serves both.
@@ -33,7 +33,8 @@ extern "C" void note_termination(int) {
 }
 
 JobRun::Clock::duration duration_of(double seconds) {
-  return std::chrono::duration_cast<JobRun::Clock::duration>(std::chrono::duration<double>(seconds));
+  return std::chrono::duration_cast<JobRun::Clock::duration>(
+      std::chrono::duration<double>(seconds));
 }
 
 /// The files of the run are whole at any moment: the next attempt goes on from the checkpoint.
@@ -104,13 +105,13 @@ void JobRun::keep(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
-  auto beat = Clock::now();
+  auto next_sign = Clock::now();
   while (!stop.stop_requested()) {
     const auto now = Clock::now();
     if (!claim_.stands()) leave("the folder of the job is gone");
-    if (heartbeat_ > Clock::duration::zero() && now >= beat) {
+    if (heartbeat_ > Clock::duration::zero() && now >= next_sign) {
       claim_.touch();
-      beat = now + heartbeat_;
+      next_sign = now + heartbeat_;
     }
     look_for_daemon(now);
     try {

@@ -10,7 +10,7 @@
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/worker/run_link.hpp"
+#include "server/worker/run_job.hpp"
 
 namespace dccast::worker {
 

@@ -18,11 +18,9 @@
 #include <string>
 #include <system_error>
 
-#include "core/casting/solver_identity.hpp"
-#include "server/jobs/job_description.hpp"
+#include "core/casting/stored_run.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/jobs/worker_exit.hpp"
-#include "server/worker/answers.hpp"
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
@@ -64,8 +62,8 @@ void step_back_behind_queries() {
     std::cerr << "dccast-worker: runs at the priority of queries: " << ::strerror(errno) << '\n';
 }
 
-/// From now on the messages of this process belong to a job. A log that cannot be opened is no reason
-/// not to run.
+/// From now on the messages of this process belong to a job. A log that cannot be opened is no
+/// reason not to run.
 void write_messages_into(const std::filesystem::path& log) {
   const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (file < 0) return;
@@ -74,8 +72,8 @@ void write_messages_into(const std::filesystem::path& log) {
   ::close(file);
 }
 
-/// Waits for the job on the standard input: the length of the order, 4 bytes in the machine's order,
-/// then the order. @return nothing when the daemon has closed it without a job
+/// Waits for the job on the standard input: the length of the order, 4 bytes in the machine's
+/// order, then the order. @return nothing when the daemon has closed it without a job
 std::optional<v1::WorkerOrder> wait_for_order() {
   std::uint32_t length = 0;
   v1::WorkerOrder order;

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <new>
 
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::worker {
 

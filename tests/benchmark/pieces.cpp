@@ -5,7 +5,7 @@
 
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/constrained_system.hpp"
-#include "core/mechanics/round_off.hpp"
+#include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/thermal/heat_solver.hpp"
 #include "tests/support/load_case.hpp"

@@ -15,7 +15,7 @@ from scene import Scene
 from support import BIN
 
 OLD_STORE = "jobs.sqlite.old"  # a backup made on the way
-CHECKPOINT_VERSION = 8  # first byte of the version in the file: core/restart/CHECKPOINT.md
+CHECKPOINT_VERSION = 8  # first byte of the version in the file: core/results/CHECKPOINT.md
 
 
 class Template:

@@ -2,7 +2,7 @@
 #include <set>
 #include <string>
 
-#include "core/casting/forecast.hpp"
+#include "core/casting/simulation.hpp"
 #include "core/findings/judge.hpp"
 #include "tests/regression/whole_run.hpp"
 #include "tests/support/load_case.hpp"

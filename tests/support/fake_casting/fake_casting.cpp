@@ -15,9 +15,8 @@
 #include <thread>
 
 #include "core/case/case_check.hpp"
-#include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/casting/solver_identity.hpp"
+#include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"
 #include "core/results/result_writer.hpp"
 

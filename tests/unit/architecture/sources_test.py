@@ -17,19 +17,14 @@ PARTS_SEEN = {
 }
 
 # A core room sees the rooms before it. Those named here see less.
-CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics",
-              "restart", "hdf5", "prescribed", "results", "case", "findings", "casting"]
+CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "mechanics",
+              "results", "case", "findings", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
 CORE_ROOMS_SEEN["statistics"] = {"statistics"}
-CORE_ROOMS_SEEN["restart"] = {"restart", "storage", "base"}
-CORE_ROOMS_SEEN["hdf5"] = {"hdf5", "storage", "base"}
-CORE_ROOMS_SEEN["prescribed"] = {"prescribed", "hdf5", "storage", "base"}
-CORE_ROOMS_SEEN["results"] = {"results", "restart", "hdf5", "storage", "base"}
-for room in ("mesh", "fem", "linalg", "material", "thermal", "contact", "mechanics"):  # no files
+CORE_ROOMS_SEEN["results"] = {"results", "storage", "base"}
+for room in ("mesh", "fem", "linalg", "material", "thermal", "mechanics"):  # no files
     CORE_ROOMS_SEEN[room] -= {"storage"}
-CORE_ROOMS_SEEN["case"] -= {"restart", "hdf5", "results"}
-for room in ("contact", "mechanics"):  # thermal and mechanics meet only from case on
-    CORE_ROOMS_SEEN[room] -= {"thermal"}
+CORE_ROOMS_SEEN["mechanics"] -= {"thermal"}  # the two meet only from case on
 
 # The daemon never runs a solver: of the server only these rooms see core, the others only what knows
 # no physics.
@@ -44,7 +39,7 @@ CLIENT_ROOMS["commands"] = CLIENT_ROOMS["cli"] | {"commands"}
 
 # Headers that only one place may include; tests of that place may too, and others named below.
 ONLY_IN = {
-    "hdf5.h": "core/hdf5",
+    "hdf5.h": "core/results",
     "cholmod.h": "core/linalg",
     "sqlite3.h": "server/jobs",
 }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/base/lanes.hpp"
-
 namespace dccast {
 namespace {
 

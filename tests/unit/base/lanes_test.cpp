@@ -1,4 +1,4 @@
-#include "core/base/lanes.hpp"
+#include "core/base/instructions.hpp"
 
 #include <gtest/gtest.h>
 

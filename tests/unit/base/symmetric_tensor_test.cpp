@@ -1,4 +1,4 @@
-#include "core/base/symmetric_tensor.hpp"
+#include "core/base/tensors.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/schema.hpp"
-#include "proto/case_file/size_bounds.hpp"
 
 namespace dccast::case_file {
 namespace {

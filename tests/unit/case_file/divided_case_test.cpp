@@ -1,4 +1,4 @@
-#include "proto/case_file/divided_case.hpp"
+#include "proto/case_file/quality.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

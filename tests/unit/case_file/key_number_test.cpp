@@ -1,9 +1,8 @@
-#include "proto/case_file/key_number.hpp"
+#include "proto/case_file/override.hpp"
 
 #include <gtest/gtest.h>
 
 #include "dccast/v1/case.pb.h"
-#include "proto/case_file/override.hpp"
 
 namespace dccast::case_file {
 namespace {

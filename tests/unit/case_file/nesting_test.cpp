@@ -1,4 +1,4 @@
-#include "proto/case_file/nesting.hpp"
+#include "proto/case_file/text_checks.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

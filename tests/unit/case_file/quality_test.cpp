@@ -61,10 +61,10 @@ TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
   const auto draft = complete(quarter_slab(v1::DRAFT)).mesh(),
              engineering = complete(quarter_slab(v1::ENGINEERING)).mesh(),
              fine = complete(quarter_slab(v1::FINE)).mesh();
-  EXPECT_EQ(engineering.columns(), 7);
-  EXPECT_EQ(engineering.layers(), 7);
+  EXPECT_EQ(engineering.columns(), 10);
+  EXPECT_EQ(engineering.layers(), 8);
   EXPECT_EQ(engineering.rows(), 18);
-  EXPECT_EQ(draft.columns(), 6);
+  EXPECT_EQ(draft.columns(), 8);
   EXPECT_EQ(draft.layers(), 7);
   EXPECT_EQ(draft.rows(), 12);
   for (const auto& [better, worse] :
@@ -86,7 +86,7 @@ TEST(Quality, MergesTheRowsOfAQuarterSlabThatItHasChosen) {
   };
   const auto draft = mesh_of([](v1::Mesh&) {});
   EXPECT_DOUBLE_EQ(draft.merge_below_m(), 0.1);
-  EXPECT_DOUBLE_EQ(draft.merged_cell_m(), 0.016);
+  EXPECT_DOUBLE_EQ(draft.merged_cell_m(), 0.015);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_growth_cell_m(5e-3); }).merge_below_m(), 0.0);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_element(v1::P1); }).merge_below_m(), 0.0);
   EXPECT_EQ(complete(casting(v1::DRAFT)).mesh().merge_below_m(), 0.0) << "of a section";
@@ -198,12 +198,24 @@ TEST(Quality, StaysInRangeForAnySection) {
 }
 
 TEST(DiscretisationError, IsKnownOfTheMeshesAndStepsThatAQualityPicks) {
-  const auto error = [](v1::Quality quality) {
-    return relative_discretisation_error(complete(casting(quality)));
-  };
-  ASSERT_TRUE(error(v1::DRAFT) && error(v1::ENGINEERING) && error(v1::FINE));
-  EXPECT_GT(*error(v1::DRAFT), *error(v1::ENGINEERING));
-  EXPECT_GE(*error(v1::ENGINEERING), *error(v1::FINE));
+  for (const auto make : {&casting, &quarter_slab}) {
+    const auto error = [make](v1::Quality quality) {
+      return relative_discretisation_error(complete(make(quality)));
+    };
+    ASSERT_TRUE(error(v1::DRAFT) && error(v1::ENGINEERING) && error(v1::FINE));
+    EXPECT_GT(*error(v1::DRAFT), *error(v1::ENGINEERING));
+    EXPECT_GE(*error(v1::ENGINEERING), *error(v1::FINE));
+  }
+}
+
+TEST(DiscretisationError, OfAQuarterSlabIsUnknownBeyondItsStartAndOnAnotherMesh) {
+  v1::Case later = quarter_slab(v1::DRAFT), layers = later, merged = later, long_slab = later;
+  later.mutable_time()->set_end_s(1000.0);
+  layers.mutable_mesh()->set_layers(4);
+  merged.mutable_mesh()->set_merge_below_m(0.2);
+  long_slab.mutable_section()->set_half_width_m(1.2);
+  for (const auto& c : {later, layers, merged, long_slab})
+    EXPECT_FALSE(relative_discretisation_error(complete(c)));
 }
 
 TEST(DiscretisationError, IsUnknownWhereItWasNotMeasured) {

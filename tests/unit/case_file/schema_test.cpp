@@ -8,7 +8,6 @@
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/unit_suffix.hpp"
 
 namespace dccast::case_file {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/key_number.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/shipped.hpp"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "core/hdf5/hdf5_file.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "core/results/hdf5_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 

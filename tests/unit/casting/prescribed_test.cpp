@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/hdf5/hdf5_file.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "core/results/hdf5_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 

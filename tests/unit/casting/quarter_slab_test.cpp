@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/rounded_corner.hpp"
+#include "core/mesh/base.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 

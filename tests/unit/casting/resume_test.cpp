@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "core/casting/solver_identity.hpp"
-#include "core/restart/checkpoint_file.hpp"
+#include "core/casting/stored_run.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
@@ -158,9 +158,9 @@ void leave_checkpoint_of(const std::string& solver, const TemporaryFolder& folde
   recorder.act_after = 3;
   recorder.then = Order::stop_at_checkpoint;
   ASSERT_EQ(run(small_casting(), {folder / "", false}, recorder).end, RunEnd::stopped);
-  restart::Sections content = *restart::read_checkpoint(folder / "checkpoint.bin").content;
+  results::Sections content = *results::read_checkpoint(folder / "checkpoint.bin").content;
   content.set("solver", solver);
-  restart::write_checkpoint(folder / "checkpoint.bin", content);
+  results::write_checkpoint(folder / "checkpoint.bin", content);
 }
 
 TEST(CheckpointOfAnotherVersion, LetsTheRunBeginAnewAndSaysWhy) {

@@ -5,10 +5,10 @@
 #include <random>
 
 #include "core/casting/run_state.hpp"
-#include "core/casting/solver_identity.hpp"
+#include "core/casting/stored_run.hpp"
 #include "core/linalg/direct_solver.hpp"
 #include "core/mesh/slab_mesh.hpp"
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
 namespace dccast::casting {
@@ -181,14 +181,14 @@ protected:
     recorder.act_after = 17;
     recorder.then = Order::stop_at_checkpoint;
     ASSERT_EQ(run(c_, {folder_ / "", false}, recorder).end, RunEnd::stopped);
-    content_ = *restart::read_checkpoint(folder_ / "checkpoint.bin").content;
+    content_ = *results::read_checkpoint(folder_ / "checkpoint.bin").content;
     journal_ = bytes_of(folder_ / "journal.bin");
     steps_ = recorder.reports;
   }
 
   /// Goes on from `content` for one step. @return what the run said, and "resumed" where it did
-  std::string resume_from(const restart::Sections& content) {
-    restart::write_checkpoint(folder_ / "checkpoint.bin", content);
+  std::string resume_from(const results::Sections& content) {
+    results::write_checkpoint(folder_ / "checkpoint.bin", content);
     std::ofstream(folder_ / "journal.bin", std::ios::binary) << journal_;
     Recorder recorder;
     recorder.before = steps_;
@@ -204,7 +204,7 @@ protected:
 
   const TemporaryFolder folder_;
   Case c_ = small_casting(mesh::ElementKind::q1);
-  restart::Sections content_;
+  results::Sections content_;
   std::string journal_;
   std::vector<results::StepReport> steps_;
 };
@@ -212,7 +212,7 @@ protected:
 TEST_F(Damage, OfNoArrayIsTakenForAState) {
   ASSERT_EQ(resume_from(content_), "resumed");
   for (const auto& [name, value] : content_.all()) {
-    if (const auto* reals = std::get_if<restart::Sections::Reals>(&value)) {
+    if (const auto* reals = std::get_if<results::Sections::Reals>(&value)) {
       if (name.starts_with("failure"))
         continue;  // may have any length and does not depend on the mesh
       const bool of_finding = name.starts_with("finding");
@@ -224,7 +224,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
         // A finding has each of its numbers at most once, and at most one place.
         if (of_finding && longer.size() <= (name.ends_with("place_m") ? 0 : 1)) continue;
         if (longer == *reals) continue;
-        restart::Sections content = content_;
+        results::Sections content = content_;
         content.set(name, longer);
         EXPECT_THAT(resume_from(content), ::testing::HasSubstr("starts from the beginning"))
             << name << " by " << change;
@@ -234,7 +234,7 @@ TEST_F(Damage, OfNoArrayIsTakenForAState) {
 }
 
 TEST_F(Damage, NamesTheArray) {
-  restart::Sections content = content_;
+  results::Sections content = content_;
   auto strain = content.reals("slab/inelastic_strain");
   strain.resize(strain.size() - 4);
   content.set("slab/inelastic_strain", strain);
@@ -249,7 +249,7 @@ TEST_F(Damage, NamesTheArray) {
 /// from the beginning or reports a failure. The seed is fixed, so that a failure can be reproduced.
 TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
   std::mt19937 random(20240607);
-  const std::string whole = restart::encode(content_);
+  const std::string whole = results::encode(content_);
   int begun_anew = 0;
   for (int i = 0; i < 150; ++i) {
     std::string bytes = whole;
@@ -260,7 +260,7 @@ TEST_F(Damage, BehindTheChecksumNeverLeadsAstray) {
       bytes.resize(place());
     else
       for (int flip = 0; flip <= i % 4; ++flip) bytes[place()] ^= char(1 << (random() % 8));
-    const auto content = restart::decode(bytes);
+    const auto content = results::decode(bytes);
     if (!content) continue;
     const std::string said = resume_from(*content);
     EXPECT_FALSE(said.empty());

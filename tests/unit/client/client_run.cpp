@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/commands/command_line.hpp"
+#include "client/commands/commands.hpp"
 
 namespace dccast::client {
 

@@ -11,7 +11,7 @@
 #include "fake_service.hpp"
 #include "json_reading.hpp"
 #include "proto/case_file/shipped.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {

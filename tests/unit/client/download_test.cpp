@@ -6,7 +6,7 @@
 
 #include "client/session/download.hpp"
 #include "fake_service.hpp"
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {

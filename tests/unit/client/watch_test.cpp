@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/session/job_watch.hpp"
+#include "client/session/jobs.hpp"
 #include "fake_service.hpp"
 
 namespace dccast::client {

@@ -1,4 +1,4 @@
-#include "core/fem/facet_geometry.hpp"
+#include "core/fem/facet_pieces.hpp"
 
 #include <gtest/gtest.h>
 

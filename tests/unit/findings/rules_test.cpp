@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "core/casting/forecast.hpp"
+#include "core/casting/simulation.hpp"
 #include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
@@ -452,9 +452,9 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
                    "m",
                    "a.key",
                    results::Exceedance{13.0, 0.04, {0.2, 0.0}}}};
-  restart::Sections sections;
+  results::Sections sections;
   write_findings(state, sections);
-  const auto decoded = restart::decode(restart::encode(sections));
+  const auto decoded = results::decode(results::encode(sections));
   ASSERT_TRUE(decoded);
   const FindingsState back = read_findings(*decoded);
   EXPECT_EQ(back.raised, state.raised);

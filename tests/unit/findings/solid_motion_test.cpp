@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/base/polar_rotation.hpp"
+#include "core/base/tensors.hpp"
 #include "core/findings/motion.hpp"
 #include "core/findings/shell.hpp"
 #include "core/mesh/slab_mesh.hpp"

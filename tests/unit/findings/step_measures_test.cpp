@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/findings/mush_strain.hpp"
+#include "core/findings/motion.hpp"
 #include "core/findings/shell.hpp"
 #include "core/findings/slice.hpp"
 #include "core/mesh/slab_mesh.hpp"

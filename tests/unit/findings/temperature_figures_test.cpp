@@ -1,4 +1,4 @@
-#include "core/findings/temperature_figures.hpp"
+#include "core/findings/slice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proto/frames/curve_value.hpp"
+#include "proto/frames/contraction.hpp"
 
 #include <gtest/gtest.h>
 

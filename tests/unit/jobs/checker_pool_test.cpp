@@ -1,4 +1,4 @@
-#include "server/jobs/checker_pool.hpp"
+#include "server/jobs/checker.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -150,7 +150,7 @@ TEST_F(CheckerPoolTest, NobodyWaitsForEver) {
   ask(pool, "first");
   EXPECT_EQ(reason(pool, "hang", std::chrono::milliseconds(100)), Why::too_slow);
   const auto begin = std::chrono::steady_clock::now();
-  const Patience called_off{
+  const CallLimits called_off{
       begin + std::chrono::hours(1),
       [&] { return std::chrono::steady_clock::now() > begin + std::chrono::milliseconds(50); }};
   try {

@@ -4,7 +4,7 @@
 #include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
-#include "server/jobs/job_description.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "tests/support/from_hex.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -67,9 +67,7 @@ TEST(EarlierFiles, AJobDescriptionIsRead) {
   EXPECT_EQ(read.job.title(), "butt");
   EXPECT_EQ(read.submitted_case, "submitted");
   EXPECT_EQ(read.complete_case, "");
-  std::filesystem::remove(folder / description_file);
-  write_job_description(folder.path(), read);
-  EXPECT_EQ(storage::read_file(folder / description_file), description);
+  EXPECT_TRUE(read.attachment_sha256.empty());
 }
 
 }  // namespace

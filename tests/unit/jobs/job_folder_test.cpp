@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -50,24 +50,48 @@ JobDescription description() {
   return description;
 }
 
-TEST(JobFolder, SaysWhatItsJobIs) {
-  const TemporaryFolder parent;
-  const auto folder = parent.path() / "job";
-  create_job_folder(folder, {}, description());
-  const JobDescription read = read_job_description(folder);
+void expect_whole(const JobDescription& read) {
   EXPECT_EQ(read.job.id(), "an id");
   EXPECT_EQ(read.job.owner(), "who submitted it");
   EXPECT_EQ(read.submitted_case, "");
   EXPECT_EQ(read.complete_case, description().complete_case);
 }
 
-TEST(JobFolder, ADamagedDescriptionIsToldWhereverItIsDamaged) {
+TEST(JobFolder, SaysWhatItsJobIsWithTheDigestsOfItsAttachments) {
+  const TemporaryFolder parent;
+  const auto folder = parent.path() / "job";
+  Attachments attachments;
+  attachments.Add()->set_name("a mesh");
+  attachments.at(0).set_content("abc");
+  create_job_folder(folder, attachments, description());
+  const JobDescription read = read_job_description(folder);
+  expect_whole(read);
+  EXPECT_EQ(read.attachment_sha256.at("a mesh"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+/// It stands in its file twice.
+TEST(JobFolder, ADescriptionIsReadWhereverAByteIsDamaged) {
   const TemporaryFolder parent;
   write_job_description(parent.path(), description());
   const std::string sound = storage::read_file(parent.path() / description_file);
   for (std::size_t byte = 0; byte < sound.size(); ++byte) {
     std::string damaged = sound;
     damaged[byte] = static_cast<char>(damaged[byte] ^ 4);
+    storage::replace_file(parent.path() / description_file, damaged);
+    expect_whole(read_job_description(parent.path()));
+  }
+}
+
+TEST(JobFolder, ADescriptionThatIsDamagedTwiceIsRefused) {
+  const TemporaryFolder parent;
+  write_job_description(parent.path(), description());
+  const std::string sound = storage::read_file(parent.path() / description_file);
+  const std::size_t half = (sound.size() - 16) / 2;
+  for (std::size_t byte = 16; byte < 16 + half; ++byte) {
+    std::string damaged = sound;
+    for (const std::size_t at : {byte, byte + half})
+      damaged[at] = static_cast<char>(damaged[at] ^ 4);
     storage::replace_file(parent.path() / description_file, damaged);
     EXPECT_THROW(read_job_description(parent.path()), std::runtime_error) << byte;
   }

@@ -3,7 +3,7 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -32,21 +32,18 @@ protected:
   JobStore store_{folder_.path() / "jobs.sqlite"};
 };
 
-TEST_F(JobStoreTest, GivesBackANewJobAndItsCase) {
+TEST_F(JobStoreTest, GivesBackANewJob) {
   JobRecord record = new_record("r");
   record.job.set_study(values::random_uuid());
-  const std::string bytes("\0\1\xff case", 8);
-  EXPECT_FALSE(store_.insert(record, bytes, bytes + "complete"));
+  EXPECT_FALSE(store_.insert(record));
   EXPECT_TRUE(same(store_.find(record.job.id())->job, record.job));
   EXPECT_TRUE(same(store_.find_request("r")->job, record.job));
-  EXPECT_EQ(store_.complete_case(record.job.id()), bytes + "complete");
   EXPECT_FALSE(store_.find(values::random_uuid()));
-  EXPECT_FALSE(store_.complete_case(values::random_uuid()));
 }
 
 TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   JobRecord record = new_record();
-  store_.insert(record, "", "");
+  store_.insert(record);
   record.job.set_state(v1::FAILED);
   record.job.set_attempts(3);
   record.job.mutable_validity_loss()->set_message("slides");
@@ -55,8 +52,6 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   record.job.mutable_failure()->set_message("cause");
   record.job.mutable_last_step()->set_step(17);
   record.job.add_artifacts()->set_name("results.h5");
-  record.requested_action = RequestedAction::cancel;
-  record.request_reason = "why";
   record.losses = 2;
   record.lost_step = 16;
   record.first_loss = "signal 9";
@@ -65,8 +60,6 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   const auto found = again.find(record.job.id());
   ASSERT_TRUE(found);
   EXPECT_TRUE(same(found->job, record.job)) << found->job.DebugString();
-  EXPECT_EQ(found->requested_action, RequestedAction::cancel);
-  EXPECT_EQ(found->request_reason, "why");
   EXPECT_EQ(found->losses, 2);
   EXPECT_EQ(found->lost_step, 16);
   EXPECT_EQ(found->first_loss, "signal 9");
@@ -74,17 +67,17 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
 
 TEST_F(JobStoreTest, TakesARequestIdOnceAndNoneAnyNumberOfTimes) {
   const JobRecord first = new_record("same");
-  EXPECT_FALSE(store_.insert(first, "", ""));
-  const auto there = store_.insert(new_record("same"), "", "");
+  EXPECT_FALSE(store_.insert(first));
+  const auto there = store_.insert(new_record("same"));
   ASSERT_TRUE(there);
   EXPECT_EQ(there->job.id(), first.job.id());
-  EXPECT_FALSE(store_.insert(new_record(), "", ""));
-  EXPECT_FALSE(store_.insert(new_record(), "", ""));
+  EXPECT_FALSE(store_.insert(new_record()));
+  EXPECT_FALSE(store_.insert(new_record()));
   EXPECT_EQ(store_.ids().size(), 3u);
 }
 
 TEST_F(JobStoreTest, ListsNewestFirstPageByPage) {
-  for (int i = 0; i < 5; ++i) store_.insert(new_record("", 1700000000000 + i / 2), "", "");
+  for (int i = 0; i < 5; ++i) store_.insert(new_record("", 1700000000000 + i / 2));
   JobStore::Page page{.size = 2};
   std::vector<std::int64_t> created;
   std::set<std::string> ids;
@@ -111,7 +104,7 @@ TEST_F(JobStoreTest, ListsTheJobsOfAStudyOnly) {
     JobRecord record = new_record("", 1700000000000 + i);
     if (i % 2 == 0) record.job.set_study(i == 4 ? values::random_uuid() : study);
     if (record.job.study() == study) members.insert(record.job.id());
-    store_.insert(record, "", "");
+    store_.insert(record);
   }
   std::set<std::string> listed;
   for (const JobRecord& record : store_.list({.study = study})) {
@@ -129,7 +122,7 @@ TEST_F(JobStoreTest, AStudyOutlivesAMemberThatIsDeleted) {
   JobRecord first = new_record(), second = new_record();
   for (JobRecord* record : {&first, &second}) {
     record->job.set_study("s");
-    store_.insert(*record, "", "");
+    store_.insert(*record);
   }
   store_.erase(first.job.id());
   const auto left = store_.list({.study = "s"});
@@ -137,86 +130,19 @@ TEST_F(JobStoreTest, AStudyOutlivesAMemberThatIsDeleted) {
   EXPECT_EQ(left.front().job.id(), second.job.id());
 }
 
-/// A store as version 1 wrote it, before jobs could belong to a study, with one job that has ended.
-constexpr const char* store_of_version_1 = R"sql(
-CREATE TABLE job (
-  id TEXT PRIMARY KEY,
-  request_id TEXT UNIQUE,
-  case_sha256 TEXT NOT NULL,
-  title TEXT NOT NULL,
-  priority INTEGER NOT NULL,
-  state INTEGER NOT NULL,
-  created_ms INTEGER NOT NULL,
-  started_ms INTEGER NOT NULL,
-  ended_ms INTEGER NOT NULL,
-  attempts INTEGER NOT NULL,
-  failure BLOB,
-  outcome BLOB,
-  wish INTEGER NOT NULL,
-  wish_reason TEXT NOT NULL,
-  losses INTEGER NOT NULL,
-  lost_step INTEGER NOT NULL,
-  first_loss TEXT NOT NULL,
-  worker_process INTEGER NOT NULL,
-  worker_start_ticks INTEGER NOT NULL
-) STRICT;
-CREATE INDEX job_by_age ON job (created_ms, id);
-CREATE INDEX job_by_state ON job (state);
-CREATE TABLE job_case (
-  id TEXT PRIMARY KEY REFERENCES job (id) ON DELETE CASCADE,
-  submitted BLOB NOT NULL,
-  complete BLOB NOT NULL
-) STRICT;
-PRAGMA user_version = 1;
-INSERT INTO job VALUES ('0f2b9a4e-0000-4000-8000-000000000000', 'r', 'abc', 'old', 2, 6,
-  1700000000000, 1700000000100, 1700000000200, 1, NULL, NULL, 0, '', 0, -1, '', 77, 88);
-INSERT INTO job_case VALUES ('0f2b9a4e-0000-4000-8000-000000000000', x'01', x'02');
-)sql";
-
 TEST_F(JobStoreTest, KnowsWhatUnfinishedJobsTake) {
   JobRecord waiting = new_record(), ended = new_record();
   waiting.bytes = 70;
   ended.bytes = 500;
   waiting.job.set_owner("someone");
-  store_.insert(waiting, "", "");
-  store_.insert(ended, "", "");
+  store_.insert(waiting);
+  store_.insert(ended);
   EXPECT_EQ(store_.unfinished_bytes(), 570);
   ended.job.set_state(v1::SUCCEEDED);
   store_.update(ended, Durability::full);
   EXPECT_EQ(store_.unfinished_bytes(), 70);
   EXPECT_EQ(store_.find(waiting.job.id())->job.owner(), "someone");
   EXPECT_EQ(store_.find(waiting.job.id())->bytes, 70);
-}
-
-TEST_F(JobStoreTest, BringsAStoreOfTheVersionBeforeStudiesUpToDate) {
-  const auto path = folder_.path() / "earlier.sqlite";
-  Database(path).execute(store_of_version_1);
-  const std::string old = "0f2b9a4e-0000-4000-8000-000000000000";
-  JobRecord member = new_record();
-  member.job.set_study(values::random_uuid());
-  {
-    JobStore store(path);
-    const auto found = store.find(old);
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->job.study(), "");
-    EXPECT_EQ(found->job.title(), "old");
-    EXPECT_EQ(found->job.state(), v1::CANCELLED);
-    EXPECT_EQ(milliseconds(found->job.end_time()), 1700000000200);
-    EXPECT_EQ(found->job.owner(), "");
-    EXPECT_EQ(store.complete_case(old), "\2");
-    store.update(*found, Durability::full);
-    store.insert(member, "", "");
-  }
-  {
-    Database database(path);
-    Statement studies(database, "SELECT COUNT(*) FROM study JOIN study_run ON study = id");
-    EXPECT_TRUE(studies.step());
-  }
-  JobStore again(path);  // the step is taken once
-  EXPECT_EQ(again.ids().size(), 2u);
-  const auto listed = again.list({.study = member.job.study()});
-  ASSERT_EQ(listed.size(), 1u);
-  EXPECT_TRUE(same(listed.front().job, member.job));
 }
 
 TEST_F(JobStoreTest, FindsJobsByLabelsOwnerAndTheBeginningOfTheirIds) {
@@ -228,7 +154,7 @@ TEST_F(JobStoreTest, FindsJobsByLabelsOwnerAndTheBeginningOfTheirIds) {
   v1::CaseChange& change = *one.job.add_changes();
   change.set_key("mesh.rows");
   change.set_value("30");
-  for (const JobRecord* record : {&both, &one, &none}) store_.insert(*record, "", "");
+  for (const JobRecord* record : {&both, &one, &none}) store_.insert(*record);
   EXPECT_TRUE(same(store_.find(both.job.id())->job, both.job));
   EXPECT_TRUE(same(store_.find(one.job.id())->job, one.job));
   EXPECT_EQ(store_.list({.labels = {"trial"}}).size(), 2u);
@@ -245,7 +171,7 @@ TEST_F(JobStoreTest, FindsTheNewestAnswerOfTheSameSolver) {
   JobRecord older = new_record(), newer = new_record("", 1700000000999);
   for (JobRecord* record : {&older, &newer}) {
     record->answer_key = "key";
-    store_.insert(*record, "", "");
+    store_.insert(*record);
     record->job.set_state(v1::SUCCEEDED);
     record->solver = "solver";
     EXPECT_FALSE(record == &older && store_.find_answer("key", "solver")) << "it has not ended";
@@ -258,20 +184,24 @@ TEST_F(JobStoreTest, FindsTheNewestAnswerOfTheSameSolver) {
   EXPECT_FALSE(store_.find_answer("", "")) << "nobody knows what computed such a job";
 }
 
-TEST_F(JobStoreTest, ForgetsAJobWithItsCase) {
+TEST_F(JobStoreTest, ForgetsAJob) {
   const JobRecord record = new_record();
-  store_.insert(record, "a", "b");
+  store_.insert(record);
   EXPECT_TRUE(store_.erase(record.job.id()));
   EXPECT_FALSE(store_.erase(record.job.id()));
-  EXPECT_FALSE(store_.complete_case(record.job.id()));
 }
 
-TEST_F(JobStoreTest, RefusesAStoreOfALaterVersion) {
-  {
-    Database database(folder_.path() / "later.sqlite");
-    database.execute("PRAGMA user_version = 99");
+TEST_F(JobStoreTest, RefusesAStoreOfAnotherVersion) {
+  for (const auto& [version, built_again] : {std::pair{6, true}, std::pair{99, false}}) {
+    const auto path = folder_.path() / std::to_string(version);
+    Database(path).execute(("PRAGMA user_version = " + std::to_string(version)).c_str());
+    try {
+      const JobStore store(path);
+      FAIL() << version;
+    } catch (const StoreError& error) {
+      EXPECT_EQ(must_be_built_again(error), built_again) << error.what();
+    }
   }
-  EXPECT_THROW(JobStore{folder_.path() / "later.sqlite"}, StoreError);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {

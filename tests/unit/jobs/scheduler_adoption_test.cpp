@@ -119,20 +119,6 @@ TEST_F(SchedulerAdoption, ACancelRequestedBeforeTheRestartHolds) {
   EXPECT_EQ(state(daemon, id_), v1::CANCELLED);
 }
 
-// A worker of a version before reported over a socket and is ended: what was requested then stands
-// in the store alone.
-TEST_F(SchedulerAdoption, ARequestInTheStoreOfAnEarlierVersionHolds) {
-  crash_after_three_steps();
-  {
-    JobStore store(crashed_ / "jobs.sqlite");
-    auto record = *store.find(id_);
-    record.requested_action = RequestedAction::pause;
-    store.update(record, Durability::full);
-  }
-  Daemon daemon(crashed_);
-  EXPECT_EQ(state(daemon, id_), v1::PAUSED);
-}
-
 TEST_F(SchedulerAdoption, WhateverWorksForAJobThatDoesNotRunIsEnded) {
   crash_after_three_steps([this](Daemon&) {
     v1::Job job;

@@ -2,7 +2,7 @@
 #include <fstream>
 
 #include "server/jobs/step_index.hpp"
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
@@ -243,9 +243,8 @@ TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsSet) {
   run_a_job(daemon);
   const auto checkpoint = folder_.path() / id_ / "checkpoint.bin";
   std::ofstream(checkpoint) << "of yesterday";
-  worker_->end(RunEnd::OTHER_VERSION_FOUND, [](RunEnd& end) {
-    end.mutable_failure()->set_message("written by dccast 0.0.9");
-  });
+  worker_->end(RunEnd::OTHER_VERSION_FOUND,
+               [](RunEnd& end) { end.mutable_failure()->set_message("written by dccast 0.0.9"); });
   end_worker(daemon, "exit code 0", 0);
   EXPECT_TRUE(becomes(daemon, id_, v1::PAUSED));
   EXPECT_FALSE(fs::exists(checkpoint));  // so that it starts over

@@ -4,7 +4,7 @@
 #include <future>
 #include <utility>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/worker_exit.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 namespace {
@@ -91,7 +91,8 @@ TEST(Settlement, ALossNamesTheFirstDeathAndTheStep) {
   JobRecord record = running();
   EXPECT_EQ(settle_lost(record, {"signal 11"}, {.worker_restarts = 1, .reached_step = 7}).state,
             v1::QUEUED);
-  const auto last = settle_lost(record, {"exit code 1", 1}, {.worker_restarts = 1, .reached_step = 7});
+  const auto last =
+      settle_lost(record, {"exit code 1", 1}, {.worker_restarts = 1, .reached_step = 7});
   EXPECT_EQ(last.state, v1::FAILED);
   EXPECT_EQ(last.cause,
             "worker died with signal 11 after step 7; in all it died 2 times, twice in the step "

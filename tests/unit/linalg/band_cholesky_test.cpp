@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "core/linalg/sweep_order.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 #include "tests/unit/linalg/by_cholmod.hpp"
 #include "tests/unit/linalg/grid_matrix.hpp"
 #include "tests/unit/linalg/relative_difference.hpp"

@@ -6,7 +6,7 @@
 
 #include "core/linalg/conjugate_gradients.hpp"
 #include "core/linalg/direct_solver.hpp"
-#include "core/linalg/sweep_order.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 #include "tests/support/brick_matrix.hpp"
 #include "tests/unit/linalg/relative_difference.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/linalg/sweep_order.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 
 #include "core/base/team.hpp"
 #include "core/linalg/band_cholesky.hpp"
-#include "core/linalg/sweep_order.hpp"
+#include "core/linalg/sparsity_pattern.hpp"
 #include "tests/support/brick_matrix.hpp"
 
 namespace dccast::linalg {

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/material/liquid_fraction.hpp"
-
 namespace dccast::material {
 namespace {
 

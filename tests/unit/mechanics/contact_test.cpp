@@ -29,7 +29,7 @@ TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnAPartialContact) {
   const auto floor = block.floor(unknowns);
   EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight);
   EXPECT_LE(
-      contact::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
+      mechanics::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
       1e-8);
   for (std::size_t i = 0; i < block.pairs(); ++i) {
     EXPECT_EQ(unknowns.contact[i] != 0, std::abs(floor.gap[i]) < 1e-12) << i;
@@ -87,7 +87,7 @@ TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnACurvedFloor) {
     EXPECT_GT(closed_of(unknowns.contact), 0) << slope;
     EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight) << slope;
     EXPECT_LE(
-        contact::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
+        mechanics::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
         1e-8)
         << slope;
     EXPECT_EQ(unknowns.contact.front() != 0, slope > 0.0) << slope;

@@ -8,7 +8,7 @@
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
-#include "tests/unit/creep/paper_card.hpp"
+#include "tests/unit/material/paper_card.hpp"
 #include "tests/unit/mechanics/bodies.hpp"
 
 namespace dccast::mechanics::testing {

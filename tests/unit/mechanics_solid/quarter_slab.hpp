@@ -9,7 +9,7 @@
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/quarter_section.hpp"
-#include "tests/unit/creep/paper_card.hpp"
+#include "tests/unit/material/paper_card.hpp"
 #include "tests/unit/mechanics_solid/box_mesh.hpp"
 
 namespace dccast::mechanics::testing {

@@ -1,5 +1,5 @@
 // State of points where rows of hexahedra are merged.
-#include "core/mechanics/row_merging.hpp"
+#include "core/mechanics/slab_growth.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,6 @@
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/solve_step.hpp"
-#include "core/mechanics/viscoplastic_history.hpp"
 #include "tests/unit/mechanics_solid/box_mesh.hpp"
 
 namespace dccast::mechanics::testing {

@@ -6,7 +6,6 @@
 
 #include "core/mesh/base.hpp"
 #include "core/mesh/extrusion.hpp"
-#include "core/mesh/rounded_corner.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/print_kinds.hpp"
 #include "tests/support/quarter_section.hpp"

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/mesh/graded_cells.hpp"
+#include "core/mesh/extrusion.hpp"
 #include "tests/support/print_kinds.hpp"
 
 namespace dccast::mesh {

@@ -1,4 +1,4 @@
-#include "core/results/derived_fields.hpp"
+#include "core/results/frame.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "core/results/history_fields.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"

@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
@@ -15,8 +15,6 @@
 namespace dccast::results {
 namespace {
 
-using restart::read_checkpoint;
-using restart::Sections;
 using storage::read_file;
 using storage::StorageError;
 
@@ -123,7 +121,8 @@ TEST(ResultWriter, DoesNotResumeWithoutARecordTheCheckpointCounts) {
   EXPECT_EQ(records, 2);  // header, frame
   EXPECT_TRUE(ResultWriter::resume(files, sample_steps(1), records).writer);
   std::filesystem::resize_file(folder / "j", before_the_frame);
-  EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason, "the journal has lost a record");
+  EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason,
+            "the journal has lost a record");
 }
 
 TEST(ResultWriter, MakesTheResultFileWhileTheRunGoesOn) {
@@ -160,9 +159,8 @@ TEST(ResultWriter, DoesNotPublishHalfAJournal) {
 
 TEST(ResultWriter, DoesNotResumeWithoutAJournal) {
   const TemporaryFolder folder;
-  EXPECT_EQ(
-      ResultWriter::resume({folder / "none", folder / "r.h5"}, sample_steps(1), 1).reason,
-      "the journal is missing");
+  EXPECT_EQ(ResultWriter::resume({folder / "none", folder / "r.h5"}, sample_steps(1), 1).reason,
+            "the journal is missing");
 }
 
 TEST(ResultWriter, SyncsTheStepsBeforeItWritesACheckpoint) {
@@ -173,7 +171,8 @@ TEST(ResultWriter, SyncsTheStepsBeforeItWritesACheckpoint) {
   writer.wait();
   EXPECT_TRUE(first);
   EXPECT_TRUE(std::filesystem::exists(folder / "c"));
-  writer.checkpoint(folder / "d", {}, [] { throw StorageError(EROFS, "the log", "is not synced"); });
+  writer.checkpoint(folder / "d", {},
+                    [] { throw StorageError(EROFS, "the log", "is not synced"); });
   EXPECT_THROW(writer.wait(), StorageError);
   EXPECT_FALSE(std::filesystem::exists(folder / "d"));
 }

@@ -1,4 +1,4 @@
-#include "core/results/run_records.hpp"
+#include "core/results/journal.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,16 +7,13 @@
 #include <functional>
 #include <iostream>
 
-#include "core/restart/checkpoint_file.hpp"
+#include "core/results/checkpoint_file.hpp"
 #include "core/storage/storage_error.hpp"
 #include "tests/unit/results/sample_run.hpp"
 
 namespace dccast::results {
 namespace {
 
-using restart::read_checkpoint;
-using restart::Sections;
-using restart::write_checkpoint;
 
 constexpr int told = 17;    ///< the exit code of a process that was told of the fault
 constexpr int untold = 18;  ///< ... that was not

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
@@ -45,7 +45,7 @@ protected:
     append_state(job.job.id(), v1::QUEUED);
     jobs::JobRecord record;
     record.job = job.job;
-    if (with_row) store_->insert(record, job.submitted_case, job.complete_case);
+    if (with_row) store_->insert(record);
     jobs::mark_accepted(folder);
     return job.job.id();
   }

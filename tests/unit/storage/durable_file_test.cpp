@@ -1,4 +1,4 @@
-#include "core/storage/durable_file.hpp"
+#include "core/storage/file.hpp"
 
 #include <gtest/gtest.h>
 

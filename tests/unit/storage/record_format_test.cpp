@@ -1,4 +1,4 @@
-#include "core/storage/record_format.hpp"
+#include "core/storage/record_log.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/storage/resource_fault.hpp"
+#include "core/storage/storage_error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/studies/study_file.hpp"
@@ -43,7 +43,7 @@ protected:
     record.job.set_study(study);
     record.job.set_state(state);
     *record.job.mutable_create_time() = jobs::timestamp(1000);
-    jobs_.insert(record, "", "");
+    jobs_.insert(record);
     if (ended_ms > 0) *record.job.mutable_end_time() = jobs::timestamp(ended_ms);
     jobs_.update(record, jobs::Durability::normal);
     return record.job.id();

@@ -1,5 +1,5 @@
 // Merging of rows conserves heat.
-#include "core/thermal/row_merging.hpp"
+#include "core/thermal/growth.hpp"
 
 #include <gtest/gtest.h>
 

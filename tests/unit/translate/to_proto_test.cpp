@@ -5,10 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "core/results/history_fields.hpp"
-#include "server/translate/faults_to_proto.hpp"
-#include "server/translate/frame_to_proto.hpp"
-#include "server/translate/step_to_proto.hpp"
+#include "core/results/step_report.hpp"
+#include "server/translate/to_proto.hpp"
 
 namespace dccast::translate {
 namespace {

@@ -1,4 +1,4 @@
-#include "proto/values/sha256.hpp"
+#include "proto/values/digests.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "proto/values/shortened.hpp"
+#include "proto/values/printable.hpp"
 
 #include <gtest/gtest.h>
 

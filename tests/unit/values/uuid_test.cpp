@@ -1,10 +1,8 @@
-#include "proto/values/uuid.hpp"
+#include "proto/values/digests.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
-
-#include "proto/values/hexadecimal.hpp"
 
 namespace dccast::values {
 namespace {

@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/solve_step.hpp"
-#include "core/mechanics/viscoplastic_history.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/verification/mechanics/figures.hpp"
 

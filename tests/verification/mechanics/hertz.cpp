@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "core/contact/active_set.hpp"
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/step_constraints.hpp"
 #include "tests/verification/mechanics/exact_checks.hpp"
 #include "tests/verification/mechanics/hertz_solution.hpp"
 #include "tests/verification/mechanics/time_loop.hpp"
@@ -98,7 +98,7 @@ public:
     raise("pressure_error", norm.value());
     raise("load_error", std::abs(total / (0.5 * force) - 1.0));
     const double depth = 0.5 * exact.half_width() * exact.half_width() / radius;
-    raise("complementarity_error", contact::complementarity_error(gap, r, depth, 0.5 * force));
+    raise("complementarity_error", mechanics::complementarity_error(gap, r, depth, 0.5 * force));
   }
 
   double area(std::size_t pair) const { return body_.problem.contact_area[pair]; }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/case/case.hpp"
+#include "core/casting/casting_run.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/casting/step_observer.hpp"
 
 namespace dccast::verification {
 

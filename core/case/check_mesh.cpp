@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "core/case/checks.hpp"
+#include "core/mesh/gmsh_reader.hpp"
+#include "core/mesh/slab_mesh.hpp"
+#include "core/results/temperature_file.hpp"
+
+namespace dccast::casting {
+
+void too_many_nodes(CaseFindings& found, double nodes) {
+  found.fault(
+      "mesh.columns", std::to_string(found.casting.section.columns),
+      "leads to " + with_unit(nodes, "nodes at the end"),
+      "at most limits.maximum_nodes = " + std::to_string(found.casting.limits.maximum_nodes),
+      "use fewer or larger cells, or raise the limit");
+}
+
+void check_built_in_size(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
+  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
+  // Nodes and cells of a row of the plan.
+  const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
+  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
+  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
+                       (s.columns * s.refinement + 1.0) * across;
+  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
+    return too_many_nodes(found, rough);
+  const std::int64_t rows = mesh::rows_at(s, *found.final_level);
+  const std::int64_t columns = std::int64_t(s.columns) * s.refinement;
+  const std::int64_t layers = found.solid() ? std::int64_t(s.layers) * s.refinement : 1;
+  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
+  found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
+  found.estimate.elements = rows * columns * layers * in_a_cell;
+  if (found.estimate.nodes > found.casting.limits.maximum_nodes) {
+    too_many_nodes(found, static_cast<double>(found.estimate.nodes));
+  }
+  estimate_effort(found);
+}
+
+namespace {
+
+/// Tolerance of the width of a mesh relative to the half width of the case: drawings are rounded.
+constexpr double width_tolerance = 0.01;
+constexpr double depth_tolerance = 0.01;
+
+std::string name_of(const CaseFindings& found) {
+  return found.casting.section.file.filename().string();
+}
+
+bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
+  double nearest = 0.0;
+  for (int n = 0; n < mesh.nodes(); ++n) nearest = std::min(nearest, mesh.point(n)[0]);
+  if (nearest >= 0.0) return false;
+  found.fault("mesh.file", found.casting.section.file.filename().string(),
+              "has a node at " + with_unit(nearest, "m") + ", beyond the axis of the billet",
+              "distances from the axis of 0 m and more with section.kind = \"axisymmetric\"",
+              "mesh the right half of the section");
+  return true;
+}
+
+/// The unit in which a length that should be `metres` was probably drawn.
+std::string remedy_for_size(double drawn, double metres) {
+  struct Unit {
+    const char* name;
+    double in_metres;
+  };
+  for (const Unit unit :
+       {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254}}) {
+    if (std::abs(drawn * unit.in_metres - metres) > 2.0 * width_tolerance * metres) continue;
+    char factor[32];
+    std::snprintf(factor, sizeof factor, "%g", unit.in_metres);
+    return std::string("it is in ") + unit.name +
+           ": export it in metres, in Gmsh with Mesh.ScalingFactor = " + factor;
+  }
+  return "export the mesh in metres, or correct section.half_width";
+}
+
+template <int Dim>
+void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
+  const double width = mesh.largest(0), depth = mesh.largest(Dim - 1);
+  const double half_width = found.casting.section.half_width;
+  if (found.sound({"section.half_width"}) &&
+      std::abs(width - half_width) > width_tolerance * half_width) {
+    found.fault("mesh.file", name_of(found), "is " + with_unit(width, "m") + " wide",
+                "section.half_width = " + with_unit(half_width, "m") + ", within 1 %",
+                remedy_for_size(width, half_width));
+    return;
+  }
+  const double expected = found.casting.section.initial_depth;
+  if (found.sound({"section.initial_depth"}) &&
+      std::abs(depth - expected) > depth_tolerance * expected) {
+    found.warning("mesh.file", name_of(found),
+                  "is " + with_unit(depth, "m") + " high, and that is how deep the metal is",
+                  "section.initial_depth = " + with_unit(expected, "m"), "make the two agree");
+  }
+}
+
+struct NeededGroup {
+  mesh::PatchKind patch;
+  const char* name;
+  const char* message;
+  const char* remedy;
+};
+
+/// By dimension, from 2.
+constexpr NeededGroup side_group[] = {
+    {mesh::PatchKind::side, "side", "has no group 'side': neither mould nor water would cool it",
+     "name the face in Gmsh, Physical Curve(\"side\") = {...}, and export the mesh again"},
+    {mesh::PatchKind::side, "side_x, side_y or side_ and any name",
+     "has no group 'side_...': neither mould nor water would cool it",
+     "name the faces in Gmsh, Physical Surface(\"side_x\") = {...}, and export the mesh again"}};
+constexpr NeededGroup top_group[] = {
+    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
+     "name the surface of the metal in Gmsh, Physical Curve(\"top\") = {...}, or write "
+     "cooling.top = \"insulated\""},
+    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
+     "name the surface of the metal in Gmsh, Physical Surface(\"top\") = {...}, or write "
+     "cooling.top = \"insulated\""}};
+constexpr NeededGroup symmetry_group{
+    mesh::PatchKind::symmetry, "symmetry",
+    "has no group 'symmetry': nothing would hold the slab sideways",
+    "name the symmetry plane or axis in Gmsh, Physical Curve(\"symmetry\") = {...}, or "
+    "write mechanics.enabled = false"};
+
+template <int Dim>
+void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, const NeededGroup& group) {
+  if (!mesh::patch_nodes(mesh, group.patch).empty()) return;
+  found.fault("mesh.file", name_of(found), group.message,
+              std::string("a physical group of ") + (Dim == 2 ? "lines" : "surfaces") +
+                  " with the name " + group.name,
+              group.remedy);
+}
+
+/// A quarter slab needs two symmetry planes, one normal to each horizontal axis.
+void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
+  for (const auto& [name, axis] : {std::pair{"symmetry_x", 0}, std::pair{"symmetry_y", 1}}) {
+    const bool held = std::ranges::any_of(mesh.patches, [axis = axis](const auto& patch) {
+      return patch.kind == mesh::PatchKind::symmetry && !patch.facets.empty() &&
+             patch.normal[std::size_t(axis)] < -0.99;
+    });
+    if (held) continue;
+    found.fault("mesh.file", name_of(found),
+                std::string("has no group '") + name + "': nothing would hold the slab along " +
+                    (axis == 0 ? "x" : "y"),
+                std::string("a physical group of surfaces with the name ") + name +
+                    ", in the plane where that coordinate is zero",
+                std::string("name the plane in Gmsh, Physical Surface(\"") + name +
+                    "\") = {...}, or write mechanics.enabled = false");
+  }
+}
+
+/// Boundary without a name is free and insulated. Patches that the case needs must have a name.
+template <int Dim>
+void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
+  const Case& c = found.casting;
+  const bool heat_is_solved = c.thermal.file.empty();
+  if (heat_is_solved && found.sound({"thermal.file"})) {
+    need(found, mesh, side_group[Dim - 2]);
+    if (c.cooling.top != thermal::Top::insulated && found.sound({"cooling.top"}))
+      need(found, mesh, top_group[Dim - 2]);
+  }
+  if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
+    if constexpr (Dim == 2)
+      need(found, mesh, symmetry_group);
+    else
+      need_both_planes(found, mesh);
+  }
+}
+
+template <int Dim>
+void check_mesh(CaseFindings& found) {
+  const Case& c = found.casting;
+  auto& mesh = found.imported<Dim>();
+  mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, found.faults);
+  if (!mesh) return;
+  found.estimate.nodes = mesh->nodes();
+  found.estimate.elements = mesh->elements();
+  if (found.sound({"limits.maximum_nodes"}) && mesh->nodes() > c.limits.maximum_nodes)
+    too_many_nodes(found, mesh->nodes());
+  bool misplaced = false;
+  if constexpr (Dim == 2)
+    misplaced =
+        found.sound({"section.kind"}) && found.axisymmetric() && beyond_the_axis(found, *mesh);
+  if (!misplaced) check_size(found, *mesh);
+  check_groups(found, *mesh);
+  estimate_effort(found);
+}
+
+}  // namespace
+
+void check_imported_mesh(CaseFindings& found) {
+  if (!found.sound({"mesh.file", "mesh.element", "section.kind"})) return;
+  found.solid() ? check_mesh<3>(found) : check_mesh<2>(found);
+}
+
+namespace {
+
+/// Empty if the check is skipped because of another fault.
+std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
+  if (found.imported_plane) return std::size_t(found.imported_plane->nodes());
+  if (found.imported_solid) return std::size_t(found.imported_solid->nodes());
+  if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
+    return std::nullopt;
+  const mesh::SectionSpec& s = found.casting.section;
+  return std::size_t(found.solid() ? mesh::SlabMesh3D(s).mesh().nodes()
+                                   : mesh::SlabMesh2D(s).mesh().nodes());
+}
+
+void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {
+  if (history.begin() <= -found.casting.schedule.hold + 1e-9 &&
+      history.end() >= found.casting.time.end - 1e-9) {
+    return;
+  }
+  found.warning("thermal.file", found.casting.thermal.file.filename().string(),
+                "does not cover the simulated time; its first and last temperatures are "
+                "held outside",
+                "from " + with_unit(-found.casting.schedule.hold, "s") + " to " +
+                    with_unit(found.casting.time.end, "s"));
+}
+
+}  // namespace
+
+void check_temperature_file(CaseFindings& found) {
+  if (found.casting.thermal.file.empty() || !found.sound({"thermal.file"})) return;
+  const auto nodes = nodes_at_the_start(found);
+  if (!nodes) return;
+  const auto history =
+      results::read_temperature_file(found.casting.thermal.file, *nodes, found.faults);
+  if (history && found.sound({"time.end", "schedule.hold"})) temperature_range(found, *history);
+}
+
+}  // namespace dccast::casting

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/case/case_check.hpp"
+#include "core/mesh/mesh.hpp"
+
+namespace dccast::casting {
+
+using Keys = std::vector<std::string>;
+
+/// A value with its unit: "0.28 m". @param value  [`unit`]
+std::string with_unit(double value, const char* unit);
+
+/// A case during its check: the faults found so far and intermediate results for later checks. A
+/// check that depends on a faulty key is skipped and reported as skipped, see sound().
+class CaseFindings {
+public:
+  CaseFindings(const Case& the_case, const std::vector<std::string>& faulty_keys)
+      : casting(the_case), faulty_keys_(faulty_keys) {}
+
+  /// As Faults::add().
+  template <class... Rest>
+  void fault(Rest&&... rest) {
+    faults.add(std::forward<Rest>(rest)...);
+  }
+  template <class... Rest>
+  void warning(Rest&&... rest) {
+    warnings_.add(std::forward<Rest>(rest)...);
+  }
+
+  /// The fault that makes the value of a key unusable; empty if there is none.
+  std::string fault_of(std::string_view key) const;
+  /// Whether none of these keys has a fault, so that checks depending on them are meaningful. If
+  /// not, the answer names the fault they wait for.
+  bool sound(const Keys& keys);
+  bool axisymmetric() const { return casting.section.kind == mesh::SectionKind::axisymmetric; }
+  bool solid() const { return mesh::dimension_of(casting.section.kind) == 3; }
+
+  /// All findings, with warnings for the checks that were skipped.
+  CheckedCase answer();
+
+  const Case& casting;
+  Faults faults;
+  Estimate estimate;
+  /// [m] metal level at the end; set if `course_keys` are sound
+  std::optional<double> final_level;
+  std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
+  /// The mesh of the section's dimension, set if mesh.file is sound.
+  std::optional<mesh::Mesh2D> imported_plane;
+  std::optional<mesh::Mesh3D> imported_solid;
+
+  template <int Dim>
+  auto& imported() {
+    if constexpr (Dim == 2)
+      return imported_plane;
+    else
+      return imported_solid;
+  }
+
+private:
+  const std::vector<std::string>& faulty_keys_;
+  Faults warnings_;
+  std::set<std::string> waited_for_;
+};
+
+/// Keys that determine the course of the casting in time.
+inline const Keys course_keys = {"time.end",
+                                 "time.step",
+                                 "schedule.hold",
+                                 "schedule.casting_speed",
+                                 "schedule.casting_speed_factor",
+                                 "schedule.casting_speed_shift",
+                                 "cooling.water.start",
+                                 "cooling.water.pulse_period",
+                                 "cooling.narrow_water.start",
+                                 "cooling.narrow_water.pulse_period",
+                                 "mechanics.start",
+                                 "section.initial_depth",
+                                 "mesh.growth",
+                                 "limits.maximum_steps"};
+/// Keys that determine the number of cells of the built-in mesh, besides course_keys.
+inline const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
+                               "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
+                               "mesh.element", "limits.maximum_nodes"};
+/// Keys that determine the plan of a quarter slab.
+inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
+                               "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
+                               "mesh.wide_side_cell", "section.corner_radius"};
+/// Keys that determine the positions of its nodes, besides their number.
+inline const Keys place_keys = {
+    "section.half_width",  "section.half_thickness", "section.initial_depth", "mesh.side_cell",
+    "mesh.wide_side_cell", "mesh.bottom_cell",       "section.corner_radius"};
+
+// Each check adds its faults. Later checks use the results of earlier ones.
+
+void check_alloy(CaseFindings& found);
+void check_zones(CaseFindings& found);
+/// Factors and shifts of the schedule, pulses of the water, faces with water of their own.
+void check_levers(CaseFindings& found);
+/// Abscissae of tables must increase.
+void check_tables(CaseFindings& found);
+void check_section(CaseFindings& found);
+/// The plan of a quarter slab, and keys that apply to quarter slabs only.
+void check_quarter_slab(CaseFindings& found);
+/// Whether each break point of a quarter slab's opening has a row of nodes in its plan.
+bool break_points_have_nodes(const mesh::SectionSpec& section);
+/// The rounded corner of a quarter slab must fit its plan and its mesh.
+void check_corner(CaseFindings& found);
+/// A block that is not flat must touch the slab somewhere.
+void check_block_profile(CaseFindings& found);
+void check_time(CaseFindings& found);
+void check_mechanics(CaseFindings& found);
+/// Number of steps and the final metal level.
+void check_course(CaseFindings& found);
+void check_built_in_size(CaseFindings& found);
+void check_imported_mesh(CaseFindings& found);
+void check_temperature_file(CaseFindings& found);
+void check_monitors(CaseFindings& found);
+void check_plausibility(CaseFindings& found);
+/// Warns of a case whose results would show nothing of interest.
+void advise(CaseFindings& found);
+
+/// Adds the fault of a mesh beyond limits.maximum_nodes. @param nodes  their number [1]
+void too_many_nodes(CaseFindings& found, double nodes);
+
+/// Estimates computing time and memory from nodes and steps; estimate_effort.cpp states the
+/// accuracy.
+void estimate_effort(CaseFindings& found);
+
+}  // namespace dccast::casting

@@ -1,0 +1,340 @@
+#include "core/mesh/gmsh_import.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace dccast::mesh {
+
+namespace {
+
+constexpr const char* shape_name[] = {"",           "lines",    "triangles", "quadrilaterals",
+                                      "tetrahedra", "hexahedra"};
+
+template <int Dim>
+class Elements {
+public:
+  explicit Elements(GmshImport<Dim>& imported) : import_(imported) {}
+
+  void take() {
+    const std::size_t before = import_.faults.list().size();
+    number_nodes();
+    check_shapes();
+    if (import_.faults.list().size() == before) add_elements();
+  }
+
+private:
+  void number_nodes() {
+    for (std::size_t i = 0; i < import_.file.node_tag.size(); ++i)
+      if (!import_.number.emplace(import_.file.node_tag[i], static_cast<int>(i)).second)
+        return import_.fault("has node " + std::to_string(import_.file.node_tag[i]) + " twice");
+    for (const auto& position : import_.file.node) {
+      if (Dim == 2 && position[2] != 0.0)
+        return import_.fault("has nodes with z other than 0", "a section in the x-y plane, in m");
+      import_.mesh.node.insert(import_.mesh.node.end(), position.begin(), position.begin() + Dim);
+    }
+  }
+
+  void check_shapes() {
+    std::set<int> found;
+    for (const gmsh::Element& element : import_.file.elements)
+      if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
+    if (found.size() == 1 && *found.begin() == import_.shape) return;
+    std::string names;
+    for (const int shape : found)
+      names += (names.empty() ? "" : " and ") + std::string(shape_name[shape]);
+    import_.fault(
+        "has " + (names.empty() ? "no elements" : names),
+        std::string("only ") + shape_name[import_.shape] + " with this mesh.element",
+        Dim == 2
+            ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
+            : "");
+  }
+
+  void add_elements() {
+    import_.mesh.nodes_per_element = gmsh::nodes_of(import_.shape);
+    std::vector<char> used(import_.file.node.size(), 0);
+    std::vector<int> nodes;
+    for (const gmsh::Element& element : import_.file.elements) {
+      if (element.shape != import_.shape) continue;
+      if (!import_.look_up(element, nodes) || !orient(nodes)) return;
+      for (const int n : nodes) used[static_cast<std::size_t>(n)] = 1;
+      import_.mesh.element_node.insert(import_.mesh.element_node.end(), nodes.begin(), nodes.end());
+    }
+    if (const auto orphans = std::count(used.begin(), used.end(), 0); orphans > 0)
+      import_.fault(
+          "has " + std::to_string(orphans) + " nodes that belong to no element", "none",
+          "save only the nodes of physical groups (Mesh.SaveAll = 0), without construction points");
+  }
+
+  /// Twice the signed area, or six times the signed volume, at the corner of an element.
+  double corner_measure(int corner, int a, int b, int c) const {
+    double edge[3][Dim];
+    const int ends[3] = {a, b, c};
+    for (int i = 0; i < Dim; ++i)
+      for (int d = 0; d < Dim; ++d)
+        edge[i][d] = import_.mesh.point(ends[i])[d] - import_.mesh.point(corner)[d];
+    if constexpr (Dim == 2) {
+      return edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0];
+    } else {
+      return edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1]) -
+             edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0]) +
+             edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+    }
+  }
+
+  /// Smallest and largest measure over the corners: both have the same sign in a valid element.
+  std::pair<double, double> measures(const std::vector<int>& n) const {
+    std::vector<double> values;
+    if (import_.shape == gmsh::triangle) {
+      values = {corner_measure(n[0], n[1], n[2], 0)};
+    } else if (import_.shape == gmsh::tetrahedron) {
+      values = {corner_measure(n[0], n[1], n[2], n[3])};
+    } else {
+      const std::size_t layers = Dim == 2 ? 1 : 2;
+      for (std::size_t layer = 0; layer < layers; ++layer) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          const int next = n[4 * layer + (i + 1) % 4];
+          const int previous = n[4 * layer + (i + 3) % 4];
+          const int across = Dim == 2 ? 0 : n[4 * (1 - layer) + i];
+          const double measure = corner_measure(n[4 * layer + i], next, previous, across);
+          values.push_back(layer == 0 ? measure : -measure);
+        }
+      }
+    }
+    const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+    return {*smallest, *largest};
+  }
+
+  /// Reverses a negative element; returns false, with a fault, if it is folded or degenerate.
+  bool orient(std::vector<int>& nodes) {
+    const auto [smallest, largest] = measures(nodes);
+    if (smallest > 0.0) return true;
+    if (largest < 0.0) {
+      turn_round(nodes);
+      return true;
+    }
+    import_.fault("has a folded or flat element at (" +
+                      std::to_string(import_.mesh.point(nodes[0])[0]) + ", " +
+                      std::to_string(import_.mesh.point(nodes[0])[1]) + ") m",
+                  "elements with all corners below 180 degrees");
+    return false;
+  }
+
+  void turn_round(std::vector<int>& nodes) const {
+    if (import_.shape == gmsh::triangle || import_.shape == gmsh::tetrahedron)
+      return std::swap(nodes[1], nodes[2]);
+    for (std::size_t layer = 0; layer < nodes.size() / 4; ++layer)
+      std::swap(nodes[4 * layer + 1], nodes[4 * layer + 3]);
+  }
+
+  GmshImport<Dim>& import_;
+};
+
+}  // namespace
+
+template <int Dim>
+void import_elements(GmshImport<Dim>& imported) {
+  Elements<Dim>(imported).take();
+}
+
+template void import_elements(GmshImport<2>&);
+template void import_elements(GmshImport<3>&);
+
+namespace {
+
+/// Corners of the facets of each shape, in the order in which the domain lies to the left of an
+/// edge and the normal of a face points outwards.
+using FacetCorners = std::vector<std::vector<int>>;
+
+const FacetCorners& facets_of(int shape) {
+  static const FacetCorners triangle{{0, 1}, {1, 2}, {2, 0}};
+  static const FacetCorners quadrilateral{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+  static const FacetCorners tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  static const FacetCorners hexahedron{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  if (shape == gmsh::triangle) return triangle;
+  if (shape == gmsh::quadrilateral) return quadrilateral;
+  return shape == gmsh::tetrahedron ? tetrahedron : hexahedron;
+}
+
+/// Mean of the outward normals of facets, by area [1].
+std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3>>& facets) {
+  std::array<double, 3> sum{};
+  for (const Facet<3>& facet : facets) {
+    // Half the cross product of the diagonals, in a triangle of two edges.
+    const double* a = mesh.point(facet.node[0]);
+    const double* b = mesh.point(facet.node[1]);
+    const double* c = mesh.point(facet.node[2]);
+    const double* d = facet.nodes == 4 ? mesh.point(facet.node[3]) : a;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      sum[i] += 0.5 * ((c[j] - a[j]) * (d[k] - b[k]) - (c[k] - a[k]) * (d[j] - b[j]));
+    }
+  }
+  const double length = std::hypot(sum[0], sum[1], sum[2]);
+  for (double& component : sum) component /= length > 0.0 ? length : 1.0;
+  return sum;
+}
+
+template <int Dim>
+class Patches {
+public:
+  explicit Patches(GmshImport<Dim>& imported) : import_(imported) {}
+
+  void take() {
+    const std::size_t before = import_.faults.list().size();
+    const auto sound = [&] { return import_.faults.list().size() == before; };
+    find_boundary();
+    if (sound()) add_patches();
+    if (!sound()) return;
+    sort_patches();
+    find_normals();
+  }
+
+private:
+  using Key = std::array<int, 4>;  ///< sorted nodes of a facet, -1 where it has fewer than four
+
+  struct Boundary {
+    Facet<Dim> facet;
+    int elements = 0;  ///< that share it
+    int patch = -1;
+  };
+
+  template <class Nodes>
+  static Key key_of(const Nodes& nodes, std::size_t count) {
+    Key key;
+    key.fill(-1);
+    std::copy_n(nodes.begin(), count, key.begin());
+    std::sort(key.begin(), key.end());
+    return key;
+  }
+
+  void find_boundary() {
+    const FacetCorners& corners_of_facets = facets_of(import_.shape);
+    for (int e = 0; e < import_.mesh.elements(); ++e) {
+      for (const auto& corners : corners_of_facets) {
+        Facet<Dim> facet;
+        facet.nodes = static_cast<int>(corners.size());
+        facet.element = e;
+        for (std::size_t i = 0; i < corners.size(); ++i)
+          facet.node[i] = import_.mesh.nodes_of(e)[corners[i]];
+        Boundary& boundary = boundary_[key_of(facet.node, corners.size())];
+        if (boundary.elements++ == 0) boundary.facet = facet;
+        if (boundary.elements > 2)
+          return import_.fault("has elements that overlap: three share a facet");
+      }
+    }
+  }
+
+  /// In 3D there may be several planes of symmetry and several sides: symmetry_x, side_2.
+  static std::optional<PatchKind> kind_of(const std::string& name) {
+    for (std::size_t k = 0; k < patch_kinds; ++k) {
+      const PatchKind kind = PatchKind(k);
+      const std::string plain = name_of(kind);
+      const bool several = kind == PatchKind::symmetry || kind == PatchKind::side;
+      if (name == plain || (Dim == 3 && several && name.starts_with(plain + "_"))) return kind;
+    }
+    return std::nullopt;
+  }
+
+  /// The number of the patch of a physical group; -1 (and a fault, once) when it is none of ours.
+  int patch_of(int group) {
+    const auto found = import_.file.group_name.find({Dim - 1, group});
+    const std::string name =
+        found == import_.file.group_name.end() ? std::to_string(group) : found->second;
+    auto& patches = import_.mesh.patches;
+    const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
+    if (known != patches.end()) return static_cast<int>(known - patches.begin());
+    if (const auto kind = kind_of(name)) {
+      patches.push_back({name, *kind, usual_normal<Dim>(*kind), {}});
+      return static_cast<int>(patches.size()) - 1;
+    }
+    if (unknown_.insert(name).second)
+      import_.fault(
+          "has the unknown physical group '" + name.substr(0, 60) + "'",
+          Dim == 2 ? "symmetry, bottom, side, top"
+                   : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
+    return -1;
+  }
+
+  const std::string& name_of_patch(int patch) const {
+    return import_.mesh.patches[std::size_t(patch)].name;
+  }
+
+  void add_facet(const std::vector<int>& nodes, int patch) {
+    const auto found = boundary_.find(key_of(nodes, nodes.size()));
+    if (found == boundary_.end() || found->second.elements != 1)
+      return import_.fault("has a facet of group " + name_of_patch(patch) +
+                           " that is not on the boundary of the mesh");
+    Boundary& boundary = found->second;
+    if (boundary.patch == patch) return;  // Gmsh repeats a facet for each of its groups
+    if (boundary.patch >= 0)
+      return import_.fault("has a facet in two groups, " + name_of_patch(boundary.patch) + " and " +
+                           name_of_patch(patch));
+    boundary.patch = patch;
+    import_.mesh.patches[std::size_t(patch)].facets.push_back(boundary.facet);
+  }
+
+  void add_patches() {
+    std::vector<int> nodes;
+    for (const gmsh::Element& element : import_.file.elements) {
+      if (gmsh::dimension_of(element.shape) != Dim - 1) continue;
+      for (const int group : element.groups) {
+        const int patch = patch_of(group);
+        if (patch < 0) continue;
+        if (!import_.look_up(element, nodes)) return;
+        const std::size_t faults_before = import_.faults.list().size();
+        add_facet(nodes, patch);
+        if (import_.faults.list().size() != faults_before)
+          return;  // the next ones would say the same
+      }
+    }
+    if (import_.mesh.facets(PatchKind::bottom).empty())
+      import_.fault("has no physical group 'bottom'",
+                    "the part of the boundary that stands on the block");
+  }
+
+  /// Along the bottom and the top from the symmetry plane, along the others upwards.
+  void sort_patches() {
+    for (Patch<Dim>& patch : import_.mesh.patches) {
+      const bool level = patch.kind == PatchKind::bottom || patch.kind == PatchKind::top;
+      const int axis = level ? 0 : Dim - 1;
+      const auto place = [&](const Facet<Dim>& facet) {
+        double sum = 0.0;
+        for (int i = 0; i < facet.nodes; ++i)
+          sum += import_.mesh.point(facet.node[std::size_t(i)])[axis];
+        return sum / facet.nodes;
+      };
+      std::stable_sort(patch.facets.begin(), patch.facets.end(),
+                       [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    }
+  }
+
+  /// In 3D a wall stands where its facets do.
+  void find_normals() {
+    if constexpr (Dim == 3) {
+      for (Patch<3>& patch : import_.mesh.patches)
+        patch.normal = mean_normal(import_.mesh, patch.facets);
+    }
+  }
+
+  GmshImport<Dim>& import_;
+  std::map<Key, Boundary> boundary_;
+  std::set<std::string> unknown_;
+};
+
+}  // namespace
+
+template <int Dim>
+void import_patches(GmshImport<Dim>& imported) {
+  Patches<Dim>(imported).take();
+}
+
+template void import_patches(GmshImport<2>&);
+template void import_patches(GmshImport<3>&);
+
+}  // namespace dccast::mesh

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/results/checkpoint_file.hpp"
+#include "core/results/frame.hpp"
+#include "core/storage/record_log.hpp"
+
+namespace dccast::results {
+
+/// Kind of a journal record; the numbers are part of the file format. 2 was a step; readers skip it.
+enum class RecordKind : std::uint8_t { header = 1, frame = 3 };
+
+/// The records of a running casting, appended to one file; CHECKPOINT.md has the format. All calls
+/// may throw storage::StorageError.
+class Journal {
+public:
+  /// Creates a new file; an existing one is overwritten.
+  static Journal create(const std::filesystem::path& path);
+  /// Opens a file for appending, truncated to `size` bytes.
+  static Journal reopen(const std::filesystem::path& path, std::int64_t size);
+
+  /// Appends a record; it stays in memory until write().
+  void append(RecordKind kind, const Sections& content);
+  /// Hands the records to the operating system: they survive the end of this process.
+  void write();
+  /// Waits until everything passed to write() is on disk; may be called from another thread.
+  void sync() { log_->sync(); }
+
+private:
+  explicit Journal(storage::File file);
+
+  /// On the heap: the thread that calls sync() needs a fixed address
+  std::unique_ptr<storage::RecordLog> log_;
+  std::string pending_;
+};
+
+/// One whole record of a journal.
+struct Record {
+  RecordKind kind{};
+  Sections content;
+  std::int64_t end = 0;  ///< byte after the record
+};
+
+/// Calls `visit` with each complete record in order until it returns false; stops at a damaged one.
+/// @param after  start after this byte, the end of a record visited before; 0: at the beginning
+/// @return false if the file does not begin like a journal
+/// @throws storage::StorageError  the file cannot be read
+bool visit_journal(const std::filesystem::path& path,
+                   const std::function<bool(const Record&)>& visit, std::int64_t after = 0);
+
+/// Conversion of the header and a frame of a run to the sections of a journal record, and
+/// back.
+Sections to_sections(const RunHeader& header);
+Sections to_sections(const Frame& frame);
+/// @throws std::out_of_range  a section is missing: the record was written by other software
+RunHeader header_of(const Sections& content);
+Frame frame_of(const Sections& content);
+
+}  // namespace dccast::results

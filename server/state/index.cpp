@@ -1,0 +1,198 @@
+#include "server/state/index.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "server/jobs/event_log.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
+#include "server/jobs/log.hpp"
+#include "server/jobs/quarantine.hpp"
+#include "server/jobs/worker_claim.hpp"
+#include "server/state/check.hpp"
+#include "server/studies/study_file.hpp"
+#include "server/studies/study_store.hpp"
+
+namespace dccast::state {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A store beyond this size is held against itself by `dccastd check` only, so that the daemon
+/// starts soon. 10,000 jobs in 90 MB take 0.06 s of processor time.
+constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
+
+/// A log that is gone can be begun again only while nothing else shows what became of the job.
+void require_log(const fs::path& folder) {
+  if (fs::exists(folder / "events.log")) return;
+  if (fs::exists(folder / "results.h5"))
+    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
+}
+
+/// As the scheduler counts a submission.
+std::int64_t bytes_of(const fs::path& folder, const jobs::JobDescription& description) {
+  auto bytes = description.submitted_case.size() + description.complete_case.size();
+  if (fs::exists(folder / jobs::attachments_folder))
+    for (const auto& file : fs::directory_iterator(folder / jobs::attachments_folder))
+      bytes += file.file_size();
+  return static_cast<std::int64_t>(bytes);
+}
+
+/// State, attempts, times, failure and artifacts, as the event log has them.
+void take_log(const fs::path& path, jobs::JobRecord& record) {
+  const jobs::EventLog log(path);
+  const jobs::EventLogContent content = log.content();
+  v1::Job& job = record.job;
+  job.set_attempts(content.attempts);
+  if (content.started) *job.mutable_start_time() = *content.started;
+  log.complete(job);
+  if (!content.last_state) return;
+  const v1::JobEvent::StateChange& change = *content.last_state;
+  job.set_state(change.state());
+  record.losses = change.losses().times();
+  record.lost_step = change.has_losses() ? change.losses().last_step() : -1;
+  record.first_loss = change.losses().first_cause();
+  record.solver = change.solver();
+  if (!change.terminal()) return;
+  if (content.terminal) *job.mutable_end_time() = content.terminal->time();
+  if (change.has_failure()) *job.mutable_failure() = change.failure();
+  *job.mutable_artifacts() = change.artifacts();
+}
+
+/// A crash can come between the row and the mark, and who submitted the job learn of the row by
+/// submitting it again.
+void mark_as_accepted(const fs::path& of_job) {
+  if (!jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
+}
+
+/// A job whose row has ended while its folder is claimed as that of a run which has not. A claim
+/// goes when the end of a job has been written. @return its id; empty for none
+std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
+  for (const std::string& id : jobs::folder_ids(folder.jobs())) {
+    if (!jobs::last_sign_of_life(folder.jobs() / id)) continue;
+    const auto record = store.find(id);
+    if (record && jobs::is_terminal(record->job.state()) &&
+        !jobs::scan_event_log(folder.jobs() / id / "events.log").terminal)
+      return id;
+  }
+  return {};
+}
+
+/// Why the store cannot be the index of the folders; empty for none.
+std::string why_in_doubt(const StateFolder& folder, jobs::JobStore& store) {
+  if (const auto lost = lost_jobs(folder, store.ids()); !lost.empty())
+    return std::to_string(lost.size()) + " jobs that were acknowledged are missing, e.g. " +
+           *lost.begin();
+  if (const auto lost = lost_studies(folder); !lost.empty())
+    return std::to_string(lost.size()) + " studies are missing, e.g. " + *lost.begin();
+  if (const std::string id = contradicted_by_worker(folder, store); !id.empty())
+    return "it has job " + id + " as ended, its folder has not";
+  return {};
+}
+
+/// Opens the store and looks whether it can be the index. @return why not; empty for no reason
+std::string open_and_doubt(const StateFolder& folder, std::unique_ptr<jobs::JobStore>& store) {
+  try {
+    store = std::make_unique<jobs::JobStore>(folder.store());
+    if (fs::file_size(folder.store()) <= largest_store_to_check)
+      if (const std::string fault = store->first_fault(); !fault.empty())
+        return "it is damaged: " + fault;
+    return why_in_doubt(folder, *store);
+  } catch (const jobs::StoreError& error) {
+    if (!jobs::must_be_built_again(error)) throw;
+    return error.what();
+  }
+}
+
+/// Rows of jobs that have not ended: what is wrong in one would be run.
+void update_unfinished(const StateFolder& folder, jobs::JobStore& store) {
+  const jobs::JobStore::Bulk bulk(store);
+  for (const jobs::JobRecord& row : store.unfinished()) {
+    const fs::path of_job = folder.jobs() / row.job.id();
+    if (!fs::exists(of_job)) continue;  // `dccastd check` reports it
+    mark_as_accepted(of_job);
+    try {
+      if (agrees(row, described_job(of_job))) continue;
+      log::warn("job {}: its row is made again from its folder", row.job.id());
+      index_job(store, of_job);
+    } catch (const jobs::StoreError&) {
+      throw;
+    } catch (const std::exception& error) {
+      log::error("job {}: {}", row.job.id(), error.what());  // its start fails with that reason
+    }
+  }
+}
+
+}  // namespace
+
+jobs::JobRecord described_job(const fs::path& folder) {
+  const jobs::JobDescription description = jobs::read_job_description(folder);
+  if (description.job.id() != folder.filename())
+    throw std::runtime_error("it describes another job, " + description.job.id());
+  jobs::JobRecord record;
+  record.job = description.job;
+  record.job.set_state(v1::QUEUED);
+  record.answer_key = description.answer_key;
+  record.bytes = bytes_of(folder, description);
+  return record;
+}
+
+bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
+  const auto compared = [](const jobs::JobRecord& record) {
+    v1::Job job = record.job;
+    *job.mutable_create_time() = jobs::timestamp(jobs::milliseconds(job.create_time()));
+    for (const char* of_log : {"state", "start_time", "end_time", "last_step", "findings",
+                               "validity_loss", "failure", "artifacts", "attempts"})
+      job.GetReflection()->ClearField(&job, v1::Job::descriptor()->FindFieldByName(of_log));
+    return job.SerializeAsString() + record.answer_key;
+  };
+  return compared(row) == compared(described);
+}
+
+void index_job(jobs::JobStore& store, const fs::path& folder) {
+  jobs::JobRecord record = described_job(folder);
+  require_log(folder);
+  take_log(folder / "events.log", record);
+  const auto there = store.find_request(record.job.request_id());
+  if (there && there->job.id() != record.job.id())
+    throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +
+                             there->job.id());
+  store.erase(record.job.id());
+  store.insert(record);
+  store.update(record, jobs::Durability::full);
+  jobs::mark_accepted(folder);
+}
+
+std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::string>& known_ids) {
+  std::set<std::string> lost;
+  for (const std::string& id : jobs::folder_ids(folder.jobs()))
+    if (!known_ids.contains(id) && jobs::was_accepted(folder.jobs() / id)) lost.insert(id);
+  return lost;
+}
+
+std::set<std::string> lost_studies(const StateFolder& folder) {
+  std::set<std::string> lost = studies::ids_of_study_files(folder.studies());
+  if (lost.empty()) return lost;
+  studies::StudyStore store(folder.store());
+  for (const std::string& id : store.ids()) lost.erase(id);
+  for (const std::string& id : store.removing()) lost.erase(id);
+  return lost;
+}
+
+std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
+  std::unique_ptr<jobs::JobStore> store;
+  if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
+    store.reset();
+    log::warn("{}: {}; it is built again from the folders of the jobs", folder.store().string(),
+              doubt);
+    std::ostringstream report;
+    rebuild_index(folder, report);
+    log::warn("what was done:\n{}", report.str());
+    store = std::make_unique<jobs::JobStore>(folder.store());
+  }
+  update_unfinished(folder, *store);
+  return store;
+}
+
+}  // namespace dccast::state

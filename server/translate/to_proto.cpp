@@ -1,0 +1,344 @@
+#include "server/translate/to_proto.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "core/results/step_report.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::translate {
+
+namespace {
+
+/// Names out of a mesh file, for example, are bytes of any kind; a message takes UTF-8 alone.
+std::string escaped(const std::string& text) {
+  return values::escaped(text, values::Lines::several);
+}
+
+v1::Fault to_proto(const Fault& from) {
+  v1::Fault to;
+  to.set_field(escaped(from.field));
+  to.set_value(escaped(from.value));
+  to.set_message(escaped(from.message));
+  to.set_permitted(escaped(from.permitted));
+  to.set_remedy(escaped(from.remedy));
+  return to;
+}
+
+}  // namespace
+
+v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
+  v1::ValidateCaseResponse verdict;
+  for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
+  for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
+  if (!checked.faults.empty()) return verdict;
+  auto* estimate = verdict.mutable_estimate();
+  estimate->set_nodes(checked.estimate.nodes);
+  estimate->set_elements(checked.estimate.elements);
+  estimate->set_steps(checked.estimate.steps);
+  estimate->set_solver_s(checked.estimate.solver_seconds);
+  estimate->set_memory_bytes(checked.estimate.memory_bytes);
+  return verdict;
+}
+
+std::string in_words(const std::vector<Fault>& faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    if (!text.empty()) text += "; ";
+    text += fault.field + " = " + fault.value + ": " + fault.message;
+    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
+  }
+  return escaped(text);
+}
+
+namespace {
+
+template <class Number, class Field>
+void fill(const std::vector<Number>& from, Field* to) {
+  to->Add(from.begin(), from.end());
+}
+
+}  // namespace
+
+v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  to.set_dimension(frame.dimension);
+  to.set_nodes_per_element(frame.nodes_per_element);
+  fill(frame.node, to.mutable_node_m());
+  fill(frame.element_node, to.mutable_element_node());
+  fill(frame.temperature, to.mutable_temperature_c());
+  fill(frame.displacement, to.mutable_displacement_m());
+  fill(frame.bottom_node, to.mutable_bottom_node());
+  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
+  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
+  to.set_metal_level_m(frame.metal_level);
+  to.set_liquidus_c(header.liquidus);
+  to.set_solidus_c(header.solidus);
+  to.set_shell_c(header.shell);
+  return to;
+}
+
+namespace {
+
+using Field = google::protobuf::FieldDescriptor;
+
+/// @throws std::logic_error  the message lacks it
+const Field* field_of(const results::HistoryField& field, int dimension) {
+  const std::string name = field.name_in(dimension);
+  const Field* found = v1::StepReport::descriptor()->FindFieldByName(name);
+  if (found == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
+  return found;
+}
+
+void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
+                  v1::StepReport& to) {
+  for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
+    auto* value = to.add_monitors();
+    if (i < monitors.size()) value->set_name(monitors[i].name);
+    for (const double component : report.monitor_displacement[i])
+      value->add_displacement_m(component);
+    if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
+      value->set_temperature_c(report.monitor_temperature[i]);
+  }
+}
+
+v1::Failure::Kind to_proto(casting::FailureKind kind) {
+  switch (kind) {
+    case casting::FailureKind::solve_failed:
+      return v1::Failure::SOLVE_FAILED;
+    case casting::FailureKind::check_failed:
+      return v1::Failure::CHECK_FAILED;
+    case casting::FailureKind::shell_melted_through:
+      return v1::Failure::SHELL_MELTED_THROUGH;
+    case casting::FailureKind::motion_too_large:
+      return v1::Failure::MOTION_TOO_LARGE;
+    case casting::FailureKind::liquid_pressure_lost:
+      return v1::Failure::LIQUID_PRESSURE_LOST;
+    case casting::FailureKind::storage:
+      return v1::Failure::STORAGE;
+    case casting::FailureKind::other_version:
+      return v1::Failure::OTHER_VERSION;
+  }
+  return v1::Failure::INTERNAL;
+}
+
+v1::Finding::Severity to_proto(results::Severity severity) {
+  switch (severity) {
+    case results::Severity::note:
+      return v1::Finding::NOTE;
+    case results::Severity::warning:
+      return v1::Finding::WARNING;
+    case results::Severity::danger:
+      return v1::Finding::DANGER;
+  }
+  return v1::Finding::SEVERITY_UNSPECIFIED;
+}
+
+/// By its name in results.h5, which is that of the schema in lower case.
+v1::Failure::Kind kind_named(std::string name) {
+  std::ranges::transform(name, name.begin(), [](char c) {
+    return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  });
+  v1::Failure::Kind kind = v1::Failure::KIND_UNSPECIFIED;
+  v1::Failure::Kind_Parse(name, &kind);
+  return kind;
+}
+
+}  // namespace
+
+v1::StepReport to_proto(const results::StepReport& report,
+                        const std::vector<casting::Monitor>& monitors) {
+  v1::StepReport to;
+  const auto& reflection = *to.GetReflection();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const Field* of_message = field_of(field, report.dimension);
+    switch (of_message->cpp_type()) {
+      case Field::CPPTYPE_DOUBLE:
+        reflection.SetDouble(&to, of_message, results::real_value(field, report));
+        break;
+      case Field::CPPTYPE_BOOL:
+        reflection.SetBool(&to, of_message, results::integer_value(field, report) != 0);
+        break;
+      case Field::CPPTYPE_INT32:
+        reflection.SetInt32(&to, of_message,
+                            static_cast<std::int32_t>(results::integer_value(field, report)));
+        break;
+      default:
+        reflection.SetInt64(&to, of_message, results::integer_value(field, report));
+    }
+  }
+  add_monitors(report, monitors, to);
+  to.set_solver_s(report.solver_seconds);
+  to.set_process_s(report.process_seconds);
+  return to;
+}
+
+results::StepReport to_core(const v1::StepReport& report, int dimension) {
+  results::StepReport to;
+  to.dimension = dimension;
+  const auto& reflection = *report.GetReflection();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const Field* of_message = field_of(field, dimension);
+    switch (of_message->cpp_type()) {
+      case Field::CPPTYPE_DOUBLE:
+        results::set_real(field, to, reflection.GetDouble(report, of_message));
+        break;
+      case Field::CPPTYPE_BOOL:
+        results::set_integer(field, to, reflection.GetBool(report, of_message) ? 1 : 0);
+        break;
+      case Field::CPPTYPE_INT32:
+        results::set_integer(field, to, reflection.GetInt32(report, of_message));
+        break;
+      default:
+        results::set_integer(field, to, reflection.GetInt64(report, of_message));
+    }
+  }
+  for (const v1::MonitorValue& value : report.monitors()) {
+    to.monitor_displacement.emplace_back(value.displacement_m().begin(),
+                                         value.displacement_m().end());
+    to.monitor_temperature.push_back(value.has_temperature_c() ? value.temperature_c()
+                                                               : std::nan(""));
+  }
+  to.solver_seconds = report.solver_s();
+  to.process_seconds = report.process_s();
+  return to;
+}
+
+v1::Failure to_proto(const casting::RunFailures& failures) {
+  const casting::RunFailure& failure = failures.at(0);
+  v1::Failure to;
+  to.set_kind(to_proto(failure.kind));
+  to.set_message(failure.message);
+  to.set_time_s(failure.time);
+  to.set_time_step_s(failure.time_step);
+  to.mutable_residual_history()->Add(failure.residual_history.begin(),
+                                     failure.residual_history.end());
+  to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
+  to.set_finding(failure.finding);
+  for (std::size_t i = 1; i < failures.size(); ++i)
+    to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
+                          failures[i].message);
+  return to;
+}
+
+v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
+  v1::ValidityLoss to;
+  to.set_kind(kind_named(loss.kind));
+  to.set_message(loss.message);
+  to.set_time_s(loss.time);
+  to.mutable_place_m()->Add(loss.place.begin(), loss.place.end());
+  to.set_value(loss.value);
+  to.set_limit(loss.limit);
+  to.set_unit(loss.unit);
+  return to;
+}
+
+v1::Finding to_proto(const results::Finding& finding) {
+  v1::Finding to;
+  to.set_code(finding.code);
+  to.set_severity(to_proto(finding.severity));
+  to.set_message(finding.message);
+  if (finding.time) to.set_time_s(*finding.time);
+  to.mutable_place_m()->Add(finding.place.begin(), finding.place.end());
+  if (finding.value) to.set_value(*finding.value);
+  if (finding.limit) to.set_limit(*finding.limit);
+  to.set_unit(finding.unit);
+  to.set_key(finding.key);
+  if (!finding.worst) return to;
+  to.mutable_worst()->set_time_s(finding.worst->time);
+  to.mutable_worst()->set_value(finding.worst->value);
+  to.mutable_worst()->mutable_place_m()->Add(finding.worst->place.begin(),
+                                             finding.worst->place.end());
+  return to;
+}
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// "SUCCEEDED" as "succeeded"; "STUDY_FAILED" as "failed".
+std::string lower(std::string name) {
+  const std::string prefix = "STUDY_";
+  if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  std::ranges::transform(name, name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return name;
+}
+
+/// Entry `index` of a field that may be shorter than the table's row.
+template <class Field>
+double number_at(const Field& field, int index) {
+  return index < field.size() ? field.Get(index) : unknown;
+}
+
+const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monitor) {
+  const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
+  return found == run.curves().end() ? nullptr : &*found;
+}
+
+void add_values(const v1::StudyRun& run, results::StudyTable& table) {
+  for (int i = 0; i < static_cast<int>(table.key.size()); ++i) {
+    table.value.push_back(i < run.values_size() ? run.values(i) : "");
+    table.number.push_back(number_at(run.numbers(), i));
+  }
+  for (int i = 0; i < static_cast<int>(table.monitor.size()); ++i)
+    table.end_curl.push_back(number_at(run.end_curl_m(), i));
+}
+
+void add_curve(const v1::StudyRun& run, results::StudyTable& table) {
+  const int samples = run.curves_size() > 0 ? run.curves(0).time_s_size() : 0;
+  for (int i = 0; i < samples; ++i) {
+    table.time.push_back(run.curves(0).time_s(i));
+    table.cast_length.push_back(number_at(run.curves(0).cast_length_m(), i));
+    for (const std::string& monitor : table.monitor) {
+      const v1::CurlCurve* const curve = curve_of(run, monitor);
+      table.curl.push_back(curve ? number_at(curve->curl_m(), i) : unknown);
+    }
+  }
+  table.curve_start.push_back(static_cast<std::int64_t>(table.time.size()));
+}
+
+void add_findings(const v1::StudyRun& run, results::StudyTable& table) {
+  for (const v1::Finding& finding : run.findings()) {
+    table.finding_run.push_back(static_cast<std::int32_t>(table.runs()));
+    table.finding_code.push_back(finding.code());
+    table.finding_severity.push_back(lower(v1::Finding::Severity_Name(finding.severity())));
+    table.finding_time.push_back(finding.has_time_s() ? finding.time_s() : unknown);
+  }
+}
+
+void add_run(const v1::StudyRun& run, results::StudyTable& table) {
+  add_findings(run, table);  // counts the runs before this one
+  add_values(run, table);
+  add_curve(run, table);
+  table.job.push_back(run.job());
+  table.run_state.push_back(lower(v1::JobState_Name(run.state())));
+  table.solver_seconds.push_back(run.solver_s());
+  table.refinement.push_back(run.refinement());
+  table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);
+  table.failure.push_back(run.failure().message());
+}
+
+}  // namespace
+
+results::StudyTable to_table(const v1::StudyResult& result) {
+  results::StudyTable table;
+  table.program_version = DCCAST_VERSION;
+  table.study = result.study().id();
+  table.title = result.study().title();
+  table.state = lower(v1::StudyState_Name(result.study().state()));
+  for (const auto& axis : result.study().sweep().axes()) table.key.push_back(axis.key());
+  table.monitor = {result.monitors().begin(), result.monitors().end()};
+  table.curve_start.push_back(0);
+  for (const v1::StudyRun& run : result.runs()) add_run(run, table);
+  return table;
+}
+
+}  // namespace dccast::translate

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/case/case_check.hpp"
+#include "core/casting/simulation.hpp"
+#include "core/results/frame.hpp"
+#include "core/results/study_table.hpp"
+#include "dccast/v1/job.pb.h"
+#include "dccast/v1/service.pb.h"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::translate {
+
+/// The verdict of the core's check.
+v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked);
+
+/// Faults in one text, for a job that turned out invalid only when it began.
+std::string in_words(const std::vector<Fault>& faults);
+
+/// @param header  of the same result file; gives the temperatures where the metal freezes
+v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header);
+
+/// @param monitors  of the case, in its order: the core's reports know them by number
+v1::StepReport to_proto(const results::StepReport& report,
+                        const std::vector<casting::Monitor>& monitors);
+
+/// The same report, bit by bit. @param dimension  2 in sections, 3 in quarter slabs
+results::StepReport to_core(const v1::StepReport& report, int dimension);
+
+/// @param failures  of a run, the cause first; at least one
+v1::Failure to_proto(const casting::RunFailures& failures);
+
+v1::ValidityLoss to_proto(const results::ValidityLoss& loss);
+
+v1::Finding to_proto(const results::Finding& finding);
+
+/// The runs of a study as a table. All monitors of a run share the instants of the first of its
+/// curves that has any.
+results::StudyTable to_table(const v1::StudyResult& result);
+
+}  // namespace dccast::translate
