@@ -135,13 +135,16 @@ TEST_P(QuarterSlab, TheFileHoldsItsFramesAtTheTimesAskedFor) {
 TEST_P(QuarterSlab, StoppedAnywhereItGivesTheSameBytes) {
   const auto results_of = [](const std::vector<std::int64_t>& stops) {
     const TemporaryFolder folder;
+    std::vector<results::StepReport> steps;
     for (std::size_t life = 0; life <= stops.size(); ++life) {
       Recorder recorder;
+      recorder.before = steps;
       if (life < stops.size()) recorder.act_after = stops[life];
       recorder.then = Order::stop_at_checkpoint;
       const auto end = run(small_quarter_slab(GetParam()), {folder / "", life > 0}, recorder).end;
       EXPECT_EQ(end, life < stops.size() ? RunEnd::stopped : RunEnd::succeeded);
       EXPECT_EQ(recorder.resumed_from, life > 0 ? stops[life - 1] : -1);
+      steps.insert(steps.end(), recorder.reports.begin(), recorder.reports.end());
     }
     return bytes_of(folder / "results.h5");
   };

@@ -41,6 +41,7 @@ Whole whole_run(const Case& c, int threads, std::int64_t stop_after = -1) {
     recorder.then = Order::stop_at_checkpoint;
     EXPECT_EQ(run(c, {folder / "", false}, recorder, threads).end, RunEnd::stopped);
     recorder.then = Order::go_on;
+    recorder.before = recorder.reports;
     threads = 3 - threads;
   }
   const RunOutcome outcome = run(c, {folder / "", stop_after >= 0}, recorder, threads);

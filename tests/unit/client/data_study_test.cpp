@@ -149,7 +149,7 @@ TEST(UncertaintyText, AnswersHowSureAndWhatToMeasureFirst) {
   EXPECT_THAT(text, HasSubstr("61 % of castings end inside the accepted band."));
   EXPECT_THAT(text, HasSubstr("65 ± 2 %     65 ± 4 %"));
   EXPECT_THAT(text, HasSubstr("Measure schedule.casting_speed first: were it known exactly, the "
-                              "20.0 mm between 5 and 95 %\nwould be 11.8 mm."));
+                              "20.0 mm between 5 and 95 % would be\n11.8 mm."));
   EXPECT_THAT(text, HasSubstr("what the response surface does not follow"));
   EXPECT_THAT(text, HasSubstr("1 failed or cancelled"));
   EXPECT_LE(widest_line(text), 100u) << text;
