@@ -4,14 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client {
 namespace {
-
-// Between draft and engineering the 22 levers of docs/quarter-slab.md differ by 0.7 mm at most, on
-// a curl of 27.7 mm: what mesh and steps leave uncertain of a difference.
-constexpr double error_share = 0.025;
 
 bool is_valid(const v1::StudyRun& run, int monitor) {
   return run.state() == v1::SUCCEEDED && !run.beyond_validity() &&
@@ -61,7 +58,7 @@ Effects effects_of(const v1::StudyResult& result, int monitor) {
       (low ? effect.low_failure : effect.high_failure) = failure_of_run(run);
   }
   std::ranges::stable_sort(all.effects, std::ranges::greater(), &Effect::largest_m);
-  all.error_m = error_share * std::abs(all.base_m.value_or(0.0));
+  all.error_m = case_file::quarter_slab_pairs.of_curl * std::abs(all.base_m.value_or(0.0));
   return all;
 }
 

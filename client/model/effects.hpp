@@ -20,7 +20,7 @@ struct Effect {
 struct Effects {
   std::optional<double> base_m;  ///< curl of the case itself; empty: no valid run
   std::vector<Effect> effects;
-  double error_m = 0.0;  ///< to which a difference of two runs is known
+  double error_m = 0.0;  ///< to which a small difference of two runs is known
 };
 Effects effects_of(const v1::StudyResult& result, int monitor);
 

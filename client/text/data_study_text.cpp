@@ -217,8 +217,8 @@ std::string sensitivity_text(const v1::StudyResult& result, int monitor) {
     for (auto& row : *part) table.add(std::move(row));
     if (!part->empty()) text += table.text() + "\n";
   }
-  text +=
-      "A difference is known to ± " + millimetres(effects.error_m) + " mm: mesh and time steps.\n";
+  text += "A small difference is known to ± " + millimetres(effects.error_m) +
+          " mm: mesh and time steps.\n";
   if (!rows.rest.empty()) text += wrapped("This model does not respond to " + rows.rest + ".");
   for (const Effect& effect : effects.effects)
     for (const auto& [failure, end] :

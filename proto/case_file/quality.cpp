@@ -306,7 +306,7 @@ std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
   if (a.quality() != b.quality() || kind != b.section().kind() || !is_of_quality(a) ||
       !is_of_quality(b))
     return std::nullopt;
-  if (kind == v1::Section::QUARTER_SLAB) return PairedError{.of_curl = 0.05, .of_difference = 0.2};
+  if (kind == v1::Section::QUARTER_SLAB) return quarter_slab_pairs;
   if (is_measured_casting(a) && is_measured_casting(b))
     return PairedError{.of_curl = 0.005, .of_difference = 0.02};
   return std::nullopt;

@@ -29,6 +29,7 @@ struct PairedError {
   double of_curl;
   double of_difference;
 };
+inline constexpr PairedError quarter_slab_pairs{.of_curl = 0.05, .of_difference = 0.2};
 
 /// The error of a difference between two castings of the same quality, from pairs that were computed
 /// at two qualities (docs/error-bars.md). Empty where no pairs were measured: it exists for quarter

@@ -73,7 +73,7 @@ TEST(Effects, AreDifferencesToTheCaseItselfLargestFirst) {
   EXPECT_EQ(effects.effects[1].axis, 3);
   EXPECT_FALSE(effects.effects[1].low_m);
   EXPECT_EQ(effects.effects[1].low_failure, "melts through at 43 s");
-  EXPECT_DOUBLE_EQ(effects.error_m, 1e-3);
+  EXPECT_DOUBLE_EQ(effects.error_m, 2e-3);
 }
 
 TEST(Effects, OfAStudyWithoutTheCaseItselfAreUnknown) {
@@ -107,7 +107,7 @@ TEST(SensitivityText, ShowsLeversDataFailuresAndWhatDoesNotMatter) {
   EXPECT_THAT(text, HasSubstr("corner at the end: 40.0 mm"));
   EXPECT_THAT(text, HasSubstr("schedule.casting_speed  ± 10 %    -5.0     +6.0"));
   EXPECT_THAT(text, HasSubstr("fails     -2.0"));
-  EXPECT_THAT(text, HasSubstr("A difference is known to ± 1.0 mm"));
+  EXPECT_THAT(text, HasSubstr("A small difference is known to ± 2.0 mm"));
   EXPECT_THAT(text, HasSubstr("This model does not respond to cooling.water.wetting.lag.\n"));
   EXPECT_THAT(text, HasSubstr("wet_coefficient = 1000 W/(m2 K): melts through at 43 s"));
   EXPECT_LE(widest_line(text), 100u) << text;
