@@ -428,18 +428,33 @@ std::optional<v1::CaseChange> parse_change(std::string_view text) {
   return change;
 }
 
+namespace {
+
+/// Applies changes. What gives a value gives its range: the case's own one does not hold for
+/// another value.
+void apply_all(Changes made, const std::vector<v1::CaseChange>& changes, v1::Case& description) {
+  for (const v1::CaseChange& change : changes) {
+    made.apply(change);
+    auto& ranges = *description.mutable_uncertainty();
+    ranges.erase(
+        std::remove_if(ranges.begin(), ranges.end(),
+                       [&](const v1::KeyRange& range) { return range.key() == change.key(); }),
+        ranges.end());
+  }
+}
+
+}  // namespace
+
 std::vector<v1::Fault> apply_changes(v1::Case& description,
                                      const std::vector<v1::CaseChange>& changes) {
   ReadOutcome read;
-  Changes made(description, read, nullptr);
-  for (const v1::CaseChange& change : changes) made.apply(change);
+  apply_all(Changes(description, read, nullptr), changes, description);
   return std::move(read.faults);
 }
 
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder) {
-  Changes made(description, read, &folder);
-  for (const v1::CaseChange& change : changes) made.apply(change);
+  apply_all(Changes(description, read, &folder), changes, description);
 }
 
 }  // namespace dccast::case_file

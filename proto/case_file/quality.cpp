@@ -92,7 +92,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                     .merge_below = 0.1,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
-                                    .error = 0.17};
+                                    .error = 0.2};
   static const Discretisation engineering{.column = 66e-3,
                                           .fewest_columns = 7,
                                           .side_cell = 50e-3,
@@ -104,7 +104,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                           .merge_below = 0.1,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
-                                          .error = 0.1};
+                                          .error = 0.11};
   static const Discretisation fine{.column = 47e-3,
                                    .fewest_columns = 10,
                                    .side_cell = 40e-3,

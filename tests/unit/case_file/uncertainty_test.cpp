@@ -141,6 +141,18 @@ TEST(Uncertainty, OfACardOrDefaultDoesNotHoldForAValueOfTheCase) {
 }
 
 /// Every range of the schema, of a card and of a shipped case can be run at both of its ends.
+TEST(Uncertainty, OfTheCaseDoesNotHoldForAValueThatAChangeGives) {
+  v1::Case description = shipped_case("start-2d-thickness");
+  description.clear_uncertainty();
+  add_range(description, "schedule.hold", "50..70 s");
+  v1::CaseChange change;
+  change.set_key("schedule.hold");
+  change.set_value("90 s");
+  EXPECT_THAT(apply_changes(description, {change}), IsEmpty());
+  EXPECT_EQ(found(uncertain_keys(description), "schedule.hold"), nullptr);
+  EXPECT_THAT(uncertainty_faults(description), IsEmpty());
+}
+
 TEST(Uncertainty, OfTheShippedDataIsSound) {
   for (const std::string& name : alloy_names())
     EXPECT_THAT(uncertainty_faults(alloy_card(name).alloy), IsEmpty()) << name;
