@@ -134,7 +134,7 @@ std::string comparison_page(const std::vector<Answer>& answers,
                             const std::vector<CurlDifference>& differences) {
   std::string charts;
   for (const std::string& monitor : monitors_of(answers))
-    if (const Chart chart = comparison_chart(answers, monitor); has_points(chart))
+    if (const Chart chart = comparison_chart(answers, monitor); has_curl(chart))
       charts += card("Curl of " + monitor, svg_chart(chart));
   const std::vector<Explained> explained = explanations(answers, differences);
   return std::string(

@@ -80,7 +80,7 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
   std::vector<BrailleLine> lines;
   std::string legend;
   const Chart chart = comparison_chart(answers, monitor);
-  if (!has_points(chart)) return "";
+  if (!has_curl(chart)) return "";
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
     lines.push_back({chart.lines[i].x, chart.lines[i].y});
     legend += (i == 0 ? "" : "  ") + coloured(chart.lines[i].name, i, terminal);
@@ -218,9 +218,10 @@ std::vector<std::string> monitors_of(const std::vector<Answer>& answers) {
   return names;
 }
 
-bool has_points(const Chart& chart) {
+bool has_curl(const Chart& chart) {
+  constexpr double least_shown_mm = 0.005;
   return std::ranges::any_of(chart.lines, [](const ChartLine& line) {
-    return std::ranges::count_if(line.y, [](double y) { return std::isfinite(y); }) > 1;
+    return std::ranges::any_of(line.y, [](double y) { return std::abs(y) >= least_shown_mm; });
   });
 }
 

@@ -41,8 +41,8 @@ std::string shown_value(const std::string& value);
 /// The curl of one monitor in all answers.
 Chart comparison_chart(const std::vector<Answer>& answers, const std::string& monitor);
 
-/// Whether any line of a chart has two points.
-bool has_points(const Chart& chart);
+/// Whether any line of a chart leaves zero.
+bool has_curl(const Chart& chart);
 
 /// A chart as a separate SVG file that includes the colours of the page.
 std::string svg_file(const Chart& chart);
