@@ -1,7 +1,5 @@
 #pragma once
 
-#include <google/protobuf/message.h>
-
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -10,40 +8,22 @@
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/key_place.hpp"
 
+/// Changes to a case in addition to its file: `--set mesh.rows=30`, the axes of a sweep. A value is
+/// written as in the file, with the same units, checks and messages. Since a shell removes quotes,
+/// they may be omitted: `60 mm/min`, `[[0 s, 40 mm/min], [60 s, 60 mm/min]]`.
+///
+/// Two recipe words change a whole table of the schedule:
+///   `schedule.water_flow.scale = "0.8 from 50 mm until 100 mm"` sets `schedule.water_flow_factor`;
+///       `from` and `until` (times or cast lengths) may be absent; outside them the factor is 1
+///   `schedule.water_flow.shift = "5 s"` sets `schedule.water_flow_shift`
+///
+/// Of any other quantity, number or table that the case gives:
+///   `alloy.specific_heat.scale = 0.95` multiplies it, a table as a whole
+///   `schedule.casting_temperature.offset = "5 K"` adds to it
+///   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table
 namespace dccast::case_file {
-
-/// The field at a path of a message, as in a case file ("schedule.casting_speed", "monitor[1].x",
-/// "schedule.water_flow.scale").
-struct FieldPlace {
-  google::protobuf::Message* message = nullptr;
-  const google::protobuf::FieldDescriptor* field = nullptr;  ///< null: there is no such key
-};
-
-/// Missing tables on the path are created, elements of arrays are not.
-FieldPlace place_of(google::protobuf::Message& message, std::string_view path);
-
-/// The number at a path: the value of a quantity, a number, an integer, a curve of one point, one
-/// point of a curve; of "KEY.scale" and "KEY.offset" what leaves the key as it is.
-/// @return [unit of the schema]; empty for other keys and absent ones
-std::optional<double> number_at(const google::protobuf::Message& message, std::string_view path);
-
-/// Whether the key at this path takes whole numbers only.
-bool is_whole_number(const google::protobuf::Message& message, std::string_view path);
-
-// Changes to a case in addition to its file: `--set mesh.rows=30`, the axes of a sweep. A value is
-// written as in the file, with the same units, checks and messages. Since a shell removes quotes,
-// they may be omitted: `60 mm/min`, `[[0 s, 40 mm/min], [60 s, 60 mm/min]]`.
-//
-// Two recipe words change a whole table of the schedule:
-//   `schedule.water_flow.scale = "0.8 from 50 mm until 100 mm"` sets `schedule.water_flow_factor`;
-//       `from` and `until` (times or cast lengths) may be absent; outside them the factor is 1
-//   `schedule.water_flow.shift = "5 s"` sets `schedule.water_flow_shift`
-//
-// Of any other quantity, number or table that the case gives:
-//   `alloy.specific_heat.scale = 0.95` multiplies it, a table as a whole
-//   `schedule.casting_temperature.offset = "5 K"` adds to it
-//   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table
 
 /// Parses a change such as "mesh.rows=30"; empty if there is no key or no '='.
 std::optional<v1::CaseChange> parse_change(std::string_view text);

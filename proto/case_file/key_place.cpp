@@ -1,0 +1,98 @@
+#include "proto/case_file/key_place.hpp"
+
+#include <charconv>
+#include <memory>
+#include <string>
+
+#include "proto/case_file/recipe_words.hpp"
+#include "proto/case_file/schema.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+/// One part of a path, and the element of an array that it names; -1 for none.
+struct Part {
+  std::string key;
+  int element = -1;
+};
+
+Part part_of(std::string_view text) {
+  const auto bracket = text.find('[');
+  if (bracket == std::string_view::npos) return {std::string(text), -1};
+  Part part{std::string(text.substr(0, bracket)), -1};
+  std::from_chars(text.data() + bracket + 1, text.data() + text.size(), part.element);
+  return part;
+}
+
+Message* child_of(Message& message, const FieldDescriptor& field, int element) {
+  const Reflection& reflection = *message.GetReflection();
+  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return nullptr;
+  if (!field.is_repeated()) return reflection.MutableMessage(&message, &field);
+  if (element < 0 || element >= reflection.FieldSize(message, &field)) return nullptr;
+  return reflection.MutableRepeatedMessage(&message, &field, element);
+}
+
+std::optional<double> scalar(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated() || !is_present(message, field)) return std::nullopt;
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return reflection.GetDouble(message, &field);
+    case FieldDescriptor::CPPTYPE_INT32:
+      return reflection.GetInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_INT64:
+      return static_cast<double>(reflection.GetInt64(message, &field));
+    default:
+      return std::nullopt;
+  }
+}
+
+/// What a key is multiplied by, or what is added to it, before it is changed.
+std::optional<double> unchanged(Message& message, std::string_view path) {
+  for (const auto& [suffix, number] :
+       {std::pair(std::string_view(".scale"), 1.0), std::pair(std::string_view(".offset"), 0.0)}) {
+    if (!path.ends_with(suffix)) continue;
+    const FieldPlace place = place_of(message, path.substr(0, path.size() - suffix.size()));
+    if (place.field != nullptr && is_present(*place.message, *place.field)) return number;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FieldPlace place_of(Message& message, std::string_view path) {
+  const auto dot = path.find('.');
+  const Part part = part_of(path.substr(0, dot));
+  const FieldDescriptor* field = field_of_key(*message.GetDescriptor(), part.key);
+  if (field == nullptr) return {};
+  if (dot == std::string_view::npos) return {&message, field};
+  const std::string_view rest = path.substr(dot + 1);
+  if (is_curve(*field)) return {&message, recipe_field(*field, rest)};
+  Message* child = child_of(message, *field, part.element);
+  return child == nullptr ? FieldPlace{} : place_of(*child, rest);
+}
+
+std::optional<double> number_at(const Message& message, std::string_view path) {
+  const std::unique_ptr<Message> copy(message.New());
+  copy->CopyFrom(message);
+  const FieldPlace place = place_of(*copy, path);
+  if (place.field == nullptr) return unchanged(*copy, path);
+  if (!is_curve(*place.field)) return scalar(*place.message, *place.field);
+  v1::Curve curve;
+  curve.CopyFrom(place.message->GetReflection()->GetMessage(*place.message, place.field));
+  const int point = part_of(path.substr(path.rfind('.') + 1)).element;
+  if (point >= 0 && point < curve.value_size()) return curve.value(point);
+  if (point >= 0 || curve.value_size() != 1) return std::nullopt;
+  return curve.value(0);
+}
+
+bool is_whole_number(const Message& message, std::string_view path) {
+  const std::unique_ptr<Message> copy(message.New());
+  copy->CopyFrom(message);
+  const FieldPlace place = place_of(*copy, path);
+  if (place.field == nullptr) return false;
+  return place.field->cpp_type() == FieldDescriptor::CPPTYPE_INT32 ||
+         place.field->cpp_type() == FieldDescriptor::CPPTYPE_INT64;
+}
+
+}  // namespace dccast::case_file
