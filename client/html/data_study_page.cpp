@@ -108,11 +108,11 @@ std::string lost_runs(const v1::StudyResult& result) {
 
 /// Horizontal bars about the case itself.
 std::string bars(const v1::StudyResult& result, const Effects& effects) {
-  constexpr double row = 22.0, middle = 560.0, half = 210.0;
+  constexpr double row = 22.0, middle = 680.0, half = 190.0;
   const double most = effects.effects.empty() ? 0.0 : effects.effects.front().largest_m();
   if (!(most > 0.0)) return {};
   const double height = row * static_cast<double>(effects.effects.size()) + 30.0;
-  std::string svg = "<svg viewBox='0 0 790 " + fixed(height, 0) +
+  std::string svg = "<svg viewBox='0 0 910 " + fixed(height, 0) +
                     "' role='img' aria-label='effect of each key on the curl'>";
   const double error = half * effects.error_m / most;
   svg += "<rect class='wanted' x='" + fixed(middle - error, 1) + "' y='4' width='" +
@@ -120,7 +120,7 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
   double top = 8.0;
   for (const Effect& effect : effects.effects) {
     const auto& axis = result.study().sweep().axes(effect.axis);
-    svg += "<text class='label' text-anchor='end' x='335' y='" + fixed(top + 12.0, 1) + "'>" +
+    svg += "<text class='label' text-anchor='end' x='470' y='" + fixed(top + 12.0, 1) + "'>" +
            html_escaped(axis.key() + ", " + range_of(axis)) + "</text>";
     for (const auto& [amount, colour] :
          {std::pair(effect.low_m, "var(--line-0)"), std::pair(effect.high_m, "var(--line-1)")}) {
