@@ -8,6 +8,7 @@
 #include "client/html/svg_chart.hpp"
 #include "client/model/effects.hpp"
 #include "client/session/data_study.hpp"
+#include "client/text/calibration_text.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
@@ -88,6 +89,38 @@ std::string shares_chart(const v1::StudyResult& result) {
   return svg_chart(chart);
 }
 
+Chart measured_chart(const v1::Calibration& calibration, const v1::Calibration::Curve& curve) {
+  const double units = shown_units(curve);
+  const auto scaled = [&](const google::protobuf::RepeatedField<double>& values) {
+    std::vector<double> shown(values.begin(), values.end());
+    for (double& value : shown) value *= units;
+    return shown;
+  };
+  const std::vector<double> time_s(curve.time_s().begin(), curve.time_s().end());
+  const auto band = [&](const v1::Calibration::Band& of) {
+    return ChartBand{time_s, scaled(of.median()), scaled(of.low()), scaled(of.high())};
+  };
+  const auto& measured = curve.measured();
+  const bool curl = measured.curl_m_size() > 0;
+  Chart chart{curve_name(calibration, curve) + " against time",
+              "time, s",
+              curl ? "curl, mm" : "temperature, °C",
+              {}};
+  chart.lines.push_back({"measured",
+                         {measured.time_s().begin(), measured.time_s().end()},
+                         scaled(curl ? measured.curl_m() : measured.temperature_c())});
+  chart.lines.push_back({"data before, 5 to 95 %", {}, {}, band(curve.before())});
+  chart.lines.push_back({"data after, 5 to 95 %", {}, {}, band(curve.after())});
+  if (!curl || !calibration.has_mesh_error()) return chart;
+  ChartBand mesh{time_s, scaled(curve.best()), {}, {}};
+  for (const double value : mesh.middle) {
+    mesh.low.push_back(value - calibration.mesh_error() * std::abs(value));
+    mesh.high.push_back(value + calibration.mesh_error() * std::abs(value));
+  }
+  chart.lines.push_back({"mesh and time steps", {}, {}, mesh});
+  return chart;
+}
+
 /// Runs that the figures do not rest on, each with its values.
 std::string lost_runs(const v1::StudyResult& result) {
   std::string rows;
@@ -162,6 +195,27 @@ std::string uncertainty_page(const v1::StudyResult& result, std::optional<double
                      "<p>Sobol's indices of the response surface, with twice the error of their "
                      "sampling. docs/uncertainty.md.</p>");
   }
+  return page(result, body + lost_runs(result));
+}
+
+std::string calibration_page(const v1::StudyResult& result) {
+  const v1::Calibration& calibration = result.calibration();
+  std::string body;
+  for (const std::string& sentence : calibration_sentences(result))
+    body += html_escaped(sentence) + " ";
+  body = "<p class='answer'>" + body + "</p>";
+  if (!result.has_calibration()) return page(result, body + lost_runs(result));
+  for (const auto& curve : calibration.curves())
+    body += card(html_escaped(curve_name(calibration, curve)) + ", measured and computed",
+                 svg_chart(measured_chart(calibration, curve)));
+  body += card("What the measurement says of the data",
+               table_of({"free key", "range before", "value", "5 to 95 % after", "width left"},
+                        key_rows(result)));
+  body += card("How the model follows what was measured",
+               table_of({"measured", "in", "readings used", "off before", "after", "noise",
+                         "misfit", "surface"},
+                        curve_rows(calibration)) +
+                   "<p>Root mean squares and standard deviations. docs/calibration.md.</p>");
   return page(result, body + lost_runs(result));
 }
 

@@ -15,4 +15,9 @@ std::string uncertainty_page(const v1::StudyResult& result, std::optional<double
 /// A sensitivity study as a page: a bar for every lever and datum.
 std::string sensitivity_page(const v1::StudyResult& result, int monitor);
 
+/// A calibration as a page: what was measured over what is computed, with the bands of the data before
+/// and after and that of mesh and time steps, keys and curves as tables, and the runs that do not
+/// count.
+std::string calibration_page(const v1::StudyResult& result);
+
 }  // namespace dccast::client::render

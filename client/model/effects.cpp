@@ -28,12 +28,23 @@ int moved_axis(const v1::StudyRun& run) {
   return -1;
 }
 
-/// "0.9" as 0.9, "-3 K" as -3.
+}  // namespace
+
 double leading_number(const std::string& text) {
   return std::strtod(text.c_str(), nullptr);
 }
 
-}  // namespace
+std::string rounded(const std::string& text) {
+  constexpr double digits = 4.0;
+  const double number = leading_number(text);
+  if (!(std::abs(number) > 0.0) || !std::isfinite(number)) return text;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(number))) + 1.0 - digits);
+  const auto blank = std::min(text.find(' '), text.size());
+  // Divided by a power of ten where it is below 1, so that 0.93 is not 0.93000000000000005.
+  const double steps = std::round(number / unit);
+  const double value = unit < 1.0 ? steps / std::round(1.0 / unit) : steps * std::round(unit);
+  return case_file::number_text(value) + text.substr(blank);
+}
 
 double Effect::largest_m() const {
   return std::max(std::abs(low_m.value_or(0.0)), std::abs(high_m.value_or(0.0)));

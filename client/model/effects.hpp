@@ -31,6 +31,12 @@ int monitor_of(const v1::StudyResult& result, const std::string& name);
 /// "± 10 %", "± 3 K", "20..30 degC", "0.5..2 times" of an axis with two ends.
 std::string range_of(const v1::SweepPlan::Axis& axis);
 
+/// A number with its unit in four digits: "231.5 degC". @param text  as in a case file
+std::string rounded(const std::string& text);
+
+/// The number that a text begins with; 0 if it begins with none.
+double leading_number(const std::string& text);
+
 /// How the runs of a study ended, "61 valid, 2 beyond validity, 1 failed".
 struct RunCount {
   int valid = 0, beyond = 0, failed = 0, open = 0;

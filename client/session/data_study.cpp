@@ -99,16 +99,60 @@ void add_data(const std::vector<case_file::UncertainKey>& keys, const DataPlan& 
     throw CommandFailed(ExitCode::invalid, *wanted.begin() + " has no range; there are:" + known);
 }
 
+v1::SweepPlan& hypercube(const DataPlan& plan, v1::SweepPlan::Purpose purpose,
+                         v1::CreateStudyRequest& request) {
+  v1::SweepPlan& sweep = *request.mutable_sweep();
+  sweep.set_design(v1::SweepPlan::LATIN_HYPERCUBE);
+  sweep.set_purpose(purpose);
+  sweep.set_runs(plan.runs);
+  sweep.set_seed(plan.seed);
+  return sweep;
+}
+
+/// An axis from KEY=RANGE, or from KEY with the range that the case has for it.
+void add_free(const std::string& text, const std::vector<case_file::UncertainKey>& known,
+              v1::SweepPlan& sweep) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) {
+    const auto found = std::ranges::find(known, text, &case_file::UncertainKey::key);
+    if (found == known.end())
+      throw CommandFailed(ExitCode::invalid,
+                          text + " has no range in case or card; write --free '" + text +
+                              "=RANGE', RANGE as " + case_file::range_forms);
+    return add_axis(sweep, found->change(), found->ends.low, found->ends.high);
+  }
+  const auto ends = case_file::parse_range(text.substr(equals + 1));
+  if (!ends)
+    throw CommandFailed(ExitCode::invalid,
+                        "--free " + text + ": is no range; permitted: " + case_file::range_forms);
+  add_axis(sweep, text.substr(0, equals) + ends->suffix, ends->low, ends->high);
+}
+
 }  // namespace
+
+void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
+                         const google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis>& axes,
+                         v1::CreateStudyRequest& request) {
+  auto keys = complete(connection, request);
+  v1::SweepPlan& sweep = hypercube(plan.data, v1::SweepPlan::CALIBRATION, request);
+  *sweep.mutable_measured() = {plan.measured.begin(), plan.measured.end()};
+  *sweep.mutable_axes() = axes;
+  if (!axes.empty()) return;
+  for (const std::string& text : plan.free) add_free(text, keys, sweep);
+  if (plan.free.empty()) {
+    std::erase_if(keys, [](const auto& datum) { return datum.origin == "default"; });
+    add_data(keys, {}, sweep);
+  }
+  if (sweep.axes().empty())
+    throw CommandFailed(
+        ExitCode::invalid,
+        "neither case nor card gives a range; name what is free by --free KEY=RANGE");
+}
 
 void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request) {
   const auto keys = complete(connection, request);
-  v1::SweepPlan& sweep = *request.mutable_sweep();
-  sweep.set_design(v1::SweepPlan::LATIN_HYPERCUBE);
-  sweep.set_purpose(v1::SweepPlan::UNCERTAINTY);
-  sweep.set_runs(plan.runs);
-  sweep.set_seed(plan.seed);
+  v1::SweepPlan& sweep = hypercube(plan, v1::SweepPlan::UNCERTAINTY, request);
   add_data(keys, plan, sweep);
   if (sweep.axes().empty())
     throw CommandFailed(ExitCode::invalid,
@@ -132,6 +176,10 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
     const auto ends = case_file::parse_range(lever.range);
     add_axis(sweep, key, ends->low, ends->high);
   }
+}
+
+v1::Case completed_case(Connection& connection, const v1::CreateStudyRequest& request) {
+  return validated(connection, request).complete();
 }
 
 std::string datum_of(const std::string& axis_key) {

@@ -23,9 +23,26 @@ struct DataPlan {
 void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request);
 
+/// The plan of a calibration: a Latin hypercube over free keys.
+struct CalibrationPlan {
+  DataPlan data;
+  std::vector<std::string> free;  ///< KEY=RANGE, or KEY for its range in [uncertainty]; empty:
+                                  ///< every key to which case or card gives a range
+  std::vector<v1::MeasuredCurve> measured;
+};
+
+/// The same over the free keys of a calibration, with what was measured. Throws CommandFailed.
+/// @param axes  of a casting that was laid out before; empty: this is the first
+void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
+                         const google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis>& axes,
+                         v1::CreateStudyRequest& request);
+
 /// The same, with every lever of a plant and every datum alone at the two ends of its range.
 void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request);
+
+/// The case of a request with its card and all defaults. Throws CommandFailed, with its faults.
+v1::Case completed_case(Connection& connection, const v1::CreateStudyRequest& request);
 
 /// The key that an axis moves: without ".scale", ".offset" or ".shift".
 std::string datum_of(const std::string& axis_key);

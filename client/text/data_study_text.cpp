@@ -52,13 +52,6 @@ std::string losses(const v1::StudyResult& result) {
   return text;
 }
 
-std::string head_of(const v1::StudyResult& result) {
-  const std::string lost = losses(result);
-  return "study " + result.study().id() + ": " + result.study().title() + "\n" +
-         std::to_string(result.runs_size()) + " runs: " + count_runs(result).text() +
-         (lost.empty() ? "" : " (" + lost + ")") + "\n";
-}
-
 std::string history_table(const v1::Spread& spread) {
   Table table({">t s", ">cast mm", ">5 %", ">50 %", ">95 % mm", ">surface off by mm"});
   const auto& time_s = spread.time_s();  // of the hold nothing is to be seen
@@ -72,23 +65,6 @@ std::string history_table(const v1::Spread& spread) {
                millimetres(spread.high_m(i)), millimetres(spread.surface_error_m(i))});
   }
   return table.text();
-}
-
-/// Lines of at most 100 bytes.
-std::string wrapped(const std::string& text) {
-  constexpr std::size_t width = 100;
-  std::string lines, line;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    if (!line.empty() && line.size() + 1 + part.size() > width) {
-      lines += line + "\n";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + part;
-    begin = end + 1;
-  }
-  return lines + line + "\n";
 }
 
 /// "====|    " of an effect: to the left what lowers the curl, to the right what raises it.
@@ -121,6 +97,29 @@ double not_felt_m(const Effects& effects) {
 }
 
 }  // namespace
+
+std::string head_of(const v1::StudyResult& result) {
+  const std::string lost = losses(result);
+  return "study " + result.study().id() + ": " + result.study().title() + "\n" +
+         std::to_string(result.runs_size()) + " runs: " + count_runs(result).text() +
+         (lost.empty() ? "" : " (" + lost + ")") + "\n";
+}
+
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 100;
+  std::string lines, line;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    if (!line.empty() && line.size() + 1 + part.size() > width) {
+      lines += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + part;
+    begin = end + 1;
+  }
+  return lines + line + "\n";
+}
 
 std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) {
   const v1::Spread& spread = result.spread();

@@ -9,6 +9,12 @@
 
 namespace dccast::client::render {
 
+/// What a study is and how its runs ended, in two lines.
+std::string head_of(const v1::StudyResult& result);
+
+/// Lines of at most 100 bytes.
+std::string wrapped(const std::string& text);
+
 /// The answer of an uncertainty study, on one screen of 100 columns.
 /// @param mesh_error_m  half the band of mesh and steps at the end; empty: not known
 std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m);

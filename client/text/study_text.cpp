@@ -75,6 +75,10 @@ std::string plan_text(const v1::Study& study) {
     return "uncertainty, " + count + " data";
   if (study.sweep().purpose() == v1::SweepPlan::SENSITIVITY)
     return "sensitivity, " + count + " keys";
+  if (study.sweep().purpose() == v1::SweepPlan::CALIBRATION)
+    return study.sweep().further_of().empty()
+               ? "calibration, " + count + " keys"
+               : "further runs of calibration " + study.sweep().further_of();
   std::string keys;
   for (const auto& axis : study.sweep().axes()) keys += (keys.empty() ? "" : ", ") + axis.key();
   return "sweep of " + keys;

@@ -1,9 +1,10 @@
 #include "core/statistics/sampling.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
-#include <random>
 
 namespace dccast::statistics {
 
@@ -14,12 +15,6 @@ using Places = std::vector<std::vector<double>>;
 constexpr int arrangements = 20;  // to choose from
 // With more runs comparing all pairs costs more than it gains.
 constexpr int most_compared = 500;
-
-// The distributions of the standard library differ from one library to the next; the generator does
-// not.
-double uniform(std::mt19937_64& random) {
-  return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
-}
 
 void shuffle(std::vector<int>& order, std::mt19937_64& random) {
   for (std::size_t i = order.size(); i > 1; --i)
@@ -53,6 +48,22 @@ double closest(const Places& places) {
 }
 
 }  // namespace
+
+double uniform(std::mt19937_64& random) {
+  return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
+}
+
+double normal(std::mt19937_64& random) {
+  const double radius = std::sqrt(-2.0 * std::log(uniform(random)));
+  return radius * std::cos(2.0 * std::numbers::pi * uniform(random));
+}
+
+double quantile(const Eigen::VectorXd& sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<Eigen::Index>(at);
+  const Eigen::Index above = std::min(below + 1, sorted.size() - 1);
+  return sorted(below) + (at - static_cast<double>(below)) * (sorted(above) - sorted(below));
+}
 
 std::vector<std::vector<int>> grid(const std::vector<int>& sizes) {
   std::vector<std::vector<int>> runs{{}};

@@ -1,9 +1,18 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <random>
 #include <vector>
 
 namespace dccast::statistics {
+
+/// Numbers that are the same with every library, as those of <random> are not.
+double uniform(std::mt19937_64& random);  ///< in (0, 1)
+double normal(std::mt19937_64& random);   ///< of mean 0 and variance 1 (Box and Muller 1958)
+
+/// The number below which a share of some lies, linear between them. @param sorted  one or more
+double quantile(const Eigen::VectorXd& sorted, double share);
 
 /// Every combination of indices below `sizes`, the last axis fastest. (run, axis)
 std::vector<std::vector<int>> grid(const std::vector<int>& sizes);

@@ -2,6 +2,7 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -123,9 +124,16 @@ private:
 
 Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* request,
                                       v1::Study* study) {
-  const auto check = [=, this](const Call& call) { return examine(context_, call, *request); };
+  const auto whole = std::make_shared<v1::CreateStudyRequest>();
+  const auto check = [=, this](const Call& call) -> grpc::Status {
+    const std::string& before = request->sweep().further_of();
+    if (!before.empty())
+      if (const auto status = check_study_id(before); !status.ok()) return status;
+    if (!context_.studies.complete(*request, *whole)) return study_not_found(before);
+    return examine(context_, call, *whole);
+  };
   const auto create = [=, this](const Call& call) {
-    *study = context_.studies.create(*request, call.caller);
+    *study = context_.studies.create(*whole, call.caller);
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, create}});

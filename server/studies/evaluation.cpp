@@ -1,10 +1,13 @@
 // The results of studies: their runs with figures and curves, and what a plan makes of them.
+#include <algorithm>
 #include <chrono>
 #include <climits>
+#include <iterator>
 #include <limits>
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/studies/measured_castings.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::studies {
@@ -40,6 +43,8 @@ void add_end_curls(const v1::Case& base, const v1::Job& job, v1::StudyRun& run) 
 std::size_t bytes_of(const RunHistory& history) {
   std::size_t bytes = 0;
   for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
+  for (const auto& [monitor, temperature_c] : history.temperature_c)
+    bytes += temperature_c.size() * sizeof(double);
   return bytes;
 }
 
@@ -81,9 +86,9 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
   if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job.id() + " cannot be read");
-  const auto last = intake_.stored_frame(
-      options_.jobs_directory / job.id(), 0,
-      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  const auto last =
+      intake_.stored_frame(options_.jobs_directory / job.id(), 0,
+                           {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
   const std::lock_guard lock(plans_mutex_);
@@ -147,6 +152,28 @@ void Studies::add_spread(const StudyRecord& record, const std::string& monitor,
   }
 }
 
+void Studies::add_calibration(const v1::EvaluateStudyRequest& request, v1::StudyResult& result) {
+  try {
+    std::vector<MeasuredCasting> castings;
+    for (const v1::CalibratedCasting& asked : request.castings()) {
+      MeasuredCasting& casting = castings.emplace_back();
+      for (const std::string& id : asked.studies()) {
+        const auto record = store_.find(id);
+        if (!record || !record->request.has_sweep()) throw CannotPredict("there is no sweep " + id);
+        auto runs = evaluated_runs(*record, {.histories = true});
+        if (casting.runs.empty())
+          casting.request = record->request;
+        else
+          casting.last = static_cast<int>(runs.size());
+        std::ranges::move(runs, std::back_inserter(casting.runs));
+      }
+    }
+    *result.mutable_calibration() = calibration_of(std::move(castings));
+  } catch (const CannotPredict& reason) {
+    result.set_calibration_fault(reason.what());
+  }
+}
+
 std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest& request) {
   const auto record = store_.find(request.id());
   const bool curves = request.curves();
@@ -160,6 +187,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
     result.add_monitors(monitor.name());
   plan->evaluate(runs, result);
   if (!request.spread().empty()) add_spread(*record, request.spread(), result);
+  if (!request.castings().empty()) add_calibration(request, result);
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
     if (curves)

@@ -116,12 +116,6 @@ std::string text_at(const v1::Case& base, const SweptKey& key, double place) {
   return value_between(base, ends, place);
 }
 
-/// Runs that can be learned from: a run beyond validity is no answer.
-bool counts(const EvaluatedRun& run) {
-  return run.succeeded() && !run.run.beyond_validity() && !run.history.curves.empty() &&
-         run.history.curves.front().time_s_size() > 0;
-}
-
 /// The values of a run's keys that are no numbers.
 std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) {
   std::string kind;
@@ -143,7 +137,7 @@ std::set<std::string> kinds_of(const std::vector<SweptKey>& keys,
                                const std::vector<EvaluatedRun>& runs) {
   std::set<std::string> kinds;
   for (const EvaluatedRun& run : runs)
-    if (counts(run) && kinds.size() < most_prepared) kinds.insert(kind_of(keys, run));
+    if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys, run));
   return kinds;
 }
 
@@ -163,7 +157,7 @@ public:
       : keys_(keys) {
     std::vector<SurfaceRun> chosen;
     for (const EvaluatedRun& run : runs)
-      if (counts(run) && kind_of(keys_, run) == kind)
+      if (run.counts() && kind_of(keys_, run) == kind)
         chosen.push_back({inputs_of(run), run.history});
     std::vector<InputRange> domain;
     for (const SweptKey& key : keys_)
@@ -264,7 +258,7 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
 void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
   const auto now = Clock::now();
   log::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
-                std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
+             std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
   const std::lock_guard lock(mutex_);
   kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,
                                          now};

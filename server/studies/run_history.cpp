@@ -65,6 +65,10 @@ RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& st
       v1::CurlCurve& curve = curve_of(history, value.name());
       fill_up(curve, i);
       curve.add_curl_m(curl_of(value));
+      if (!value.has_temperature_c()) continue;
+      auto& temperature_c = history.temperature_c[value.name()];
+      temperature_c.resize(steps.size(), unknown);
+      temperature_c[i] = value.temperature_c();
     }
   for (v1::CurlCurve& curve : history.curves) {
     fill_up(curve, steps.size());

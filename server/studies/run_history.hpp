@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
@@ -11,6 +13,9 @@ namespace dccast::studies {
 struct RunHistory {
   std::vector<v1::CurlCurve> curves;    ///< by monitor, all at the instants of the run's steps
   std::optional<double> beyond_from_s;  ///< first step at which the model was no longer valid
+
+  /// [degC] by monitor, at the same instants; NaN where it is not reported.
+  std::map<std::string, std::vector<double>> temperature_c;
 
   const v1::CurlCurve* curve(const std::string& monitor) const;  ///< null: not reported
 };

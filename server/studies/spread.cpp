@@ -33,20 +33,13 @@ Eigen::MatrixXd drawn(const SampledCurls& sampled, int inputs) {
   return curls;
 }
 
-double quantile(const Eigen::VectorXd& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<Eigen::Index>(at);
-  const Eigen::Index above = std::min(below + 1, sorted.size() - 1);
-  return sorted(below) + (at - static_cast<double>(below)) * (sorted(above) - sorted(below));
-}
-
 void add_quantiles(Eigen::MatrixXd curls, v1::Spread& spread) {
   for (Eigen::Index t = 0; t < curls.cols(); ++t) {
     auto column = curls.col(t);
     std::sort(column.begin(), column.end());
-    spread.add_low_m(quantile(column, 0.05));
-    spread.add_median_m(quantile(column, 0.5));
-    spread.add_high_m(quantile(column, 0.95));
+    spread.add_low_m(statistics::quantile(column, 0.05));
+    spread.add_median_m(statistics::quantile(column, 0.5));
+    spread.add_high_m(statistics::quantile(column, 0.95));
   }
 }
 

@@ -134,6 +134,16 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::stri
   return create_new(request, owner, sha256);
 }
 
+bool Studies::complete(const v1::CreateStudyRequest& request, v1::CreateStudyRequest& whole) const {
+  whole = request;
+  if (request.sweep().further_of().empty()) return true;
+  const auto before = store_.find(request.sweep().further_of());
+  if (!before) return false;
+  *whole.mutable_case_() = before->request.case_();
+  *whole.mutable_attachments() = before->request.attachments();
+  return true;
+}
+
 v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::string& owner,
                               const std::string& case_sha256) {
   StudyRecord record;

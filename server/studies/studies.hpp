@@ -62,6 +62,9 @@ public:
   /// study. Runs whose job was deleted are queued again then, and a refinement study grows to more
   /// levels. @throws jobs::RequestIdTaken, jobs::StorageHeld
   v1::Study create(const v1::CreateStudyRequest& request, const std::string& owner);
+  /// Copies a request, with the case of the study whose further runs it asks for.
+  /// @return false: there is no such study
+  bool complete(const v1::CreateStudyRequest& request, v1::CreateStudyRequest& whole) const;
   std::optional<v1::Study> find(const std::string& id);
   std::vector<v1::Study> list(const StudyStore::Page& page);
   StudyReply cancel(const std::string& id, const std::string& reason);
@@ -117,6 +120,7 @@ private:
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
   void add_spread(const StudyRecord& record, const std::string& monitor, v1::StudyResult& result);
+  void add_calibration(const v1::EvaluateStudyRequest& request, v1::StudyResult& result);
   /// Has the response surface of a sweep built, of the runs that have succeeded.
   void ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);

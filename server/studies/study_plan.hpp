@@ -33,6 +33,11 @@ struct EvaluatedRun {
   std::string face_fault{};       ///< why it cannot be read
 
   bool succeeded() const { return run.state() == v1::SUCCEEDED; }
+  /// Whether it can be learned from: a run beyond validity is no answer.
+  bool counts() const {
+    return succeeded() && !run.beyond_validity() && !history.curves.empty() &&
+           history.curves.front().time_s_size() > 0;
+  }
 };
 
 /// What the runs of a study are, and their results together. One implementation for each kind.

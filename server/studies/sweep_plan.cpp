@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -167,6 +168,51 @@ std::vector<v1::Fault> value_faults(const v1::CreateStudyRequest& request) {
   return faults;
 }
 
+using Field = google::protobuf::RepeatedField<double>;
+
+bool all_finite(const Field& values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+/// What is wrong with the readings of a curve; empty: nothing.
+std::optional<v1::Fault> readings_fault(const std::string& field, const v1::MeasuredCurve& curve) {
+  const Field& at = curve.time_s_size() > 0 ? curve.time_s() : curve.cast_length_m();
+  const Field& values = curve.curl_m_size() > 0 ? curve.curl_m() : curve.temperature_c();
+  const bool one_each = (curve.time_s_size() > 0) != (curve.cast_length_m_size() > 0) &&
+                        (curve.curl_m_size() > 0) != (curve.temperature_c_size() > 0);
+  if (!one_each || at.size() != values.size() || at.size() < 2)
+    return fault_of(field, std::to_string(values.size()) + " values", "readings are not complete",
+                    "times or cast lengths, as many curls or temperatures, 2 or more");
+  if (!all_finite(at) || !all_finite(values) || !std::isfinite(curve.noise()) ||
+      curve.noise() < 0.0)
+    return fault_of(field, "", "has readings that are no numbers", "finite numbers");
+  if (std::ranges::adjacent_find(at, std::greater_equal()) != at.end())
+    return fault_of(field, "", "readings are not in order", "each later than the last");
+  return std::nullopt;
+}
+
+std::vector<v1::Fault> measurement_faults(const v1::CreateStudyRequest& request) {
+  std::vector<v1::Fault> faults;
+  const auto& curves = request.sweep().measured();
+  if (!curves.empty() && request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
+    faults.push_back(fault_of("sweep.measured", "", "needs a Latin hypercube", "none"));
+  for (int i = 0; i < curves.size(); ++i) {
+    const std::string field = "sweep.measured[" + std::to_string(i) + "]";
+    const v1::MeasuredCurve& curve = curves[i];
+    std::string monitors;
+    bool known = false;
+    for (const v1::Monitor& monitor : request.case_().monitor()) {
+      monitors += (monitors.empty() ? "" : ", ") + monitor.name();
+      known = known || monitor.name() == curve.monitor();
+    }
+    if (!known)
+      faults.push_back(
+          fault_of(field + ".monitor", curve.monitor(), "the case has no such monitor", monitors));
+    if (auto fault = readings_fault(field, curve)) faults.push_back(std::move(*fault));
+  }
+  return faults;
+}
+
 class Sweep final : public StudyPlan {
 public:
   explicit Sweep(const v1::CreateStudyRequest& request)
@@ -284,6 +330,8 @@ std::vector<v1::Fault> sweep_faults(const v1::CreateStudyRequest& request) {
   auto faults = axis_faults(request.sweep());
   if (!faults.empty()) return faults;
   faults = design_faults(request.sweep());
+  if (!faults.empty()) return faults;
+  faults = measurement_faults(request);
   if (!faults.empty()) return faults;
   return value_faults(request);
 }

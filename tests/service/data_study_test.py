@@ -4,47 +4,14 @@ a run that fails counted, and taken up again after the client has gone."""
 import json
 import os
 import re
-import subprocess
 
 import grpc
 
+from data_study import DATA, DataStudyCase
 from dccast.v1 import study_pb2
-from support import BIN, ServiceTest, main, until
+from support import main, until
 
-CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
-
-# The shipped thickness section on few cells and for a short time, with four data that have a range.
-COARSE = ((r"(?s)^\[mesh\].*?(?=^\[)",
-           '[mesh]\ncolumns = 8\nrows = 6\nside_cell = "12 mm"\nbottom_cell = "12 mm"\ngrowth_cell = "12 mm"\n\n'),
-          (r'^end = "145 s"$', 'end = "12 s"'),
-          (r"(?s)^\[uncertainty\].*", '[uncertainty]\n"schedule.casting_temperature" = "± 10 K"\n'
-           '"cooling.bottom_block.temperature" = "50..110 degC"\n'
-           '"alloy.specific_heat" = "+- 5 %"\n"alloy.melt_conductivity_factor[1]" = "1..5"\n'))
-DATA = ("schedule.casting_temperature", "cooling.bottom_block.temperature", "alloy.specific_heat",
-        "alloy.melt_conductivity_factor[1]")
-
-
-class DataStudy(ServiceTest):
-    worker = "dccast-worker"
-    settings = {"workers": 2}
-
-    def case_file(self, *more):
-        with open(CASE, encoding="utf-8") as shipped:
-            text = shipped.read()
-        for pattern, other in COARSE + more:
-            text, changes = re.subn(pattern, other, text, flags=re.M)
-            self.assertGreater(changes, 0, pattern)
-        path = os.path.join(self.folder, "case.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
-
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=200, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr
-
+class DataStudy(DataStudyCase):
     def only(self):
         return [word for key in DATA for word in ("--only", key)]
 

@@ -1,0 +1,258 @@
+#include <fstream>
+#include <iostream>
+
+#include "client/cli/common_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/html/data_study_page.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/model/json.hpp"
+#include "client/model/measured_csv.hpp"
+#include "client/session/calibration.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/data_study.hpp"
+#include "client/text/calibration_text.hpp"
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+constexpr int most_rounds = 3;  // of further runs
+
+struct CalibrateOptions : StudyOptions {
+  CalibrationPlan plan;
+  std::vector<std::string> measured, castings, noise;
+  std::string output;
+};
+
+/// A case file with the files of what was measured of it.
+struct MeasuredCase {
+  std::string file;
+  std::vector<std::string> measured;
+};
+
+std::vector<MeasuredCase> cases_of(const CalibrateOptions& options) {
+  std::vector<MeasuredCase> cases{{options.base.file, options.measured}};
+  for (const std::string& text : options.castings) {
+    const auto colon = text.rfind(':');
+    if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
+      throw CommandFailed(ExitCode::invalid,
+                          "--casting " + text + ": write CASE.toml:MEASURED.csv");
+    cases.push_back({text.substr(0, colon), {text.substr(colon + 1)}});
+  }
+  return cases;
+}
+
+/// Standard deviations that are given: "0.5 mm" of curls, "3 K" of temperatures; 0: none is.
+struct Noise {
+  double curl_m = 0.0, temperature_k = 0.0;
+};
+
+Noise noise_of(const std::vector<std::string>& texts) {
+  Noise noise;
+  for (const std::string& text : texts) {
+    const auto metres = case_file::parse_quantity(text, "m").value;
+    const auto kelvin = case_file::parse_quantity(text, "K").value;
+    const auto value = metres ? metres : kelvin;
+    if (!value || !(*value > 0.0))
+      throw CommandFailed(ExitCode::invalid,
+                          "--noise \"" + text + "\": write a length or kelvins, as 0.5 mm or 3 K");
+    (metres ? noise.curl_m : noise.temperature_k) = *value;
+  }
+  return noise;
+}
+
+/// The curves of one casting. Throws CommandFailed with all that is wrong with its files.
+std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1::Case& description,
+                                           const Noise& noise) {
+  std::vector<std::string> monitors;
+  for (const v1::Monitor& monitor : description.monitor()) monitors.push_back(monitor.name());
+  std::vector<v1::MeasuredCurve> curves;
+  std::string faults;
+  for (const std::string& file : casting.measured) {
+    std::ifstream stream(file);
+    if (!stream) throw CommandFailed(ExitCode::invalid, "cannot read " + file);
+    MeasuredFile read = read_measured(stream, file, monitors);
+    for (const std::string& fault : read.faults) faults += "\n  " + fault;
+    for (v1::MeasuredCurve& curve : read.curves) {
+      curve.set_noise(curve.curl_m_size() > 0 ? noise.curl_m : noise.temperature_k);
+      curves.push_back(std::move(curve));
+    }
+  }
+  if (!faults.empty()) throw CommandFailed(ExitCode::invalid, "measurements have faults:" + faults);
+  return curves;
+}
+
+/// Creates the study of every casting. @return empty: a case has faults, which have been printed
+std::vector<CastingStudies> create(Connection& connection, const CalibrateOptions& options) {
+  if (options.measured.empty())
+    throw CommandFailed(ExitCode::invalid, "give what was measured, as --measured curl.csv");
+  const Noise noise = noise_of(options.noise);
+  const auto cases = cases_of(options);
+  std::vector<std::vector<v1::MeasuredCurve>> curves;  // all are read before any run is queued
+  for (const MeasuredCase& casting : cases)
+    curves.push_back(read_curves(
+        casting, read_case(casting.file, changes_of(options.base.set)).description, noise));
+  std::vector<CastingStudies> castings;
+  google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis> axes;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const StudyCase base{cases[i].file, options.base.set, options.base.labels};
+    const auto study = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
+      CalibrationPlan plan = options.plan;
+      plan.measured = curves[i];
+      lay_out_calibration(connection, plan, axes, request);
+      axes = request.sweep().axes();
+    });
+    if (!study) return {};
+    castings.push_back({study->id()});
+    std::cerr << "study " << study->id() << ", " << study->runs() << " runs over "
+              << study->sweep().axes_size() << " keys\n";
+  }
+  return castings;
+}
+
+std::vector<CastingStudies> castings_of(const std::string& ids) {
+  std::vector<CastingStudies> castings;
+  for (std::size_t begin = 0; begin <= ids.size();) {
+    const std::size_t end = std::min(ids.find(',', begin), ids.size());
+    castings.push_back({ids.substr(begin, end - begin)});
+    begin = end + 1;
+  }
+  return castings;
+}
+
+std::string joined(const std::vector<CastingStudies>& castings) {
+  std::string ids;
+  for (const CastingStudies& casting : castings) ids += (ids.empty() ? "" : ",") + casting.front();
+  return ids;
+}
+
+/// Runs at the calibrated values and along the ridge, until they agree with the surface.
+v1::StudyResult checked(Connection& connection, std::vector<CastingStudies> castings,
+                        const std::string& come_back) {
+  v1::StudyResult result = evaluate_calibration(connection, castings);
+  const v1::SweepPlan plan = result.study().sweep();
+  for (int round = 1; round <= most_rounds && result.has_calibration(); ++round) {
+    std::cerr << "runs at the calibrated values and along the ridge, round " << round << " of "
+              << most_rounds << " at most\n";
+    for (const std::string& id : add_checks(connection, result.calibration(), plan, castings))
+      follow_with_progress(connection, id, come_back);
+    result = evaluate_calibration(connection, castings);
+    if (std::ranges::all_of(result.calibration().curves(), is_confirmed)) break;
+  }
+  return result;
+}
+
+void write_case(Connection& connection, const CalibrateOptions& options,
+                const v1::StudyResult& result) {
+  const CaseUnderCheck read = read_case(options.base.file, changes_of(options.base.set));
+  if (!read.faults.empty()) {
+    print_faults(read, std::cerr);
+    throw CommandFailed(ExitCode::invalid, options.base.file + " has faults");
+  }
+  v1::CreateStudyRequest request;
+  *request.mutable_case_() = read.description;
+  *request.mutable_attachments() = {read.read.attachments.begin(), read.read.attachments.end()};
+  write_output(options.output, calibrated_case(connection, request, result));
+}
+
+void print(Connection& connection, const CalibrateOptions& options, const v1::StudyResult& result) {
+  if (!options.plot.empty()) write_output(options.plot, render::calibration_page(result));
+  if (options.json)
+    std::cout << to_json(result).dump() << '\n';
+  else if (options.plot != "-" && options.output != "-")
+    std::cout << render::calibration_text(result);
+  if (!options.output.empty() && result.has_calibration()) write_case(connection, options, result);
+  std::cout << std::flush;
+}
+
+void require_sense(const CalibrateOptions& options) {
+  if (options.base.file.empty() && options.study.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "give a case FILE to begin, or --study ID to take a calibration up again");
+  if (!options.output.empty() && options.base.file.empty())
+    throw CommandFailed(ExitCode::invalid, "-o needs the case FILE too, whose values it changes");
+  for (const std::string& file : {options.plot, options.output})
+    if (!file.empty() && file != "-") require_free(file, options.force);
+}
+
+ExitCode run(const CalibrateOptions& options, Program& program) {
+  require_sense(options);
+  Connection connection = program.connect();
+  const auto castings =
+      options.study.empty() ? create(connection, options) : castings_of(options.study);
+  if (castings.empty()) return ExitCode::invalid;
+  const std::string come_back = "dccast calibrate --study " + joined(castings);
+  if (options.study.empty()) std::cerr << "taken up again by " << come_back << '\n';
+  if (options.no_wait && options.study.empty()) {
+    std::cout << joined(castings) << std::endl;
+    return ExitCode::done;
+  }
+  if (options.no_wait) {
+    print(connection, options, evaluate_calibration(connection, castings));
+    return ExitCode::done;
+  }
+  for (const CastingStudies& casting : castings)
+    follow_with_progress(connection, casting.front(), come_back);
+  const v1::StudyResult result = checked(connection, castings, come_back);
+  print(connection, options, result);
+  return result.has_calibration() ? ExitCode::done : ExitCode::solve_failed;
+}
+
+constexpr const char* examples =
+    "dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 "
+    "\\\n"
+    "      --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html\n"
+    "  dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one "
+    "answer\n"
+    "  dccast calibrate --study ID                     a calibration that was left\n"
+    "\n"
+    "The file of measurements names its columns with their units: the time or the cast length, "
+    "then\n"
+    "monitors of the case:\n"
+    "  time [s], curl corner [mm], thermocouple [degC]\n"
+    "  10,       4.1,              612\n"
+    "A length is a curl, a temperature that of the monitor. docs/calibration.md.";
+
+}  // namespace
+
+void add_calibrate(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<CalibrateOptions>();
+  const cli::Command command = line.command(
+      "calibrate",
+      "What a measured curl or temperature says of uncertain data: values, ranges, and what cannot "
+      "be told apart",
+      examples);
+  command.option("FILE", options->base.file, "Case file");
+  command
+      .option("--measured", options->measured, "CSV file of readings of this casting; repeatable")
+      .one_value_each();
+  command
+      .option("--casting", options->castings,
+              "CASE.toml:MEASURED.csv of a further casting with the same data; repeatable")
+      .one_value_each();
+  command
+      .option("--free", options->plan.free,
+              "KEY=RANGE, or KEY with the range of case or card; repeatable. Absent: every key to "
+              "which case or card gives a range")
+      .one_value_each();
+  command
+      .option("--noise", options->noise,
+              "Standard deviation of a reading, as 0.5 mm or 3 K; absent: inferred")
+      .one_value_each();
+  command.option("--runs", options->plan.data.runs, "Runs of the Latin hypercube")
+      .between(8, 10000)
+      .show_default();
+  command.option("--seed", options->plan.data.seed, "Its seed").show_default();
+  command.option(
+      "-o,--output", options->output,
+      "Write the case with the calibrated values and their ranges; - for standard output");
+  add_study_options(
+      command, *options,
+      {.study = "Take this calibration up again; ids of several castings with commas",
+       .plot = "Write an HTML page with measured and computed curves and their bands; - "
+               "for standard output",
+       .json = "As JSON, in metres and degrees Celsius"});
+  command.action([options, &program] { return run(*options, program); });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,188 @@
+#include "client/model/measured_csv.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::client {
+namespace {
+
+constexpr std::size_t most_faults = 10;  // that are reported
+constexpr const char* header_form = "\"time [s], curl corner [mm], thermocouple [degC]\"";
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r\"");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
+}
+
+std::vector<std::string> cells_of(const std::string& line, char separator) {
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(separator, begin), line.size());
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+/// "curl corner [mm]" as its name and unit.
+struct Heading {
+  std::string name, unit;
+};
+
+std::optional<Heading> heading_of(const std::string& cell) {
+  const auto open = cell.find_last_of("[(");
+  if (open == std::string::npos || !(cell.ends_with(']') || cell.ends_with(')')))
+    return std::nullopt;
+  return Heading{trimmed(cell.substr(0, open)),
+                 trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+}
+
+std::string monitor_of(std::string name) {
+  for (const char* kind : {"curl ", "gap ", "temperature "})
+    if (name.starts_with(kind)) return trimmed(name.substr(std::string(kind).size()));
+  return name;
+}
+
+/// A column of readings, with the unit of the file.
+struct Column {
+  std::string unit;
+  bool curl = false;
+  v1::MeasuredCurve curve;
+};
+
+class Reader {
+public:
+  Reader(const std::string& name, const std::vector<std::string>& monitors)
+      : name_(name), monitors_(monitors) {}
+
+  MeasuredFile read(std::istream& stream) {
+    std::string line;
+    for (int number = 1; std::getline(stream, line); ++number) {
+      line_ = number;
+      if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+      if (columns_.empty() && at_unit_.empty())
+        read_header(line);
+      else
+        read_readings(line);
+      if (header_failed_ || file_.faults.size() >= most_faults) break;
+    }
+    if (at_unit_.empty() && file_.faults.empty())
+      fault(1, "is empty; permitted: a header such as " + std::string(header_form));
+    for (Column& column : columns_) {
+      const int count = column.curve.curl_m_size() + column.curve.temperature_c_size();
+      if (file_.faults.empty() && count < 2)
+        fault(1, column.curve.monitor() + " has " + std::to_string(count) +
+                     " readings; permitted: 2 or more");
+      file_.curves.push_back(std::move(column.curve));
+    }
+    return std::move(file_);
+  }
+
+private:
+  void fault(std::size_t column, const std::string& text) {
+    file_.faults.push_back(name_ + ":" + std::to_string(line_) + ":" + std::to_string(column) +
+                           ": " + text);
+  }
+
+  void read_header(const std::string& line) {
+    for (const char separator : {'\t', ';', ','})
+      if (line.find(separator) != std::string::npos) {
+        separator_ = separator;
+        break;
+      }
+    const auto cells = cells_of(line, separator_);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const auto heading = heading_of(cells[i]);
+      if (!heading)
+        fault(i + 1, "\"" + cells[i] + "\" has no unit; permitted: " + header_form);
+      else if (i == 0)
+        read_abscissa(*heading);
+      else
+        read_column(i, *heading);
+    }
+    if (cells.size() < 2) fault(1, std::string("has one column; permitted: ") + header_form);
+    header_failed_ = !file_.faults.empty();
+  }
+
+  void read_abscissa(const Heading& heading) {
+    at_unit_ = heading.unit;
+    by_time_ = case_file::convertible(heading.unit, "s");
+    if (!by_time_ && !case_file::convertible(heading.unit, "m"))
+      fault(1, "[" + heading.unit + "] of \"" + heading.name +
+                   "\" is no time and no length; permitted: time [s], cast length [mm]");
+  }
+
+  void read_column(std::size_t i, const Heading& heading) {
+    Column column{heading.unit, case_file::convertible(heading.unit, "m"), {}};
+    if (!column.curl && !case_file::convertible(heading.unit, "degC"))
+      fault(i + 1, "[" + heading.unit + "] of \"" + heading.name +
+                       "\" is no length and no temperature; permitted: mm, m, in, degC, K");
+    const std::string monitor = monitor_of(heading.name);
+    std::string known;
+    bool found = false;
+    for (const std::string& name : monitors_) {
+      known += (known.empty() ? "" : ", ") + name;
+      found = found || name == monitor;
+    }
+    if (!found) fault(i + 1, "\"" + monitor + "\" is no monitor of the case; permitted: " + known);
+    column.curve.set_monitor(monitor);
+    column.curve.set_source(name_);
+    columns_.push_back(std::move(column));
+  }
+
+  std::optional<double> number(const std::string& cell, const std::string& unit, const char* to,
+                               std::size_t column) {
+    double value = 0.0;
+    const char* const end = cell.data() + cell.size();
+    const auto [rest, error] = std::from_chars(cell.data(), end, value);
+    if (error != std::errc() || rest != end || !std::isfinite(value)) {
+      fault(column, "\"" + cell + "\" is no number; permitted: digits with a point, e.g. 12.5");
+      return std::nullopt;
+    }
+    return case_file::convert(value, unit, to);
+  }
+
+  void read_readings(const std::string& line) {
+    const auto cells = cells_of(line, separator_);
+    if (cells.size() != columns_.size() + 1)
+      return fault(cells.size(), "has " + std::to_string(cells.size()) + " columns; permitted: " +
+                                     std::to_string(columns_.size() + 1) + ", as in the header");
+    const auto at = number(cells[0], at_unit_, by_time_ ? "s" : "m", 1);
+    if (!at) return;
+    if (last_at_ && !(*at > *last_at_))
+      fault(1, cells[0] + " does not lie after the reading before; permitted: increasing values");
+    last_at_ = at;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (cells[i + 1].empty()) continue;
+      Column& column = columns_[i];
+      const auto value = number(cells[i + 1], column.unit, column.curl ? "m" : "degC", i + 2);
+      if (!value) continue;
+      (by_time_ ? column.curve.mutable_time_s() : column.curve.mutable_cast_length_m())->Add(*at);
+      (column.curl ? column.curve.mutable_curl_m() : column.curve.mutable_temperature_c())
+          ->Add(*value);
+    }
+  }
+
+  const std::string& name_;
+  const std::vector<std::string>& monitors_;
+  MeasuredFile file_;
+  int line_ = 1;
+  char separator_ = ',';
+  bool by_time_ = true, header_failed_ = false;
+  std::string at_unit_;
+  std::optional<double> last_at_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace
+
+MeasuredFile read_measured(std::istream& stream, const std::string& name,
+                           const std::vector<std::string>& monitors) {
+  return Reader(name, monitors).read(stream);
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::client::render {
+
+/// The answer of a calibration, on one screen of 120 columns.
+std::string calibration_text(const v1::StudyResult& result);
+
+/// For screen and page: which keys are narrowed, which cannot be told apart, what the model cannot
+/// follow, what mesh and steps add, and how the surface agrees with runs.
+std::vector<std::string> calibration_sentences(const v1::StudyResult& result);
+
+/// A row for each key: key, range before, value, 5 to 95 % after, width that is left.
+std::vector<std::vector<std::string>> key_rows(const v1::StudyResult& result);
+
+/// A row for each measured curve: what and where from, readings, root mean squares before and
+/// after, noise, misfit, error of the surface.
+std::vector<std::vector<std::string>> curve_rows(const v1::Calibration& calibration);
+
+/// "curl of corner, mm"; of a second casting with its number.
+std::string curve_name(const v1::Calibration& calibration, const v1::Calibration::Curve& curve);
+
+/// From the unit of a curve's figures to that of its name: 1000 for curls.
+double shown_units(const v1::Calibration::Curve& curve);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,304 @@
+// Measured curves on the response surfaces of castings: from runs and readings to what
+// statistics::calibrate() takes, and back to keys, bands and places of further runs.
+#include "server/studies/measured_castings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <random>
+
+#include "core/statistics/calibration.hpp"
+#include "core/statistics/sampling.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
+#include "server/studies/curl_surface.hpp"
+#include "server/studies/measured_curve.hpp"
+#include "server/studies/predictions.hpp"
+#include "server/studies/sweep_plan.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr int drawn_before = 1000;  // castings, for the band before
+constexpr std::uint64_t seed = 20;
+constexpr double half_of_band = 1.645;  // standard deviations: a band covers 9 of 10
+constexpr double least_curl_m = 1e-3;   // scales: what is less is not looked for
+constexpr double least_temperature_k = 10.0;
+
+using Numbers = std::vector<double>;
+
+/// A measured curve, ready to calibrate with.
+struct Channel {
+  int casting = 0;
+  v1::MeasuredCurve measured, used;
+  Computed computed;
+  std::unique_ptr<CurveSurface> surface;
+};
+
+/// The axes of all castings.
+class Axes {
+public:
+  explicit Axes(const v1::CreateStudyRequest& request) : request_(request) {
+    for (const auto& axis : request.sweep().axes()) {
+      low_.push_back(number_of(request.case_(), axis.key(), axis.values(0)));
+      high_.push_back(number_of(request.case_(), axis.key(), axis.values(1)));
+      if (!std::isfinite(low_.back()) || !std::isfinite(high_.back()))
+        throw CannotPredict(axis.key() + " is no number, which a calibration needs");
+    }
+  }
+
+  int count() const { return static_cast<int>(low_.size()); }
+
+  /// (run, axis) places of runs, 0 to 1.
+  Eigen::MatrixXd places(const std::vector<EvaluatedRun>& runs) const {
+    Eigen::MatrixXd places(runs.size(), low_.size());
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      for (std::size_t j = 0; j < low_.size(); ++j)
+        places(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            (runs[i].run.numbers(static_cast<int>(j)) - low_[j]) / (high_[j] - low_[j]);
+    return places;
+  }
+
+  /// As in a case file.
+  std::string text(int axis, double place) const {
+    return value_between(request_.case_(), request_.sweep().axes(axis), place);
+  }
+
+private:
+  const v1::CreateStudyRequest& request_;
+  Numbers low_, high_;
+};
+
+void require_same_axes(const std::vector<MeasuredCasting>& castings) {
+  const auto& first = castings.front().request.sweep().axes();
+  for (const MeasuredCasting& casting : castings) {
+    const auto& axes = casting.request.sweep().axes();
+    bool same = axes.size() == first.size();
+    for (int j = 0; same && j < axes.size(); ++j)
+      same = axes[j].SerializeAsString() == first[j].SerializeAsString();
+    if (!same) throw CannotPredict("the castings have different free keys or ranges");
+  }
+}
+
+/// Keeps the runs that can be learned from.
+void keep_valid(MeasuredCasting& casting, std::size_t inputs) {
+  const auto from_last = casting.runs.end() - casting.last;
+  casting.last = static_cast<int>(
+      std::count_if(from_last, casting.runs.end(), [](const auto& run) { return run.counts(); }));
+  std::erase_if(casting.runs, [](const EvaluatedRun& run) { return !run.counts(); });
+  const std::size_t fewest = CurlSurface::fewest_runs(inputs);
+  if (casting.runs.size() - static_cast<std::size_t>(casting.last) < fewest)
+    throw CannotPredict("a calibration over " + std::to_string(inputs) + " keys needs " +
+                        std::to_string(fewest) + " valid runs that succeeded, and " +
+                        std::to_string(casting.runs.size()) + " have");
+}
+
+/// Half the band of mesh and steps relative to the curl.
+std::optional<double> mesh_error_of(const MeasuredCasting& casting) {
+  v1::Case complete = casting.request.case_();
+  case_file::apply_quality(complete);
+  case_file::apply_defaults(complete);
+  return case_file::relative_discretisation_error(complete);
+}
+
+/// The unit of noise and misfit: root mean square of curls, or of temperatures about their mean.
+double scale_of(const std::vector<Channel>& channels, bool curl) {
+  double sum = 0.0, count = 0.0;
+  for (const Channel& channel : channels) {
+    if (is_curl(channel.measured) != curl) continue;
+    const auto& values = values_of(channel.used);
+    const double mean =
+        curl ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / values.size();
+    for (const double value : values) sum += (value - mean) * (value - mean), count += 1.0;
+  }
+  return std::max(std::sqrt(sum / std::max(count, 1.0)), curl ? least_curl_m : least_temperature_k);
+}
+
+Eigen::VectorXd column_of(const google::protobuf::RepeatedField<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
+}
+
+statistics::CalibrationDraws infer(const std::vector<Channel>& channels, int inputs,
+                                   double mesh_error) {
+  // Curls are quantity 0, temperatures 1: both are there, whether measured or not.
+  const std::vector<statistics::Quantity> quantities{
+      {scale_of(channels, true), mesh_error / half_of_band}, {scale_of(channels, false), 0.0}};
+  std::vector<statistics::Readings> readings;
+  for (const Channel& channel : channels) {
+    auto& curve = readings.emplace_back();
+    curve.at = column_of(channel.used.time_s());
+    curve.values = column_of(values_of(channel.used));
+    curve.model_covariance = channel.surface->covariance();
+    if (channel.measured.noise() > 0.0) curve.noise = channel.measured.noise();
+    curve.quantity = is_curl(channel.measured) ? 0 : 1;
+  }
+  const auto model = [&](const Eigen::MatrixXd& places) {
+    std::vector<Eigen::MatrixXd> curves;
+    for (const Channel& channel : channels)
+      curves.push_back(channel.surface->means(places).leftCols(channel.surface->readings()));
+    return curves;
+  };
+  return statistics::calibrate(model, inputs, readings, quantities, seed);
+}
+
+v1::Calibration::Share share_of(Eigen::VectorXd draws) {
+  std::sort(draws.begin(), draws.end());
+  v1::Calibration::Share share;
+  share.set_low(statistics::quantile(draws, 0.05));
+  share.set_median(statistics::quantile(draws, 0.5));
+  share.set_high(statistics::quantile(draws, 0.95));
+  return share;
+}
+
+/// The band of some castings, with the error of the surface as normal noise.
+v1::Calibration::Band band_of(Eigen::MatrixXd curves, const Eigen::RowVectorXd& error) {
+  std::mt19937_64 random(seed);
+  for (Eigen::Index i = 0; i < curves.rows(); ++i)
+    curves.row(i) += statistics::normal(random) * error;
+  v1::Calibration::Band band;
+  for (Eigen::Index k = 0; k < curves.cols(); ++k) {
+    const auto share = share_of(curves.col(k));
+    band.add_low(share.low());
+    band.add_median(share.median());
+    band.add_high(share.high());
+  }
+  return band;
+}
+
+Eigen::MatrixXd places_before(int inputs) {
+  const auto places = statistics::latin_hypercube(drawn_before, inputs, seed);
+  Eigen::MatrixXd matrix(drawn_before, inputs);
+  for (int i = 0; i < drawn_before; ++i)
+    for (int j = 0; j < inputs; ++j)
+      matrix(i, j) = places[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  return matrix;
+}
+
+/// Root mean square of what the readings are off a curve.
+double off(const Channel& channel, const Eigen::MatrixXd& at_readings) {
+  const Eigen::RowVectorXd values = column_of(values_of(channel.used)).transpose();
+  return (values - at_readings).norm() / std::sqrt(static_cast<double>(values.size()));
+}
+
+v1::Calibration::Curve curve_of(const Channel& channel, const statistics::CalibrationDraws& draws,
+                                Eigen::Index best) {
+  const CurveSurface& surface = *channel.surface;
+  const int quantity = is_curl(channel.measured) ? 0 : 1;
+  v1::Calibration::Curve curve;
+  curve.set_casting(channel.casting);
+  *curve.mutable_measured() = channel.used;
+  curve.set_readings(values_of(channel.measured).size());
+  *curve.mutable_time_s() = {channel.computed.time_s.begin(), channel.computed.time_s.end()};
+  *curve.mutable_cast_length_m() = {channel.computed.cast_length_m.begin(),
+                                    channel.computed.cast_length_m.end()};
+  const Eigen::MatrixXd before =
+      surface.means(places_before(static_cast<int>(draws.inputs.cols())));
+  const Eigen::MatrixXd after = surface.means(draws.inputs);
+  *curve.mutable_before() = band_of(before.rightCols(band_instants), surface.error());
+  *curve.mutable_after() = band_of(after.rightCols(band_instants), surface.error());
+  const Eigen::RowVectorXd at_best = after.row(best);
+  for (int i = 0; i < band_instants; ++i) curve.add_best(at_best(surface.readings() + i));
+  curve.set_surface_error(surface.error_at_readings());
+  curve.set_off_before(off(channel, before.leftCols(surface.readings()).colwise().mean()));
+  curve.set_off_after(off(channel, at_best.head(surface.readings())));
+  const double noise = channel.measured.noise();
+  *curve.mutable_noise() = share_of(noise > 0.0 ? Eigen::VectorXd::Constant(1, noise)
+                                                : draws.noise.col(quantity).eval());
+  *curve.mutable_misfit() = share_of(draws.misfit.col(quantity));
+  return curve;
+}
+
+/// What the last further runs are off a surface that is built without them.
+void add_check(const Channel& channel, const Eigen::MatrixXd& places, int last,
+               v1::Calibration::Curve& curve) {
+  const Eigen::Index before = places.rows() - last;
+  Computed known = channel.computed;
+  known.runs.resize(static_cast<std::size_t>(before));
+  const CurveSurface surface(places.topRows(before), known, channel.used);
+  const Eigen::MatrixXd truth = CurveSurface::figures(channel.computed, channel.used)
+                                    .bottomRows(last)
+                                    .leftCols(surface.readings());
+  const Eigen::MatrixXd off =
+      surface.means(places.bottomRows(last)).leftCols(surface.readings()) - truth;
+  curve.set_check_error(off.norm() / std::sqrt(static_cast<double>(off.size())));
+  curve.set_checked_error(surface.error_at_readings());
+}
+
+void add_keys(const Axes& axes, const Eigen::MatrixXd& inputs, Eigen::Index best,
+              v1::Calibration& calibration) {
+  const Eigen::MatrixXd correlation = statistics::correlations(inputs);
+  for (int j = 0; j < axes.count(); ++j) {
+    v1::Calibration::Key& key = *calibration.add_keys();
+    const auto share = share_of(inputs.col(j));
+    key.set_low(share.low());
+    key.set_median(share.median());
+    key.set_high(share.high());
+    key.set_best(inputs(best, j));
+    key.set_low_text(axes.text(j, key.low()));
+    key.set_median_text(axes.text(j, key.median()));
+    key.set_high_text(axes.text(j, key.high()));
+    key.set_best_text(axes.text(j, key.best()));
+    key.set_narrowed((share.high() - share.low()) / 0.9);
+    for (const double value : correlation.row(j)) key.add_correlation(value);
+  }
+}
+
+void add_checks(const Axes& axes, const Eigen::MatrixXd& inputs, Eigen::Index best,
+                v1::Calibration& calibration) {
+  auto draws = statistics::draws_along_ridge(inputs, {0.05, 0.35, 0.65, 0.95});
+  draws.insert(draws.begin(), best);
+  for (const Eigen::Index draw : draws) {
+    v1::Calibration::Place& place = *calibration.add_checks();
+    for (int j = 0; j < axes.count(); ++j) place.add_values(axes.text(j, inputs(draw, j)));
+  }
+}
+
+}  // namespace
+
+v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
+  require_same_axes(castings);
+  const v1::CreateStudyRequest first = castings.front().request;
+  const Axes axes(first);
+  v1::Calibration calibration;
+  std::vector<Channel> channels;
+  std::vector<Eigen::MatrixXd> places;
+  bool known = true;
+  double mesh_error = 0.0;
+  for (MeasuredCasting& casting : castings) {
+    keep_valid(casting, static_cast<std::size_t>(axes.count()));
+    const auto error = mesh_error_of(casting);
+    known = known && error;
+    mesh_error = std::max(mesh_error, error.value_or(0.0));
+    calibration.add_runs(static_cast<int>(casting.runs.size()));
+    const Eigen::MatrixXd& here = places.emplace_back(axes.places(casting.runs));
+    for (const v1::MeasuredCurve& measured : casting.request.sweep().measured()) {
+      Channel& channel = channels.emplace_back();
+      channel.casting = static_cast<int>(places.size()) - 1;
+      channel.measured = measured;
+      channel.computed = computed_of(casting.runs, measured);
+      channel.used = usable(measured, channel.computed);
+      channel.surface = std::make_unique<CurveSurface>(here, channel.computed, channel.used);
+    }
+  }
+  if (channels.empty()) throw CannotPredict("nothing was measured of these castings");
+  const auto draws = infer(channels, axes.count(), mesh_error);
+  const Eigen::Index best = statistics::central_draw(draws.inputs);
+  add_keys(axes, draws.inputs, best, calibration);
+  add_checks(axes, draws.inputs, best, calibration);
+  calibration.set_fixed(statistics::fixed_combinations(draws.inputs));
+  for (const Channel& channel : channels) {
+    v1::Calibration::Curve& curve = *calibration.add_curves() = curve_of(channel, draws, best);
+    const int last = castings[static_cast<std::size_t>(channel.casting)].last;
+    if (last > 0)
+      add_check(channel, places[static_cast<std::size_t>(channel.casting)], last, curve);
+  }
+  if (known) {
+    calibration.set_mesh_error(mesh_error);
+    *calibration.mutable_mesh_factor() = share_of(draws.common);
+  }
+  return calibration;
+}
+
+}  // namespace dccast::studies

@@ -1,0 +1,158 @@
+#include "server/studies/measured_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "proto/values/interpolation.hpp"
+#include "server/studies/predictions.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr int most_readings = 40;     // of a curve; more are averaged
+constexpr double same_length = 0.01;  // to which runs agree on the cast length
+
+using Numbers = std::vector<double>;
+using Field = google::protobuf::RepeatedField<double>;
+
+std::string name_of(const v1::MeasuredCurve& measured) {
+  return (is_curl(measured) ? "curl of " : "temperature of ") + measured.monitor() + " (" +
+         measured.source() + ")";
+}
+
+History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
+  const v1::CurlCurve* curve = run.curve(measured.monitor());
+  const auto temperature_c = run.temperature_c.find(measured.monitor());
+  if (curve == nullptr || (!is_curl(measured) && temperature_c == run.temperature_c.end()))
+    return {};
+  History history;
+  for (int i = 0; i < curve->time_s_size(); ++i) {
+    const double value =
+        is_curl(measured) ? curve->curl_m(i) : temperature_c->second[static_cast<std::size_t>(i)];
+    if (!std::isfinite(value)) continue;
+    history.time_s.push_back(curve->time_s(i));
+    history.cast_length_m.push_back(curve->cast_length_m(i));
+    history.value.push_back(value);
+  }
+  return history;
+}
+
+Eigen::RowVectorXd row_of(const Numbers& values) {
+  return Eigen::Map<const Eigen::RowVectorXd>(values.data(),
+                                              static_cast<Eigen::Index>(values.size()));
+}
+
+/// First time at which a length is cast; NaN beyond the end.
+double time_at(const Computed& computed, double length_m) {
+  const auto above = std::ranges::lower_bound(computed.cast_length_m, length_m);
+  if (above == computed.cast_length_m.end()) return std::nan("");
+  const auto i = static_cast<std::size_t>(above - computed.cast_length_m.begin());
+  if (i == 0) return length_m < computed.cast_length_m[0] ? std::nan("") : computed.time_s[0];
+  const double share = (length_m - computed.cast_length_m[i - 1]) /
+                       (computed.cast_length_m[i] - computed.cast_length_m[i - 1]);
+  return computed.time_s[i - 1] + share * (computed.time_s[i] - computed.time_s[i - 1]);
+}
+
+}  // namespace
+
+bool is_curl(const v1::MeasuredCurve& measured) {
+  return measured.curl_m_size() > 0;
+}
+
+const Field& values_of(const v1::MeasuredCurve& measured) {
+  return is_curl(measured) ? measured.curl_m() : measured.temperature_c();
+}
+
+Computed computed_of(const std::vector<EvaluatedRun>& runs, const v1::MeasuredCurve& measured) {
+  Computed computed;
+  double from = -1e300, to = 1e300;
+  for (const EvaluatedRun& run : runs) {
+    History& history = computed.runs.emplace_back(history_of(run.history, measured));
+    if (history.time_s.empty()) throw CannotPredict(name_of(measured) + " is in no run");
+    from = std::max(from, history.time_s.front());
+    to = std::min(to, history.time_s.back());
+  }
+  if (!(from < to)) throw CannotPredict(name_of(measured) + ": the runs have no time in common");
+  for (int i = 0; i < band_instants; ++i)
+    computed.time_s.push_back(from + (to - from) * i / (band_instants - 1));
+  Eigen::MatrixXd lengths(computed.runs.size(), band_instants);
+  for (std::size_t i = 0; i < computed.runs.size(); ++i)
+    lengths.row(static_cast<Eigen::Index>(i)) = row_of(values::at_instants(
+        computed.time_s, computed.runs[i].time_s, computed.runs[i].cast_length_m));
+  const Eigen::RowVectorXd mean = lengths.colwise().mean();
+  computed.cast_length_m.assign(mean.begin(), mean.end());
+  const double apart = (lengths.rowwise() - mean).cwiseAbs().maxCoeff();
+  if (measured.cast_length_m_size() > 0 && apart > same_length * mean.maxCoeff())
+    throw CannotPredict(name_of(measured) +
+                        ": a free key changes the casting speed, so that readings need a time "
+                        "instead of a cast length");
+  return computed;
+}
+
+v1::MeasuredCurve usable(const v1::MeasuredCurve& measured, const Computed& computed) {
+  std::vector<std::pair<double, double>> readings;
+  for (int i = 0; i < values_of(measured).size(); ++i) {
+    const double time_s = measured.time_s_size() > 0 ? measured.time_s(i)
+                                                     : time_at(computed, measured.cast_length_m(i));
+    if (time_s >= computed.time_s.front() && time_s <= computed.time_s.back())
+      readings.emplace_back(time_s, values_of(measured)[i]);
+  }
+  if (readings.empty())
+    throw CannotPredict(name_of(measured) + " has no reading within the computed time");
+  v1::MeasuredCurve used = measured;
+  for (Field* field : {used.mutable_time_s(), used.mutable_cast_length_m(), used.mutable_curl_m(),
+                       used.mutable_temperature_c()})
+    field->Clear();
+  const std::size_t count = std::min<std::size_t>(readings.size(), most_readings);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto group =
+        std::span(readings).subspan(k * readings.size() / count, (k + 1) * readings.size() / count -
+                                                                     k * readings.size() / count);
+    double time_s = 0.0, value = 0.0;
+    for (const auto& [at, reading] : group)
+      time_s += at / static_cast<double>(group.size()),
+          value += reading / static_cast<double>(group.size());
+    used.add_time_s(time_s);
+    (is_curl(measured) ? used.mutable_curl_m() : used.mutable_temperature_c())->Add(value);
+  }
+  return used;
+}
+
+CurveSurface::CurveSurface(const Eigen::MatrixXd& places, const Computed& computed,
+                           const v1::MeasuredCurve& used)
+    : readings_(used.time_s_size()), surface_(places, figures(computed, used)) {
+  errors_.resize(places.rows(), readings_ + band_instants);
+  for (Eigen::Index k = 0; k < errors_.cols(); ++k) errors_.col(k) = surface_.left_out_errors(k);
+  // Mean, lengths and nugget have followed the runs that are left out, too.
+  const double runs = static_cast<double>(places.rows());
+  errors_ *= std::sqrt(runs / std::max(1.0, runs - static_cast<double>(places.cols()) - 2.0));
+}
+
+Eigen::MatrixXd CurveSurface::figures(const Computed& computed, const v1::MeasuredCurve& used) {
+  Numbers at(used.time_s().begin(), used.time_s().end());
+  at.insert(at.end(), computed.time_s.begin(), computed.time_s.end());
+  Eigen::MatrixXd figures(computed.runs.size(), at.size());
+  for (std::size_t i = 0; i < computed.runs.size(); ++i)
+    figures.row(static_cast<Eigen::Index>(i)) =
+        row_of(values::at_instants(at, computed.runs[i].time_s, computed.runs[i].value));
+  return figures;
+}
+
+Eigen::MatrixXd CurveSurface::covariance() const {
+  const Eigen::MatrixXd at_readings = errors_.leftCols(readings_);
+  return at_readings.transpose() * at_readings / static_cast<double>(errors_.rows());
+}
+
+Eigen::RowVectorXd CurveSurface::error() const {
+  return errors_.rightCols(band_instants).colwise().norm() /
+         std::sqrt(static_cast<double>(errors_.rows()));
+}
+
+double CurveSurface::error_at_readings() const {
+  return errors_.leftCols(readings_).norm() /
+         std::sqrt(static_cast<double>(readings_ * errors_.rows()));
+}
+
+}  // namespace dccast::studies
