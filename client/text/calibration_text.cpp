@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "client/model/effects.hpp"
@@ -9,6 +10,7 @@
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/table.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -33,6 +35,12 @@ std::string interval(const v1::Calibration::Curve& curve, const v1::Calibration:
   if (share.low() == share.high()) return shown(curve, share.median(), 2);
   return shown(curve, share.median(), 2) + " (" + shown(curve, share.low(), 2) + " to " +
          shown(curve, share.high(), 2) + ")";
+}
+
+/// The name of a file without its folder, short enough for a table.
+std::string file_of(const std::string& path) {
+  constexpr std::size_t longest = 24;
+  return values::shortened(std::filesystem::path(path).filename().string(), longest);
 }
 
 std::string joined(const std::vector<std::string>& names) {

@@ -14,6 +14,7 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/values/printable.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
@@ -174,8 +175,11 @@ bool all_finite(const Field& values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-/// What is wrong with the readings of a curve; empty: nothing.
-std::optional<v1::Fault> readings_fault(const std::string& field, const v1::MeasuredCurve& curve) {
+/// What is wrong with a curve and its readings; empty: nothing.
+std::optional<v1::Fault> curve_fault(const std::string& field, const v1::MeasuredCurve& curve) {
+  if (values::unprintable(curve.source()) || !values::too_long("source", curve.source()).empty())
+    return fault_of(field + ".source", values::shortened(values::escaped(curve.source())),
+                    "is no name of a file", "one line of at most 200 bytes");
   const Field& at = curve.time_s_size() > 0 ? curve.time_s() : curve.cast_length_m();
   const Field& values = curve.curl_m_size() > 0 ? curve.curl_m() : curve.temperature_c();
   const bool one_each = (curve.time_s_size() > 0) != (curve.cast_length_m_size() > 0) &&
@@ -208,7 +212,7 @@ std::vector<v1::Fault> measurement_faults(const v1::CreateStudyRequest& request)
     if (!known)
       faults.push_back(
           fault_of(field + ".monitor", curve.monitor(), "the case has no such monitor", monitors));
-    if (auto fault = readings_fault(field, curve)) faults.push_back(std::move(*fault));
+    if (auto fault = curve_fault(field, curve)) faults.push_back(std::move(*fault));
   }
   return faults;
 }

@@ -208,6 +208,8 @@ TEST(SweepFaults, OfMeasuredCurvesNameTheCurve) {
   EXPECT_THAT(fault_of([](auto& curve) { curve.add_time_s(1e4); }), HasSubstr("not complete"));
   EXPECT_THAT(fault_of([](auto& curve) { curve.add_temperature_c(1.0); }),
               HasSubstr("not complete"));
+  EXPECT_THAT(fault_of([](auto& curve) { curve.set_source("a\x1b[2J.csv"); }),
+              HasSubstr("sweep.measured[0].source is no name of a file"));
   EXPECT_THAT(fault_of([](auto& curve) { curve.set_time_s(1, 0.0); }), HasSubstr("not in order"));
   EXPECT_THAT(fault_of([](auto& curve) { curve.set_curl_m(1, std::nan("")); }),
               HasSubstr("no numbers"));
