@@ -88,14 +88,13 @@ void add_misfits(const v1::Calibration& calibration, std::vector<std::string>& s
     const bool wrong =
         curve.misfit().low() > std::max(curve.noise().median(), curve.surface_error());
     sentences.push_back(
-        wrong
-            ? "Whatever its data, the model is off the " + what + " by about " +
-                  shown(curve, curve.misfit().median()) + unit + " (" +
-                  shown(curve, curve.misfit().low()) + " to " +
-                  shown(curve, curve.misfit().high()) +
-                  "): something is wrong or missing in it, and the ranges are wider for it."
-            : "The model needs no misfit to follow the " + what + "; one of " +
-                  shown(curve, curve.misfit().median()) + unit + " or less is as likely as more.");
+        wrong ? "Whatever its data, the model is off the " + what + " by about " +
+                    shown(curve, curve.misfit().median()) + unit + " (" +
+                    shown(curve, curve.misfit().low()) + " to " +
+                    shown(curve, curve.misfit().high()) +
+                    "): something is wrong or missing in it, and the ranges are wider for it."
+              : "The model needs no misfit to follow the " + what + ": it is less than " +
+                    shown(curve, curve.misfit().high(), 2) + unit + " (95 %).");
   }
 }
 
@@ -158,7 +157,7 @@ std::vector<std::vector<std::string>> curve_rows(const v1::Calibration& calibrat
   std::vector<std::vector<std::string>> rows;
   for (const auto& curve : calibration.curves())
     rows.push_back(
-        {curve_name(calibration, curve), curve.measured().source(),
+        {curve_name(calibration, curve), file_of(curve.measured().source()),
          std::to_string(curve.measured().time_s_size()) + " of " + std::to_string(curve.readings()),
          shown(curve, curve.off_before()), shown(curve, curve.off_after()),
          interval(curve, curve.noise()), interval(curve, curve.misfit()),

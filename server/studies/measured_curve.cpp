@@ -123,6 +123,7 @@ v1::MeasuredCurve usable(const v1::MeasuredCurve& measured, const Computed& comp
 CurveSurface::CurveSurface(const Eigen::MatrixXd& places, const Computed& computed,
                            const v1::MeasuredCurve& used)
     : readings_(used.time_s_size()), surface_(places, figures(computed, used)) {
+  at_ = Eigen::Map<const Eigen::VectorXd>(used.time_s().data(), readings_);
   errors_.resize(places.rows(), readings_ + band_instants);
   for (Eigen::Index k = 0; k < errors_.cols(); ++k) errors_.col(k) = surface_.left_out_errors(k);
   // Mean, lengths and nugget have followed the runs that are left out, too.
@@ -142,7 +143,17 @@ Eigen::MatrixXd CurveSurface::figures(const Computed& computed, const v1::Measur
 
 Eigen::MatrixXd CurveSurface::covariance() const {
   const Eigen::MatrixXd at_readings = errors_.leftCols(readings_);
-  return at_readings.transpose() * at_readings / static_cast<double>(errors_.rows());
+  const Eigen::MatrixXd sampled =
+      at_readings.transpose() * at_readings / static_cast<double>(errors_.rows());
+  // A few runs say that the error has no part in most directions, but they have only not shown it.
+  // Half of it is taken to be any curve of the same size, which forgets itself in a third of the
+  // span and may have kinks, as histories with contact do.
+  const Eigen::VectorXd size = sampled.diagonal().cwiseSqrt();
+  const double length = std::max((at_(readings_ - 1) - at_(0)) / 3.0, 1e-9);
+  const Eigen::ArrayXXd apart =
+      (at_.replicate(1, readings_) - at_.transpose().replicate(readings_, 1)).array().abs();
+  const Eigen::MatrixXd any = (size * size.transpose()).array() * (-apart / length).exp();
+  return 0.5 * (sampled + any);
 }
 
 Eigen::RowVectorXd CurveSurface::error() const {

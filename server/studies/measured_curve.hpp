@@ -46,13 +46,15 @@ public:
   Eigen::Index readings() const { return readings_; }
   /// (place, reading and instant)
   Eigen::MatrixXd means(const Eigen::MatrixXd& places) const { return surface_.means(places); }
-  /// (reading, reading) of what the surface is off where runs are left out one by one.
+  /// (reading, reading) of what the surface is off where runs are left out one by one, half of it
+  /// as they were, half as any curve of their size.
   Eigen::MatrixXd covariance() const;
   Eigen::RowVectorXd error() const;  ///< by instant: standard deviations of the same
   double error_at_readings() const;  ///< root mean square of the same
 
 private:
   Eigen::Index readings_;
+  Eigen::VectorXd at_;  ///< by reading [s]
   statistics::PrincipalComponents surface_;
   Eigen::MatrixXd errors_;  ///< (run, reading and instant)
 };
