@@ -305,7 +305,7 @@ class Command(StudyTest):
         result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
         self.assertEqual(len(result["runs"]), 4)
         self.assertEqual(len(result["runs"][0]["curves"][0]["curl_m"]), 3)
-        self.assertIn(study, self.dccast("studies").stdout)
+        self.assertIn(study[:8], self.dccast("studies").stdout)
         self.assertIn("sweep of schedule.casting_speed, mesh.rows",
                       self.dccast("studies", "show", study).stdout)
         self.dccast("studies", "delete", study)
