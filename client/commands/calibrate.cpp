@@ -95,7 +95,8 @@ std::vector<CastingStudies> create(Connection& connection, const CalibrateOption
   std::vector<CastingStudies> castings;
   google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis> axes;
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const StudyCase base{cases[i].file, options.base.set, options.base.labels};
+    const StudyCase base{cases[i].file, options.base.set, options.base.labels,
+                         options.plan.free.empty() ? "" : "--free"};
     const auto study = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
       CalibrationPlan plan = options.plan;
       plan.measured = curves[i];
@@ -110,11 +111,11 @@ std::vector<CastingStudies> create(Connection& connection, const CalibrateOption
   return castings;
 }
 
-std::vector<CastingStudies> castings_of(const std::string& ids) {
+std::vector<CastingStudies> castings_of(Connection& connection, const std::string& ids) {
   std::vector<CastingStudies> castings;
   for (std::size_t begin = 0; begin <= ids.size();) {
     const std::size_t end = std::min(ids.find(',', begin), ids.size());
-    castings.push_back({ids.substr(begin, end - begin)});
+    castings.push_back({resolve_study(connection, ids.substr(begin, end - begin))});
     begin = end + 1;
   }
   return castings;
@@ -179,7 +180,7 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
   require_sense(options);
   Connection connection = program.connect();
   const auto castings =
-      options.study.empty() ? create(connection, options) : castings_of(options.study);
+      options.study.empty() ? create(connection, options) : castings_of(connection, options.study);
   if (castings.empty()) return ExitCode::invalid;
   const std::string come_back = "dccast calibrate --study " + joined(castings);
   if (options.study.empty()) std::cerr << "taken up again by " << come_back << '\n';

@@ -10,6 +10,7 @@
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
@@ -17,6 +18,7 @@ namespace {
 
 // Of the width that a range had: below, a key is narrowed; above, nothing is known of it.
 constexpr double narrowed = 0.5, as_before = 0.85;
+constexpr int text_columns = 100;
 constexpr double not_apart = 0.6;  // correlation of keys that cannot be told apart
 
 std::string range_after(const v1::SweepPlan::Axis& axis, const v1::Calibration::Key& key) {
@@ -186,7 +188,8 @@ std::string calibration_text(const v1::StudyResult& result) {
     text += "\n" + keys.text() + "\n" + curves.text();
   }
   text += "\n";
-  for (const std::string& sentence : calibration_sentences(result)) text += wrapped(sentence);
+  for (const std::string& sentence : calibration_sentences(result))
+    text += wrapped(sentence, text_columns) + "\n";
   return text;
 }
 

@@ -10,6 +10,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/text_checks.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/sweep_plan.hpp"
@@ -82,10 +83,22 @@ double input_of(const v1::Case& base, const SweptKey& key, const std::string* gi
   return number;
 }
 
+[[noreturn]] void not_swept(const std::string& key, const std::vector<SweptKey>& keys) {
+  std::vector<std::string> names;
+  for (const SweptKey& swept : keys) names.push_back(swept.key);
+  const std::string near = case_file::nearest(key, names);
+  throw FaultyPlace(key + " was not swept; " + (near.empty() ? "" : "did you mean " + near + "? ") +
+                    "the keys of this study are " + joined(names));
+}
+
 Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
                const v1::PredictStudyRequest& request) {
   std::map<std::string, std::string> given;
-  for (const v1::CaseChange& change : request.values()) given[change.key()] = change.value();
+  for (const v1::CaseChange& change : request.values()) {
+    if (std::ranges::find(keys, change.key(), &SweptKey::key) == keys.end())
+      not_swept(change.key(), keys);
+    given[change.key()] = change.value();
+  }
   Place place;
   for (const SweptKey& key : keys) {
     const auto found = given.find(key.key);
@@ -98,13 +111,8 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
       if (std::ranges::find(key.values, *value) == key.values.end()) outside(key, *value);
       place.kind += *value + "\n";
     }
-    given.erase(key.key);
   }
-  if (given.empty()) return place;
-  std::vector<std::string> names;
-  for (const SweptKey& key : keys) names.push_back(key.key);
-  throw FaultyPlace(given.begin()->first + " was not swept; the keys of this study are " +
-                    joined(names));
+  return place;
 }
 
 /// A text of a case file for a place on a numeric key, 0 to 1.
