@@ -220,8 +220,8 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<CalibrateOptions>();
   const cli::Command command = line.command(
       "calibrate",
-      "What a measured curl or temperature says of uncertain data: values, ranges, and what cannot "
-      "be told apart",
+      "Infer uncertain data from a measured curl or temperature: values, ranges, and keys that the "
+      "measurement cannot separate",
       examples);
   command.option("FILE", options->base.file, "Case file");
   command

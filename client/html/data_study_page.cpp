@@ -205,7 +205,7 @@ std::string calibration_page(const v1::StudyResult& result) {
   for (const auto& curve : calibration.curves())
     body += card(html_escaped(curve_name(calibration, curve)) + ", measured and computed",
                  svg_chart(measured_chart(calibration, curve)));
-  body += card("What the measurement says of the data",
+  body += card("The data after the measurement",
                table_of({"free key", "range before", "value", "5 to 95 % after", "width left"},
                         key_rows(result)));
   body += card("How the model follows what was measured",

@@ -14,7 +14,7 @@
 namespace dccast::client {
 namespace {
 
-// Root mean squares of a few runs scatter; a surface that is off by more is not what it says.
+// Root mean squares of a few runs scatter; a surface that is off by more than this does not hold.
 constexpr double confirmed_ratio = 2.0;
 
 std::string sources_of(const v1::Calibration& calibration) {
@@ -25,18 +25,34 @@ std::string sources_of(const v1::Calibration& calibration) {
   return text;
 }
 
-/// The range of a calibrated key about its new value, as in [uncertainty].
-std::string range_after(const std::string& axis_key, const v1::Calibration::Key& key) {
-  const std::string low = key.low() < key.best() ? key.low_text() : key.best_text();
-  const std::string high = key.high() > key.best() ? key.high_text() : key.best_text();
-  const double best = leading_number(key.best_text());
+/// A calibrated key as it is written: value and ends of its range, which hold the value.
+struct Written {
+  std::string low, best, high;
+};
+
+Written written(const v1::Calibration::Key& key) {
+  const Written exact{key.low() < key.best() ? key.low_text() : key.best_text(), key.best_text(),
+                      key.high() > key.best() ? key.high_text() : key.best_text()};
+  const Written short_one{rounded(exact.low), rounded(exact.best), rounded(exact.high)};
+  return short_one.low == short_one.high ? exact : short_one;
+}
+
+/// The range about the new value, as in [uncertainty].
+std::string range_after(const std::string& axis_key, const Written& key) {
+  const double low = leading_number(key.low), best = leading_number(key.best),
+               high = leading_number(key.high);
   if (axis_key.ends_with(".scale"))
-    return rounded(case_file::number_text(leading_number(low) / best)) + ".." +
-           rounded(case_file::number_text(leading_number(high) / best)) + " times";
-  if (!axis_key.ends_with(".offset")) return low + ".." + high;
-  const double half = std::max(leading_number(high) - best, best - leading_number(low));
-  const auto unit = std::min(key.best_text().find(' '), key.best_text().size());
-  return "± " + rounded(case_file::number_text(half)) + key.best_text().substr(unit);
+    return rounded(case_file::number_text(low / best)) + ".." +
+           rounded(case_file::number_text(high / best)) + " times";
+  if (axis_key.ends_with(".offset")) {
+    const auto unit = std::min(key.best.find(' '), key.best.size());
+    return "± " + rounded(case_file::number_text(std::max(high - best, best - low))) +
+           key.best.substr(unit);
+  }
+  v1::SweepPlan::Axis axis;
+  axis.add_values(key.low);
+  axis.add_values(key.high);
+  return range_of(axis);
 }
 
 v1::CaseChange change_of(const std::string& key, const std::string& value) {
@@ -136,14 +152,13 @@ std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest
   std::set<std::string> keys;
   for (int axis = 0; axis < calibration.keys_size(); ++axis) {
     const auto& before = result.study().sweep().axes(axis);
-    const auto& key = calibration.keys(axis);
-    apply(change_of(before.key(), key.best_text()), complete, description);
+    const Written key = written(calibration.keys(axis));
+    apply(change_of(before.key(), key.best), complete, description);
     const std::string datum = datum_of(before.key());
     keys.insert(datum);
     set_range(datum, range_after(before.key(), key), description);
-    header += "#   " + before.key() + " = " + key.best_text() + "; " + before.values(0) + " to " +
-              before.values(1) + " before, " + key.low_text() + " to " + key.high_text() +
-              " after\n";
+    header += "#   " + before.key() + " = " + key.best + "; before: " + range_of(before) +
+              ", after: " + key.low + " to " + key.high + "\n";
     constexpr std::size_t most_provenance = 100;  // of the schema
     if (datum.starts_with("alloy."))
       description.mutable_alloy()->set_provenance(source.substr(0, most_provenance));

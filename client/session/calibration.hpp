@@ -13,8 +13,8 @@ namespace dccast::client {
 /// The studies of one casting: a Latin hypercube with measurements, then further runs.
 using CastingStudies = std::vector<std::string>;
 
-/// What the measurements of some castings say of their keys. Throws CommandFailed, also where too
-/// few runs have ended.
+/// The calibration of some castings by what was measured of them. Throws CommandFailed, also where
+/// too few runs have ended.
 v1::StudyResult evaluate_calibration(Connection& connection,
                                      const std::vector<CastingStudies>& castings);
 
@@ -24,7 +24,7 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
                                     const v1::SweepPlan& plan,
                                     std::vector<CastingStudies>& castings);
 
-/// Whether the last further runs are about as far off the surface as it says, or by less than a
+/// Whether the last further runs are about as far off the surface as its error, or by less than a
 /// reading is uncertain.
 bool is_confirmed(const v1::Calibration::Curve& curve);
 

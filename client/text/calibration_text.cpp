@@ -19,7 +19,7 @@ namespace {
 // Of the width that a range had: below, a key is narrowed; above, nothing is known of it.
 constexpr double narrowed = 0.5, as_before = 0.85;
 constexpr int text_columns = 100;
-constexpr double not_apart = 0.6;  // correlation of keys that cannot be told apart
+constexpr double not_separate = 0.6;  // correlation of keys that cannot be separated
 
 std::string range_after(const v1::SweepPlan::Axis& axis, const v1::Calibration::Key& key) {
   v1::SweepPlan::Axis after;
@@ -62,16 +62,15 @@ void add_keys(const v1::StudyResult& result, std::vector<std::string>& sentences
   }
   if (!known.empty()) sentences.push_back("The measurement narrows " + joined(known) + ".");
   if (!unknown.empty())
-    sentences.push_back("It says nothing of " + joined(unknown) +
+    sentences.push_back("It does not narrow " + joined(unknown) +
                         (unknown.size() == 1 ? ", whose range stays." : ", whose ranges stay."));
   for (int i = 0; i < calibration.keys_size(); ++i)
     for (int j = 0; j < i; ++j) {
       const double correlation = calibration.keys(i).correlation(j);
-      if (std::abs(correlation) < not_apart) continue;
+      if (std::abs(correlation) < not_separate) continue;
       sentences.push_back(
-          "It cannot tell " + datum_of(axes[j].key()) + " and " + datum_of(axes[i].key()) +
-          " apart: " +
-          (correlation < 0.0 ? "more of the one with less of the other" : "more of both") +
+          "It cannot separate " + datum_of(axes[j].key()) + " and " + datum_of(axes[i].key()) +
+          ": " + (correlation < 0.0 ? "more of the one with less of the other" : "more of both") +
           " fits as well (correlation " + fixed(correlation, 2) + ").");
     }
   sentences.push_back("Of the " + std::to_string(calibration.keys_size()) + " free keys it fixes " +
@@ -83,8 +82,8 @@ void add_misfits(const v1::Calibration& calibration, std::vector<std::string>& s
   bool curl = false, temperature = false;
   for (const auto& curve : calibration.curves()) {
     const bool of_curl = curve.measured().curl_m_size() > 0;
-    bool& said = of_curl ? curl : temperature;
-    if (std::exchange(said, true)) continue;
+    bool& stated = of_curl ? curl : temperature;
+    if (std::exchange(stated, true)) continue;
     const std::string what = of_curl ? "curls" : "temperatures";
     const std::string unit = of_curl ? " mm" : " K";
     const bool wrong =

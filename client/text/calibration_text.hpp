@@ -10,7 +10,7 @@ namespace dccast::client::render {
 /// The answer of a calibration, on one screen of 120 columns.
 std::string calibration_text(const v1::StudyResult& result);
 
-/// For screen and page: which keys are narrowed, which cannot be told apart, what the model cannot
+/// For screen and page: which keys are narrowed, which cannot be separated, what the model cannot
 /// follow, what mesh and steps add, and how the surface agrees with runs.
 std::vector<std::string> calibration_sentences(const v1::StudyResult& result);
 

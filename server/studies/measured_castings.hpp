@@ -13,7 +13,7 @@ struct MeasuredCasting {
   int last = 0;                    ///< how many of them the last further study has
 };
 
-/// What the measured curves say of the axes (docs/calibration.md). The same runs give the same.
+/// The axes inferred from the measured curves (docs/calibration.md). The same runs give the same.
 /// @throws CannotPredict  too few valid runs, axes that differ, no reading within the computed time
 v1::Calibration calibration_of(std::vector<MeasuredCasting> castings);
 

@@ -145,7 +145,7 @@ Eigen::MatrixXd CurveSurface::covariance() const {
   const Eigen::MatrixXd at_readings = errors_.leftCols(readings_);
   const Eigen::MatrixXd sampled =
       at_readings.transpose() * at_readings / static_cast<double>(errors_.rows());
-  // A few runs say that the error has no part in most directions, but they have only not shown it.
+  // A few runs show no error in most directions, which does not mean that there is none.
   // Half of it is taken to be any curve of the same size, which forgets itself in a third of the
   // span and may have kinks, as histories with contact do.
   const Eigen::VectorXd size = sampled.diagonal().cwiseSqrt();

@@ -82,12 +82,12 @@ class Calibration(DataStudyCase):
     def test_bad_measurements_name_file_line_and_column(self):
         path = self.case_file()
         measured = os.path.join(self.folder, "bad.csv")
-        for text, said in (("time [s], curl corner [mm]\n1, 2\n2, three\n", "bad.csv:3:2: \"three\" is no number"),
+        for text, fault in (("time [s], curl corner [mm]\n1, 2\n2, three\n", "bad.csv:3:2: \"three\" is no number"),
                            ("time, curl corner [mm]\n", "bad.csv:1:1: \"time\" has no unit"),
                            ("time [s], edge [mm]\n", "is no monitor of the case; permitted: corner")):
             with open(measured, "w", encoding="utf-8") as file:
                 file.write(text)
-            self.assertIn(said, self.dccast("calibrate", path, "--measured", measured, *FREE, code=2))
+            self.assertIn(fault, self.dccast("calibrate", path, "--measured", measured, *FREE, code=2))
         error = self.dccast("calibrate", path, "--measured", self.measured(path), "--free",
                             "schedule.casting_temperature=warm", code=2)
         self.assertIn("is no range; permitted", error)

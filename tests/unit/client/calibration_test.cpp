@@ -114,15 +114,15 @@ v1::StudyResult calibrated() {
   return result;
 }
 
-TEST(CalibrationText, SaysWhatIsNarrowedAndWhatCannotBeToldApart) {
+TEST(CalibrationText, ShowsWhatIsNarrowedAndWhatCannotBeSeparated) {
   const std::string text = render::calibration_text(calibrated());
   EXPECT_THAT(text, HasSubstr("± 5 %"));
   EXPECT_THAT(text, HasSubstr("0.9712..0.991 times"));
   EXPECT_THAT(text, HasSubstr("2.718 mm  2.4..3 mm"));
   EXPECT_THAT(text, HasSubstr("narrows alloy.specific_heat and cooling.bottom_block.wet_gap."));
-  EXPECT_THAT(text, HasSubstr("says nothing of cooling.water.wetting.lag"));
+  EXPECT_THAT(text, HasSubstr("does not narrow cooling.water.wetting.lag"));
   EXPECT_THAT(text,
-              HasSubstr("cannot tell alloy.specific_heat and cooling.bottom_block.wet_gap apart"));
+              HasSubstr("cannot separate alloy.specific_heat and cooling.bottom_block.wet_gap:"));
   EXPECT_THAT(text, HasSubstr("it fixes 1 combination."));
   EXPECT_THAT(text, HasSubstr("needs no misfit"));
   EXPECT_THAT(text, HasSubstr("± 20 % of a curl"));

@@ -98,7 +98,7 @@ TEST(Calibration, FindsAWrongModelOut) {
   }
 }
 
-TEST(Calibration, AnErrorOfAllComputedValuesWidensWhatItCannotBeToldFrom) {
+TEST(Calibration, AnErrorOfAllComputedValuesWidensWhatItResembles) {
   std::mt19937_64 random(5);
   const Eigen::MatrixXd truth = (Eigen::MatrixXd(1, 3) << 0.5, 0.5, 0.5).finished();
   const Readings curve = measured(noisy(lift(truth).transpose(), random));
@@ -122,7 +122,7 @@ TEST(Calibration, TakesTheErrorOfTheModelForWhatItIs) {
 }
 
 /// Two inputs of which readings know the product alone.
-TEST(Calibration, ShowsWhatCannotBeToldApart) {
+TEST(Calibration, ShowsWhatCannotBeSeparated) {
   const CurveModel product = [](const Eigen::MatrixXd& places) {
     const Eigen::VectorXd height = ((1.0 + places.col(0).array()) * (1.0 + places.col(1).array()));
     return std::vector<Eigen::MatrixXd>{10.0 * height *
