@@ -135,8 +135,9 @@ v1::StudyResult checked(Connection& connection, std::vector<CastingStudies> cast
   for (int round = 1; round <= most_rounds && result.has_calibration(); ++round) {
     std::cerr << "runs at the calibrated values and along the ridge, round " << round << " of "
               << most_rounds << " at most\n";
-    for (const std::string& id : add_checks(connection, result.calibration(), plan, castings))
-      follow_with_progress(connection, id, come_back);
+    const auto added = add_checks(connection, result.calibration(), plan, castings);
+    for (const std::string& id : added) follow_with_progress(connection, id, come_back);
+    if (added.empty()) break;  // none of them counts: they failed
     result = evaluate_calibration(connection, castings);
     if (std::ranges::all_of(result.calibration().curves(), is_confirmed)) break;
   }

@@ -128,6 +128,7 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
     request.set_request_id(casting.front() + "/" +
                            values::sha256(sweep.SerializeAsString()).substr(0, 16));
     const v1::Study study = connection.call(&Stub::CreateStudy, request);
+    if (std::ranges::find(casting, study.id()) != casting.end()) continue;
     casting.push_back(study.id());
     added.push_back(study.id());
   }

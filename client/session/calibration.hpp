@@ -19,7 +19,7 @@ v1::StudyResult evaluate_calibration(Connection& connection,
                                      const std::vector<CastingStudies>& castings);
 
 /// Begins the runs that check a calibration, in every casting, and adds their studies. The same
-/// calibration gives the same studies. @return the new ones
+/// calibration gives the same studies. @return the new ones; empty: these runs are there already
 std::vector<std::string> add_checks(Connection& connection, const v1::Calibration& calibration,
                                     const v1::SweepPlan& plan,
                                     std::vector<CastingStudies>& castings);
