@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/study.pb.h"
 
@@ -11,6 +12,10 @@ namespace dccast::client::render {
 /// shares of the data against time, and the runs that do not count.
 /// @param mesh_error  half the band of mesh and steps relative to the curl; empty: not known
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error);
+
+/// A table of figures as HTML. @param rows  texts
+std::string table_of(const std::vector<std::string>& headings,
+                     const std::vector<std::vector<std::string>>& rows);
 
 /// A sensitivity study as a page: a bar for every lever and datum.
 std::string sensitivity_page(const v1::StudyResult& result, int monitor);

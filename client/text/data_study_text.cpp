@@ -74,23 +74,6 @@ std::string history_table(const v1::Spread& spread) {
   return table.text();
 }
 
-/// Lines of at most 100 bytes.
-std::string wrapped(const std::string& text) {
-  constexpr std::size_t width = 100;
-  std::string lines, line;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    if (!line.empty() && line.size() + 1 + part.size() > width) {
-      lines += line + "\n";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + part;
-    begin = end + 1;
-  }
-  return lines + line + "\n";
-}
-
 /// "====|    " of an effect: to the left what lowers the curl, to the right what raises it.
 std::string bar_of(const Effect& effect, double most_m) {
   constexpr int half = 7;
@@ -121,6 +104,22 @@ double not_felt_m(const Effects& effects) {
 }
 
 }  // namespace
+
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 100;
+  std::string lines, line;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    if (!line.empty() && line.size() + 1 + part.size() > width) {
+      lines += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + part;
+    begin = end + 1;
+  }
+  return lines + line + "\n";
+}
 
 std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) {
   const v1::Spread& spread = result.spread();

@@ -16,6 +16,9 @@ std::string uncertainty_text(const v1::StudyResult& result, std::optional<double
 /// The answer of a sensitivity study for one monitor, on one screen of 100 columns.
 std::string sensitivity_text(const v1::StudyResult& result, int monitor);
 
+/// A text in lines of at most 100 bytes.
+std::string wrapped(const std::string& text);
+
 /// The sentences of an uncertainty study, for screen and page: what the curl will be, how sure that
 /// is, and what to measure first.
 std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,

@@ -81,9 +81,9 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
   if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job.id() + " cannot be read");
-  const auto last = intake_.stored_frame(
-      options_.jobs_directory / job.id(), 0,
-      {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+  const auto last =
+      intake_.stored_frame(options_.jobs_directory / job.id(), 0,
+                           {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
   const std::lock_guard lock(plans_mutex_);
@@ -113,6 +113,7 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
     const auto job = jobs.find(kept.job);
     if (!kept.job.empty() && job == jobs.end()) continue;
     EvaluatedRun& evaluated = runs.emplace_back();
+    evaluated.number = kept.number;
     plan->describe(kept.number, evaluated.run);
     if (kept.job.empty()) {
       describe_without_job(kept, evaluated.run);
@@ -153,7 +154,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
   if (!record) return std::nullopt;
   const auto plan = plan_of(*record);
   auto runs = evaluated_runs(
-      *record, {.histories = curves || plan->needs_histories(), .faces = plan->grows()});
+      *record, {.histories = curves || plan->needs_histories(), .faces = plan->needs_faces()});
   v1::StudyResult result;
   *result.mutable_study() = view(*record);
   for (const v1::Monitor& monitor : record->request.case_().monitor())

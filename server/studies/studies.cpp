@@ -43,6 +43,7 @@ bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
   if (a.plan_case() != b.plan_case()) return false;
   if (a.has_refinement()) return true;
   if (a.has_mould()) return MessageDifferencer::Equals(a.mould(), b.mould());
+  if (a.has_recipe()) return MessageDifferencer::Equals(a.recipe(), b.recipe());
   return MessageDifferencer::Equals(a.sweep(), b.sweep());
 }
 
@@ -75,6 +76,10 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   if (request.has_refinement()) *study.mutable_refinement() = request.refinement();
   if (request.has_sweep()) *study.mutable_sweep() = request.sweep();
   if (request.has_mould()) *study.mutable_mould() = request.mould();
+  if (request.has_recipe()) {
+    *study.mutable_recipe() = request.recipe();
+    study.mutable_recipe()->clear_draft();  // it is as large as a case, and no list needs it
+  }
 }
 
 }  // namespace
@@ -219,7 +224,10 @@ v1::Study Studies::view(const StudyRecord& record) {
     for (const v1::Job& job : scheduler_.list(
              {.states = {v1::RUNNING}, .study = record.id, .size = counts.of(v1::RUNNING)}))
       done += job.last_step().progress();
-  study.set_progress(counts.all() == 0 ? 1.0 : std::min(1.0, done / counts.all()));
+  // Of a recipe all runs that will be are known, though not what they are.
+  const bool grows = record.request.has_recipe() && study.state() == v1::STUDY_RUNNING;
+  const int all = grows ? plan_of(record)->most_runs() : counts.all();
+  study.set_progress(all == 0 ? 1.0 : std::min(1.0, done / all));
   if (study.state() != v1::STUDY_RUNNING)
     *study.mutable_end_time() = jobs::timestamp(std::max(record.changed_ms, counts.last_end_ms));
   return study;

@@ -10,7 +10,7 @@ v1::Fault no_plan(const std::string& message) {
   v1::Fault fault;
   fault.set_field("plan");
   fault.set_message(message);
-  fault.set_permitted("refinement, sweep, mould");
+  fault.set_permitted("refinement, sweep, mould, recipe");
   fault.set_remedy("give one of them");
   return fault;
 }
@@ -31,6 +31,8 @@ std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {
       return sweep_faults(request);
     case v1::CreateStudyRequest::kMould:
       return mould_faults(request);
+    case v1::CreateStudyRequest::kRecipe:
+      return recipe_faults(request);
     case v1::CreateStudyRequest::PLAN_NOT_SET:
       break;
   }
@@ -45,6 +47,8 @@ std::unique_ptr<StudyPlan> study_plan(const v1::CreateStudyRequest& request) {
       return sweep_plan(request);
     case v1::CreateStudyRequest::kMould:
       return mould_plan(request);
+    case v1::CreateStudyRequest::kRecipe:
+      return recipe_plan(request);
     default:
       throw std::runtime_error("the study has a plan that this version of dccastd does not know");
   }
