@@ -18,6 +18,8 @@ std::string table_of(const std::vector<std::string>& headings,
                      const std::vector<std::vector<std::string>>& rows);
 
 /// A sensitivity study as a page: a bar for every lever and datum.
-std::string sensitivity_page(const v1::StudyResult& result, int monitor);
+/// @param of_curl  as for effects_of()
+std::string sensitivity_page(const v1::StudyResult& result, int monitor,
+                             std::optional<double> of_curl);
 
 }  // namespace dccast::client::render

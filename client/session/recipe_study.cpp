@@ -23,16 +23,19 @@ struct Ends {
   throw CommandFailed(ExitCode::invalid, option + " " + text + ": " + why);
 }
 
-double quantity_of(const std::string& option, const std::string& text, const std::string& unit) {
+/// @param whole  text of the option that the quantity is a part of; empty: the quantity itself
+double quantity_of(const std::string& option, const std::string& text, const std::string& unit,
+                   const std::string& whole = {}) {
   const case_file::Quantity quantity = case_file::parse_quantity(text, unit);
-  if (!quantity.value) refuse(option, text, quantity.message);
+  if (!quantity.value) refuse(option, whole.empty() ? text : whole, quantity.message);
   return *quantity.value;
 }
 
 Ends ends_of(const std::string& option, const std::string& text, const std::string& unit) {
   const auto range = case_file::parse_range(text);
   if (!range || !range->suffix.empty()) refuse(option, text, "write it as 20..80 with its unit");
-  const Ends ends{quantity_of(option, range->low, unit), quantity_of(option, range->high, unit)};
+  const Ends ends{quantity_of(option, range->low, unit, text),
+                  quantity_of(option, range->high, unit, text)};
   if (!(ends.low >= 0.0)) refuse(option, text, "permitted: 0 or more");
   return ends;
 }
@@ -112,8 +115,8 @@ void add_band(const RecipeChoice& choice, const v1::Case& complete, v1::RecipePl
   if (!choice.band.empty()) {
     const auto range = case_file::parse_range(choice.band);
     if (!range || !range->suffix.empty()) refuse("--band", choice.band, "write it as 35..45 mm");
-    plan.set_least_curl_m(quantity_of("--band", range->low, "m"));
-    plan.set_greatest_curl_m(quantity_of("--band", range->high, "m"));
+    plan.set_least_curl_m(quantity_of("--band", range->low, "m", choice.band));
+    plan.set_greatest_curl_m(quantity_of("--band", range->high, "m", choice.band));
     return;
   }
   const v1::Plausibility& accepted = complete.plausibility();

@@ -14,7 +14,9 @@ namespace dccast::client::render {
 std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m);
 
 /// The answer of a sensitivity study for one monitor, on one screen of 100 columns.
-std::string sensitivity_text(const v1::StudyResult& result, int monitor);
+/// @param of_curl  as for effects_of()
+std::string sensitivity_text(const v1::StudyResult& result, int monitor,
+                             std::optional<double> of_curl);
 
 /// A text in lines of at most 100 bytes.
 std::string wrapped(const std::string& text);
