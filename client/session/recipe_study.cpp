@@ -158,7 +158,7 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
 }
 
 v1::Study taken_up(Connection& connection, const v1::Study& study) {
-  if (study.state() == v1::STUDY_RUNNING || study.cancelled() == 0) return study;
+  if (study.state() != v1::STUDY_CANCELLED && study.state() != v1::STUDY_FAILED) return study;
   v1::ResumeStudyRequest request;
   request.set_id(study.id());
   return connection.call_once(&Stub::ResumeStudy, request);

@@ -28,7 +28,7 @@ struct RecipeChoice {
 void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
                     v1::CreateStudyRequest& request);
 
-/// Goes on with a study that was cancelled. @return as it is then
+/// Goes on with a study that was cancelled or lost runs to their machine. @return as it is then
 v1::Study taken_up(Connection& connection, const v1::Study& study);
 
 /// Cancels a study after an interruption, over a connection of its own.

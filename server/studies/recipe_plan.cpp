@@ -88,7 +88,7 @@ public:
     found.set_chosen(-1);
     const auto round = round_of(final_round(), runs);
     if (round == nullptr) {
-      found.set_fault("the drafts of this study have not all ended");
+      found.set_fault("the drafts of this study have not all ended, or some were lost");
       return;
     }
     found.set_fault(round->fault);
@@ -175,7 +175,8 @@ private:
   }
 
   /// Candidates of the round that a run belongs to, from the runs it rests on.
-  /// @return null while these have not all ended, or where some were cancelled or deleted
+  /// @return null while these have not all ended, or where some were cancelled, deleted, or lost to
+  /// their machine: with them there might be other candidates
   std::shared_ptr<const Round> round_of(int number, const std::vector<EvaluatedRun>& runs) const {
     const bool last = number >= final_round();
     const std::lock_guard lock(mutex_);
@@ -191,8 +192,10 @@ private:
     if (which == 1 && trial == nullptr) return nullptr;
     if (which == 1 && trial->search == nullptr) return trial;
     const auto ended = std::ranges::count_if(runs, [&](const EvaluatedRun& evaluated) {
+      const v1::StudyRun& run = evaluated.run;
       return evaluated.number < rests &&
-             (evaluated.run.state() == v1::SUCCEEDED || evaluated.run.state() == v1::FAILED);
+             (run.state() == v1::SUCCEEDED ||
+              (run.state() == v1::FAILED && by_the_case_itself(run.failure())));
     });
     if (ended < rests) return nullptr;
     kept = std::make_shared<const Round>(proposed(which, trial.get(), runs));

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "proto/case_file/override.hpp"
+#include "server/studies/study_plan.hpp"
 #include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
@@ -28,19 +29,9 @@ v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum) {
   return axis;
 }
 
-/// Kinds of failure that a recipe may be the cause of. A run that does not converge is not known to
-/// be safe.
-bool by_the_recipe(v1::Failure::Kind kind) {
-  switch (kind) {
-    case v1::Failure::SOLVE_FAILED:
-    case v1::Failure::CHECK_FAILED:
-    case v1::Failure::SHELL_MELTED_THROUGH:
-    case v1::Failure::MOTION_TOO_LARGE:
-    case v1::Failure::LIQUID_PRESSURE_LOST:
-      return true;
-    default:
-      return false;
-  }
+/// Whether a recipe may be the cause. A run that does not converge is not known to be safe.
+bool by_the_recipe(const v1::Failure& failure) {
+  return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
 }
 
 Eigen::MatrixXd matrix_of(const std::vector<Eigen::RowVectorXd>& rows) {
@@ -152,7 +143,7 @@ std::vector<std::string> dangers_of(const v1::StudyRun& run) {
 std::optional<RecipeRun> recipe_run(const v1::StudyRun& run, int monitor,
                                     Eigen::RowVectorXd place) {
   const bool succeeded = run.state() == v1::SUCCEEDED;
-  if (!succeeded && !(run.state() == v1::FAILED && by_the_recipe(run.failure().kind())))
+  if (!succeeded && !(run.state() == v1::FAILED && by_the_recipe(run.failure())))
     return std::nullopt;
   RecipeRun known{std::move(place), std::nullopt, !dangers_of(run).empty()};
   if (succeeded && !run.beyond_validity() && monitor < run.end_curl_m_size() &&

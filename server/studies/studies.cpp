@@ -23,21 +23,6 @@ bool lost(v1::JobState state) {
   return state == v1::FAILED || state == v1::CANCELLED;
 }
 
-/// Whether the same case would end in the same way again.
-bool by_the_case_itself(const v1::Failure& failure) {
-  switch (failure.kind()) {
-    case v1::Failure::SOLVE_FAILED:
-    case v1::Failure::CHECK_FAILED:
-    case v1::Failure::INVALID_CASE:
-    case v1::Failure::SHELL_MELTED_THROUGH:
-    case v1::Failure::MOTION_TOO_LARGE:
-    case v1::Failure::LIQUID_PRESSURE_LOST:
-      return true;
-    default:
-      return false;
-  }
-}
-
 /// Whether two requests differ in nothing but the number of levels of a refinement.
 bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
   if (a.plan_case() != b.plan_case()) return false;
@@ -263,6 +248,16 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   return {StudyReply::Kind::done, view(store_.find(id).value_or(*record))};
 }
 
+/// A plan that had no further run because of those that were lost may have one now.
+void Studies::grow_again(const StudyRecord& record) {
+  const auto plan = plan_of(record);
+  const auto runs = store_.runs(record.id);
+  RunRecord next;
+  next.number = runs.back().number + 1;
+  if (plan->outlasts_failures() && next.number >= plan->runs() && next.number < plan->most_runs())
+    store_.extend(record, {next});
+}
+
 StudyReply Studies::resume(const std::string& id, bool failed) {
   const std::lock_guard lock(requests_mutex_);
   const auto record = store_.find(id);
@@ -277,6 +272,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
   queue_again(*record, again);
+  if (!again.empty()) grow_again(*record);
   note_change(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};

@@ -17,6 +17,20 @@ v1::Fault no_plan(const std::string& message) {
 
 }  // namespace
 
+bool by_the_case_itself(const v1::Failure& failure) {
+  switch (failure.kind()) {
+    case v1::Failure::SOLVE_FAILED:
+    case v1::Failure::CHECK_FAILED:
+    case v1::Failure::INVALID_CASE:
+    case v1::Failure::SHELL_MELTED_THROUGH:
+    case v1::Failure::MOTION_TOO_LARGE:
+    case v1::Failure::LIQUID_PRESSURE_LOST:
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::optional<PlannedRun> StudyPlan::next(int, const std::vector<EvaluatedRun>&) const {
   return std::nullopt;
 }

@@ -36,6 +36,9 @@ struct EvaluatedRun {
   bool succeeded() const { return run.state() == v1::SUCCEEDED; }
 };
 
+/// Whether the same case would end in the same way again.
+bool by_the_case_itself(const v1::Failure& failure);
+
 /// What the runs of a study are, and their results together. One implementation for each kind.
 class StudyPlan {
 public:

@@ -7,7 +7,7 @@ import re
 import signal
 import subprocess
 
-from dccast.v1 import study_pb2
+from dccast.v1 import job_pb2, service_pb2, study_pb2
 from support import BIN, ServiceTest, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
@@ -104,6 +104,19 @@ class Recipe(ServiceTest):
         answer = json.loads(self.design(path, "--json"))
         self.assertEqual(answer["study"]["id"], study)
         self.assertGreaterEqual(answer["recipe"]["chosen"], 0)
+
+    def test_a_run_that_was_cancelled_alone_is_run_again_and_the_plan_grows(self):
+        path = self.case_file()
+        study = self.design(path, "--no-wait").strip()
+        until(lambda: self.study(study).running > 0, 60)
+        running = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
+            study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]), timeout=10).jobs
+        self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=running[0].id), timeout=10)
+        until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 120)
+        self.assertEqual(self.study(study).runs, 18)
+        answer = json.loads(self.design(path, "--json"))
+        self.assertEqual(answer["study"]["id"], study)
+        self.assertEqual(answer["study"]["runs"], 18 + 6 + 2 + 6)
 
     def test_a_band_that_no_recipe_reaches_is_reported(self):
         error = self.design(self.case_file(), band="300..400 mm", code=3)

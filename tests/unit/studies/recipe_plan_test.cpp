@@ -193,6 +193,11 @@ TEST(RecipePlan, CandidatesWaitForTheRunsTheyRestOn) {
   EXPECT_FALSE(fresh->next(fresh->runs(), runs));
   EXPECT_THAT(found_in(*fresh, runs).fault(), HasSubstr("not all ended"));
   EXPECT_TRUE(fresh->outlasts_failures());
+  runs.back().run.set_state(v1::FAILED);
+  runs.back().run.mutable_failure()->set_kind(v1::Failure::WORKER_LOST);
+  EXPECT_FALSE(fresh->next(fresh->runs(), runs)) << "once it has run there may be other candidates";
+  runs.back().run.mutable_failure()->set_kind(v1::Failure::SOLVE_FAILED);
+  EXPECT_TRUE(fresh->next(fresh->runs(), runs));
 }
 
 TEST(RecipePlan, WithoutValidDraftsThereIsNoRecipe) {
