@@ -1,5 +1,7 @@
 #include "client/cli/common_options.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 
@@ -67,14 +69,22 @@ void require_free(const std::filesystem::path& file, bool force) {
       file.string() + " exists already; give another -o, or --force to overwrite it");
 }
 
+void write_file(const std::filesystem::path& file, const std::string& content) {
+  std::ofstream stream(file, std::ios::binary);
+  if (stream << content << std::flush) return;
+  const std::string reason = std::strerror(errno);
+  std::error_code error;
+  if (stream.is_open() && std::filesystem::is_regular_file(file, error))
+    std::filesystem::remove(file, error);
+  throw CommandFailed(ExitCode::not_found, "cannot write " + file.string() + ": " + reason);
+}
+
 void write_output(const std::string& path, const std::string& content) {
   if (path == "-") {
     std::cout << content << std::flush;
     return;
   }
-  std::ofstream stream(path, std::ios::binary);
-  if (!(stream << content << std::flush))
-    throw CommandFailed(ExitCode::not_found, "cannot write " + path);
+  write_file(path, content);
   std::cerr << "wrote " << path << '\n';
 }
 

@@ -48,7 +48,10 @@ double metres_of(const std::string& text, const char* option);
 /// Throws CommandFailed if the file exists and must not be overwritten.
 void require_free(const std::filesystem::path& file, bool force);
 
-/// Writes a file, "-" is standard output. Throws CommandFailed.
+/// Writes a whole file; one that could not be written whole is removed. Throws CommandFailed.
+void write_file(const std::filesystem::path& file, const std::string& content);
+
+/// Writes a file and reports it on standard error; "-" is standard output. Throws CommandFailed.
 void write_output(const std::string& path, const std::string& content);
 
 }  // namespace dccast::client

@@ -103,7 +103,12 @@ fs::path configuration_file() {
 
 void apply_configuration(const fs::path& file, cli::CommandLine& line, std::string& server) {
   std::error_code error;
-  if (file.empty() || !fs::exists(file, error)) return;
+  if (file.empty()) return;
+  if (!fs::exists(file, error)) {
+    if (file != variable("DCCAST_CONFIG")) return;
+    throw CommandFailed(ExitCode::invalid,
+                        "DCCAST_CONFIG names " + file.string() + ", and there is no such file");
+  }
   const Settings settings(file);
   for (const auto& [key, node] : parsed(file, settings)) {
     if (key.str() != "server") {

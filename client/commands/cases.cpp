@@ -1,4 +1,4 @@
-#include <fstream>
+#include <algorithm>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
@@ -58,8 +58,8 @@ ExitCode run(const NewOptions& options) {
     std::cout << Json{{"name", options.name}, {"text", text}}.dump() << '\n';
   } else if (options.output.empty()) {
     std::cout << text;
-  } else if (!(std::ofstream(options.output) << text)) {
-    throw CommandFailed(ExitCode::not_found, "cannot write " + options.output);
+  } else {
+    write_file(options.output, text);
   }
   return ExitCode::done;
 }
@@ -73,17 +73,28 @@ struct ValidateOptions {
   bool ranges = false;
 };
 
+/// "no faults, 1 danger, 2 warnings".
+std::string verdict_of(const CaseUnderCheck& checked) {
+  std::string text = "no faults";
+  for (const auto& [severity, name] :
+       {std::pair(v1::Finding::DANGER, " danger"), {v1::Finding::WARNING, " warning"}}) {
+    const auto count = std::ranges::count(checked.findings, severity, &v1::Finding::severity);
+    if (count > 0) text += ", " + std::to_string(count) + name + (count == 1 ? "" : "s");
+  }
+  return text;
+}
+
 void print_verdict(const CaseUnderCheck& checked, bool local) {
   if (!checked.faults.empty())
     std::cerr << checked.faults.size() << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
   else if (checked.estimate)
-    std::cout << "sound: " << checked.estimate->nodes() << " nodes, "
+    std::cout << verdict_of(checked) << ": " << checked.estimate->nodes() << " nodes, "
               << checked.estimate->elements() << " elements, " << checked.estimate->steps()
               << " steps, about " << render::duration_text(checked.estimate->solver_s())
               << " of computing\n"
               << checked.uncertain.size() << " data have a range (--ranges, docs/uncertainty.md)\n";
   else
-    std::cout << (local ? "no faults found without a server\n" : "sound\n");
+    std::cout << (local ? "no faults found without a server" : verdict_of(checked)) << '\n';
 }
 
 void print_ranges(const CaseUnderCheck& checked) {

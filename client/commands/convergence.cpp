@@ -261,7 +261,8 @@ ExitCode run(const Options& options, Program& program) {
     throw CommandFailed(ExitCode::invalid,
                         "give a case FILE to begin a study, or --study ID to take one up again");
   Connection connection = program.connect();
-  const std::string id = options.study.empty() ? values::random_uuid() : options.study;
+  const std::string id =
+      options.study.empty() ? values::random_uuid() : resolve_study(connection, options.study);
   LevelNames names(options.study.empty() ? v1::StudyResult{} : as_it_is(connection, id));
   if (!options.file.empty()) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';

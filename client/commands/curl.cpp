@@ -22,13 +22,6 @@ struct CurlOptions {
   bool json = false;
 };
 
-std::string csv_name(const std::string& name) {
-  if (name.find_first_of(",\"\n") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 /// All data that the command prints for a job.
 struct JobCurl {
   v1::Job job;
@@ -67,7 +60,7 @@ void print_csv(const JobCurl& curl) {
   const auto columns = columns_of(history, study);
   const bool has_limits = !study.monitors.empty();
   std::cout << "time_s,cast_length_m";
-  for (const auto& [name, values] : columns) std::cout << ',' << csv_name(name);
+  for (const auto& [name, values] : columns) std::cout << ',' << render::csv_text(name);
   std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
   for (std::size_t i = 0; i < history.time_s.size(); ++i) {
     std::cout << case_file::number_text(history.time_s[i]) << ','

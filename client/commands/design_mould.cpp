@@ -81,7 +81,8 @@ ExitCode run(const Options& options, Program& program) {
     throw CommandFailed(ExitCode::invalid, "give the target for the cold slab: --flat");
   if (!options.plot.empty() && options.plot != "-") require_free(options.plot, options.force);
   Connection connection = program.connect();
-  if (!options.study.empty()) return wait_and_print(connection, options, options.study);
+  if (!options.study.empty())
+    return wait_and_print(connection, options, resolve_study(connection, options.study));
   const v1::MouldPlan plan = plan_of(options);
   const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {
     *request.mutable_mould() = plan;

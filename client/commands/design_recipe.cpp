@@ -86,10 +86,9 @@ ExitCode run(const Options& options, Program& program) {
     if (!file.empty() && file != "-") require_free(file, options.force);
   Connection connection = program.connect();
   if (options.study.empty()) return begin(options, connection);
-  if (!options.no_wait)
-    follow_with_progress(connection, options.study,
-                         "dccast design-recipe --study " + options.study);
-  return print(connection, options, options.study);
+  const std::string id = resolve_study(connection, options.study);
+  if (!options.no_wait) follow_with_progress(connection, id, "dccast design-recipe --study " + id);
+  return print(connection, options, id);
 }
 
 constexpr const char* examples =

@@ -10,6 +10,7 @@
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/pdf.hpp"
 #include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 
@@ -43,14 +44,30 @@ void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   for (auto at = text.find(named); at != std::string::npos; at = text.find(named, at + name.size()))
     text.replace(at, named.size(), name);
   stream.close();
-  if (!(std::ofstream(sidecar, std::ios::binary | std::ios::trunc) << text))
-    throw CommandFailed(ExitCode::not_found, "cannot write " + sidecar.string());
+  write_file(sidecar, text);
+}
+
+/// Where the results go: a file, or results.h5 in a folder.
+fs::path target_of(const std::string& output) {
+  const auto refuse = [&](const std::string& why) {
+    throw CommandFailed(ExitCode::invalid, "-o \"" + output + "\": " + why);
+  };
+  std::error_code error;
+  if (output.empty()) refuse("give a file or a folder");
+  if (output == "-") refuse("results are two files, which standard output cannot hold");
+  const fs::path given = output;
+  if (fs::is_directory(given, error)) return given / "results.h5";
+  if (fs::exists(given, error) && !fs::is_regular_file(given, error))
+    refuse("this is no file, and results would take its place");
+  if (given.extension() == ".xdmf")
+    refuse("the .xdmf is written beside it; give the name of the HDF5 file");
+  return given;
 }
 
 ExitCode run(const FetchOptions& options, Program& program) {
+  const fs::path file = target_of(options.output);
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
-  const fs::path file = options.output;
   const fs::path sidecar = fs::path(file).replace_extension(".xdmf");
   for (const fs::path& written : {file, sidecar}) require_free(written, options.force);
   const Download results = download(connection, id, "results.h5", file, std::cerr);
@@ -124,11 +141,15 @@ ExitCode run(const ReportOptions& options, Program& program) {
     std::cout << page;
     return ExitCode::done;
   }
-  std::ofstream stream(options.output, std::ios::binary);
-  if (!(stream << page << std::flush))
-    throw CommandFailed(ExitCode::not_found, "cannot write " + options.output);
+  if (fs::path(options.output).extension() == ".pdf")
+    print_pdf(page, options.output);
+  else
+    write_file(options.output, page);
   if (options.json)
-    std::cout << Json{{"job", job.id()}, {"file", options.output}, {"bytes", page.size()}}.dump()
+    std::cout << Json{{"job", job.id()},
+                      {"file", options.output},
+                      {"bytes", fs::file_size(options.output)}}
+                     .dump()
               << '\n';
   else
     std::cout << options.output << '\n';
@@ -147,7 +168,7 @@ void add_fetch(cli::CommandLine& line, Program& program) {
   command.option("JOB", options->id, job_help).required();
   command
       .option("-o,--output", options->output,
-              "File to write; an interrupted FILE.part is continued")
+              "File or folder to write to; an interrupted FILE.part is continued")
       .show_default();
   add_force_flag(command, options->force);
   command.json(options->json, "What was written, as JSON");
@@ -161,7 +182,9 @@ void add_report(cli::CommandLine& line, Program& program) {
       "Write one HTML page about a job: findings, curl, recipe, histories, the last frame, checks",
       "dccast report JOB -o report.html");
   command.option("JOB", options->id, job_help).required();
-  command.option("-o,--output", options->output, "File to write; - for standard output")
+  command
+      .option("-o,--output", options->output,
+              "File to write, HTML or with Chromium also .pdf; - for standard output")
       .show_default();
   add_force_flag(command, options->force);
   command.json(options->json, "What was written, as JSON");

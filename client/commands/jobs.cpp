@@ -5,6 +5,7 @@
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
 #include "proto/values/printable.hpp"
 
@@ -26,11 +27,11 @@ const std::map<std::string, v1::JobState> state_names{
     {"queued", v1::QUEUED},       {"running", v1::RUNNING}, {"paused", v1::PAUSED},
     {"succeeded", v1::SUCCEEDED}, {"failed", v1::FAILED},   {"cancelled", v1::CANCELLED}};
 
-v1::ListJobsRequest request_of(const ListOptions& options) {
+v1::ListJobsRequest request_of(Connection& connection, const ListOptions& options) {
   v1::ListJobsRequest request;
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
-  request.set_study(options.study);
+  if (!options.study.empty()) request.set_study(resolve_study(connection, options.study));
   request.set_owner(options.owner);
   return request;
 }
@@ -51,7 +52,8 @@ void print_json(const std::vector<v1::Job>& jobs) {
 
 ExitCode run(const ListOptions& options, Program& program) {
   Connection connection = program.connect();
-  const JobListing listing = list_some_jobs(connection, request_of(options), options.limit);
+  const JobListing listing =
+      list_some_jobs(connection, request_of(connection, options), options.limit);
   if (options.json)
     print_json(listing.jobs);
   else if (options.ids)
@@ -150,8 +152,29 @@ struct JobCommand {
   const char* name;
   const char* description;
   const char* example;
-  bool repeatable = true;  ///< a repeated call has the same result
+  bool repeatable = true;                        ///< a repeated call has the same result
+  v1::JobState aim = v1::JOB_STATE_UNSPECIFIED;  ///< that a running job reaches a little later
 };
+
+/// The job once it has the state that was asked for, or has ended. A worker that computes looks for
+/// requests in every step; after the longest wait the job is returned as it is.
+v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
+  constexpr std::chrono::milliseconds pause{100};
+  constexpr std::chrono::seconds longest{30};
+  const auto end = std::chrono::steady_clock::now() + longest;
+  v1::GetJobRequest request;
+  request.set_id(job.id());
+  while (job.state() != aim && !job.has_end_time()) {
+    if (std::chrono::steady_clock::now() > end) {
+      std::cerr << "job " << job.id() << " is still " << render::state_text(job.state())
+                << "; it becomes " << render::state_text(aim) << " after its present step\n";
+      break;
+    }
+    connection.interruption().sleep(pause);
+    job = connection.call(&Stub::GetJob, request);
+  }
+  return job;
+}
 
 /// "0f2b9a4e-... paused", one line: the output of commands that change a job.
 std::string new_state(const v1::Job& job) {
@@ -174,8 +197,10 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
   command.action([=, &program] {
     Connection connection = program.connect();
     request->set_id(resolve_job(connection, request->id()));
-    const v1::Job job = about.repeatable ? connection.call(method, *request)
-                                         : connection.call_once(method, *request);
+    v1::Job job = about.repeatable ? connection.call(method, *request)
+                                   : connection.call_once(method, *request);
+    if (about.aim != v1::JOB_STATE_UNSPECIFIED)
+      job = reached(connection, std::move(job), about.aim);
     std::cout << (*json ? to_json(job).dump() + "\n" : text(job));
     return ExitCode::done;
   });
@@ -239,17 +264,17 @@ void add_cancel(cli::CommandLine& line, Program& program) {
   const cli::Command command =
       add_job_command(line, program,
                       {"cancel", "Stop a job permanently; a job that has ended is not changed",
-                       "dccast cancel JOB --reason \"wrong alloy\""},
+                       "dccast cancel JOB --reason \"wrong alloy\"", true, v1::CANCELLED},
                       &Stub::CancelJob, request);
   command.option("--reason", *request->mutable_reason(), "Kept with the job")
       .check([](const std::string& text) { return values::too_long("the reason", text); });
 }
 
 void add_pause(cli::CommandLine& line, Program& program) {
-  add_job_command(
-      line, program,
-      {"pause", "Stop a job at a checkpoint and keep it out of the queue", "dccast pause JOB"},
-      &Stub::PauseJob, std::make_shared<v1::PauseJobRequest>());
+  add_job_command(line, program,
+                  {"pause", "Stop a job at a checkpoint and keep it out of the queue",
+                   "dccast pause JOB", true, v1::PAUSED},
+                  &Stub::PauseJob, std::make_shared<v1::PauseJobRequest>());
 }
 
 void add_resume(cli::CommandLine& line, Program& program) {

@@ -1,3 +1,5 @@
+#include <cerrno>
+#include <cstring>
 #include <iostream>
 
 #include "client/cli/completion.hpp"
@@ -109,15 +111,24 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
-  if (program.server.empty()) program.server = "127.0.0.1:7117";
+  if (program.server.empty()) program.server = std::string("127.0.0.1") + default_port;
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
   add_commands(line, program);
+  // Output that could not be written is no success, whichever command wrote it.
+  std::cout.exceptions(std::ios::badbit);
   try {
     apply_configuration(program.configuration, line, program.server);
     line.global_option("--server", program.server,
                        "Address of dccastd; also before or after a command", "DCCAST_SERVER");
-    return static_cast<int>(line.run(arguments));
+    const ExitCode code = line.run(arguments);
+    std::cout.flush();
+    return static_cast<int>(code);
+  } catch (const std::ios_base::failure&) {
+    const std::string reason = std::strerror(errno);
+    std::cout.exceptions(std::ios::goodbit);  // what std::cerr is given flushes it once more
+    std::cerr << "dccast: standard output cannot be written: " << reason << '\n';
+    return static_cast<int>(ExitCode::not_found);
   } catch (const CommandFailed& failure) {
     std::cerr << "dccast: " << failure.what() << '\n';
     return static_cast<int>(failure.code());

@@ -164,20 +164,16 @@ void require_runs(const CompareOptions& options) {
                             options.runs.front() + " is none");
 }
 
-void write_file(const std::vector<Answer>& answers,
-                const std::vector<CurlDifference>& differences, const std::string& file) {
+void write_comparison(const std::vector<Answer>& answers,
+                      const std::vector<CurlDifference>& differences, const std::string& file) {
   const auto monitors = render::monitors_of(answers);
   const bool svg = file.ends_with(".svg");
   if (svg && monitors.size() != 1)
     throw CommandFailed(ExitCode::invalid, "an SVG holds one monitor and these runs have " +
                                                std::to_string(monitors.size()) +
                                                "; give an HTML file: -o comparison.html");
-  std::ofstream stream(file, std::ios::binary);
-  const std::string text = svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
-                               : render::comparison_page(answers, differences);
-  if (!(stream << text << std::flush))
-    throw CommandFailed(ExitCode::not_found, "cannot write " + file);
-  std::cerr << "written: " << file << '\n';
+  write_output(file, svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
+                         : render::comparison_page(answers, differences));
 }
 
 ExitCode run(const CompareOptions& options, Program& program) {
@@ -188,7 +184,7 @@ ExitCode run(const CompareOptions& options, Program& program) {
   const std::vector<Answer> answers = answers_to(connection, runs);
   const auto differences = curl_differences(
       answers, options.paired ? companions_of(connection, runs, answers) : std::vector<Answer>{});
-  if (!options.output.empty()) write_file(answers, differences, options.output);
+  if (!options.output.empty()) write_comparison(answers, differences, options.output);
   if (options.json)
     std::cout << render::comparison_json(answers, differences).dump() << '\n';
   else

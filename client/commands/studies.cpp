@@ -5,6 +5,7 @@
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
+#include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
@@ -22,32 +23,23 @@ struct Options {
   bool json = false;
 };
 
-std::vector<v1::Study> all_studies(Connection& connection, int limit) {
-  constexpr int largest_page = 1000;  // service.proto
-  std::vector<v1::Study> studies;
-  v1::ListStudiesRequest request;
-  do {
-    request.set_page_size(std::min(largest_page, limit - static_cast<int>(studies.size())));
-    const auto page = connection.call(&Stub::ListStudies, request);
-    studies.insert(studies.end(), page.studies().begin(), page.studies().end());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty() && static_cast<int>(studies.size()) < limit);
-  return studies;
-}
-
 ExitCode list(const Options& options, Program& program) {
   Connection connection = program.connect();
-  const auto studies = all_studies(connection, options.limit);
+  const auto studies = list_studies(connection, options.limit);
   if (options.json) {
     Json json = Json::array();
     for (const v1::Study& study : studies) json.push_back(to_json(study));
     std::cout << json.dump() << '\n';
     return ExitCode::done;
   }
+  std::vector<std::string> ids;
+  for (const v1::Study& study : studies) ids.push_back(study.id());
+  const std::size_t length = short_id_length(ids);
   render::Table table({"STUDY", "STATE", "RUNS", "PLAN", "CREATED", "TITLE"});
   for (const v1::Study& study : studies)
-    table.add({study.id(), render::state_text(study.state()), render::progress_text(study),
-               render::plan_text(study), render::time_text(study.create_time()), study.title()});
+    table.add({study.id().substr(0, length), render::state_text(study.state()),
+               render::progress_text(study), render::plan_text(study),
+               render::time_text(study.create_time()), study.title()});
   if (studies.empty())
     std::cerr << "no studies\n";
   else
@@ -64,16 +56,17 @@ ExitCode print(const Options& options, const v1::Study& study) {
 ExitCode show(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::GetStudyRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_study(connection, options.id));
   return print(options, connection.call(&Stub::GetStudy, request));
 }
 
 ExitCode fetch(const Options& options, Program& program) {
   require_free(options.output, options.force);
   Connection connection = program.connect();
-  const Download table = download_study(connection, options.id, options.output, std::cerr);
+  const std::string id = resolve_study(connection, options.id);
+  const Download table = download_study(connection, id, options.output, std::cerr);
   if (options.json)
-    std::cout << Json{{"id", options.id},
+    std::cout << Json{{"id", id},
                       {"file", options.output},
                       {"bytes", table.bytes},
                       {"sha256", table.sha256}}
@@ -87,7 +80,7 @@ ExitCode fetch(const Options& options, Program& program) {
 ExitCode cancel(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::CancelStudyRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_study(connection, options.id));
   request.set_reason(options.reason);
   return print(options, connection.call(&Stub::CancelStudy, request));
 }
@@ -95,7 +88,7 @@ ExitCode cancel(const Options& options, Program& program) {
 ExitCode resume(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::ResumeStudyRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_study(connection, options.id));
   request.set_failed(options.failed);
   return print(options, connection.call(&Stub::ResumeStudy, request));
 }
@@ -103,12 +96,12 @@ ExitCode resume(const Options& options, Program& program) {
 ExitCode remove(const Options& options, Program& program) {
   Connection connection = program.connect();
   v1::DeleteStudyRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_study(connection, options.id));
   connection.call_once(&Stub::DeleteStudy, request);
   if (options.json)
-    std::cout << Json{{"id", options.id}, {"deleted", true}}.dump() << '\n';
+    std::cout << Json{{"id", request.id()}, {"deleted", true}}.dump() << '\n';
   else
-    std::cerr << "deleted " << options.id << " and its jobs\n";
+    std::cerr << "deleted " << request.id() << " and its jobs\n";
   return ExitCode::done;
 }
 
@@ -118,7 +111,7 @@ cli::Command add_action(const cli::Command& command, Program& program,
                         const std::shared_ptr<Options>& options, const std::string& name,
                         const std::string& description, Action action) {
   const cli::Command added = command.command(name, description);
-  added.option("STUDY", options->id, "Study id").required();
+  added.option("STUDY", options->id, study_help).required();
   added.json(options->json);
   added.action([options, &program, action] { return action(*options, program); });
   return added;

@@ -50,7 +50,11 @@ SweepFile sweep_of(const SweepOptions& options) {
 std::optional<v1::Study> create(Connection& connection, const SweepOptions& options) {
   const SweepFile sweep = sweep_of(options);
   return create_study(
-      connection, {sweep.case_file, options.base.set, options.base.labels},
+      connection,
+      {sweep.case_file, options.base.set, options.base.labels,
+       !options.list.empty()   ? "--list"
+       : !options.grid.empty() ? "--grid"
+                               : options.base.file + ", axis"},
       [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
 }
 
@@ -86,7 +90,8 @@ ExitCode run(const SweepOptions& options, Program& program) {
   for (const std::string& file : {options.csv, options.plot, options.output})
     if (!file.empty() && file != "-") require_free(file, options.force);
   Connection connection = program.connect();
-  if (!options.study.empty()) return wait_and_print(connection, options, options.study);
+  if (!options.study.empty())
+    return wait_and_print(connection, options, resolve_study(connection, options.study));
   const auto study = create(connection, options);
   if (!study) return ExitCode::invalid;
   std::cerr << "study " << study->id() << ", " << study->runs()
@@ -138,9 +143,9 @@ struct PredictOptions {
   bool json = false;
 };
 
-v1::PredictStudyRequest request_of(const PredictOptions& options) {
+v1::PredictStudyRequest request_of(Connection& connection, const PredictOptions& options) {
   v1::PredictStudyRequest request;
-  request.set_id(options.id);
+  request.set_id(resolve_study(connection, options.id));
   const auto values = changes_of(options.set);
   *request.mutable_values() = {values.begin(), values.end()};
   return request;
@@ -171,7 +176,8 @@ void print(const v1::Prediction& prediction) {
 
 ExitCode run(const PredictOptions& options, Program& program) {
   Connection connection = program.connect();
-  const v1::Prediction prediction = connection.call(&Stub::PredictStudy, request_of(options));
+  const v1::Prediction prediction =
+      connection.call(&Stub::PredictStudy, request_of(connection, options));
   if (options.json)
     std::cout << to_json(prediction).dump() << std::endl;
   else
@@ -199,7 +205,7 @@ void add_predict(cli::CommandLine& line, Program& program) {
       "the mesh error of the runs",
       "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
       "schedule.water_flow.scale=0.9");
-  command.option("STUDY", options->id, "Id of a sweep").required();
+  command.option("STUDY", options->id, study_help).required();
   command.option("--set", options->set,
                  "KEY=VALUE of a swept key; others keep the value of the case");
   command.json(options->json, "As JSON, in metres, with the curves against time");

@@ -76,16 +76,14 @@ v1::StudyResult spread_of(Connection& connection, const std::string& id, const s
 void print_uncertainty(Connection& connection, const DataOptions& options, const std::string& id) {
   const v1::StudyResult result = spread_of(connection, id, options.point);
   const auto relative = mesh_error(connection, result);
-  std::optional<double> absolute_m;
-  if (relative && !result.spread().median_m().empty())
-    absolute_m = *relative * result.spread().median_m(result.spread().median_m_size() - 1);
   if (!options.plot.empty()) write_output(options.plot, render::uncertainty_page(result, relative));
   if (options.json) {
     Json json = to_json(result);
-    json["mesh_error_m"] = absolute_m ? Json(*absolute_m) : Json();
+    const auto at_end_m = render::mesh_error_at_end_m(result.spread(), relative);
+    json["mesh_error_m"] = at_end_m ? Json(*at_end_m) : Json();
     std::cout << json.dump() << '\n';
   } else if (options.plot != "-") {
-    std::cout << render::uncertainty_text(result, absolute_m);
+    std::cout << render::uncertainty_text(result, relative);
   }
 }
 
@@ -139,7 +137,7 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   if (!options.plot.empty() && options.plot != "-") require_free(options.plot, options.force);
   take_band(options.band, options.base.set);
   Connection connection = program.connect();
-  std::string id = options.study;
+  std::string id = options.study.empty() ? "" : resolve_study(connection, options.study);
   const std::string come_back = std::string("dccast ") + kind.name + " --study ";
   if (id.empty()) {
     const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {

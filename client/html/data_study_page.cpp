@@ -23,32 +23,32 @@ std::string page(const v1::StudyResult& result, const std::string& body) {
                     body);
 }
 
-ChartBand band_of(const v1::Spread& spread, const google::protobuf::RepeatedField<double>& low,
-                  const google::protobuf::RepeatedField<double>& high) {
-  ChartBand band;
+/// What the data leave open, and what mesh and time steps add to the median.
+struct CurlBands {
+  ChartBand data, mesh;
+};
+
+CurlBands bands_of(const v1::Spread& spread, double mesh_error) {
+  CurlBands bands;
   for (int i = 0; i < spread.time_s_size(); ++i) {
-    band.x.push_back(spread.time_s(i));
-    band.middle.push_back(1e3 * spread.median_m(i));
-    band.low.push_back(1e3 * low[i]);
-    band.high.push_back(1e3 * high[i]);
+    const double middle = 1e3 * spread.median_m(i);
+    for (ChartBand* band : {&bands.data, &bands.mesh}) {
+      band->x.push_back(spread.time_s(i));
+      band->middle.push_back(middle);
+    }
+    bands.data.low.push_back(1e3 * spread.low_m(i));
+    bands.data.high.push_back(1e3 * spread.high_m(i));
+    bands.mesh.low.push_back(middle - mesh_error * std::abs(middle));
+    bands.mesh.high.push_back(middle + mesh_error * std::abs(middle));
   }
-  return band;
+  return bands;
 }
 
 std::string curl_chart(const v1::Spread& spread, std::optional<double> mesh_error) {
   Chart chart{"Curl of the " + spread.monitor() + " against time", "time, s", "curl, mm", {}};
-  chart.lines.push_back(
-      {"data, 5 to 95 %", {}, {}, band_of(spread, spread.low_m(), spread.high_m())});
-  if (mesh_error) {
-    v1::Spread mesh = spread;
-    for (int i = 0; i < mesh.time_s_size(); ++i) {
-      const double half = *mesh_error * std::abs(mesh.median_m(i));
-      mesh.set_low_m(i, mesh.median_m(i) - half);
-      mesh.set_high_m(i, mesh.median_m(i) + half);
-    }
-    chart.lines.push_back(
-        {"mesh and time steps", {}, {}, band_of(mesh, mesh.low_m(), mesh.high_m())});
-  }
+  CurlBands bands = bands_of(spread, mesh_error.value_or(0.0));
+  chart.lines.push_back({"data, 5 to 95 %", {}, {}, std::move(bands.data)});
+  if (mesh_error) chart.lines.push_back({"mesh and time steps", {}, {}, std::move(bands.mesh)});
   return svg_chart(chart);
 }
 
@@ -145,14 +145,11 @@ std::string table_of(const std::vector<std::string>& headings,
 
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
-  const int count = spread.median_m_size();
-  std::optional<double> mesh_error_m;
-  if (mesh_error && count > 0) mesh_error_m = *mesh_error * std::abs(spread.median_m(count - 1));
   std::string body;
-  for (const std::string& sentence : uncertainty_sentences(result, mesh_error_m))
+  for (const std::string& sentence : uncertainty_sentences(result, mesh_error))
     body += html_escaped(sentence) + " ";
   body = "<p class='answer'>" + body + "</p>";
-  if (count > 0) {
+  if (!spread.median_m().empty()) {
     body += "<div class='pair'>" +
             card("What the data leave open of the " + html_escaped(spread.monitor()),
                  curl_chart(spread, mesh_error)) +

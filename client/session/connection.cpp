@@ -10,9 +10,23 @@
 #include <thread>
 
 namespace dccast::client {
+namespace {
+
+/// The address with the port of dccastd where none is given.
+std::string address_of(const std::string& server) {
+  if (server.starts_with("unix:")) return server;
+  if (server.find("://") != std::string::npos)
+    throw CommandFailed(ExitCode::invalid, "--server " + server + ": write HOST:PORT, without " +
+                                               server.substr(0, server.find("://") + 3));
+  const auto colon = server.rfind(':');
+  const bool has_port = colon != std::string::npos && server.find(']', colon) == std::string::npos;
+  return has_port ? server : server + default_port;
+}
+
+}  // namespace
 
 Connection::Connection(const std::string& server, std::shared_ptr<Interruption> interruption)
-    : server_(server), interruption_(std::move(interruption)) {
+    : server_(address_of(server)), interruption_(std::move(interruption)) {
   grpc::ChannelArguments arguments;
   // Histories and frames of long runs exceed gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);
@@ -24,7 +38,7 @@ Connection::Connection(const std::string& server, std::shared_ptr<Interruption> 
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   stub_ = v1::SimulationService::NewStub(
-      grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments));
+      grpc::CreateCustomChannel(server_, grpc::InsecureChannelCredentials(), arguments));
 }
 
 void Connection::announce_retry(const grpc::Status& status, int attempts_made) const {

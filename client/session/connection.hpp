@@ -61,6 +61,9 @@ struct CallPolicy {
   std::chrono::milliseconds first_pause{200};  ///< doubled after every attempt
 };
 
+/// Port of a daemon whose address names none.
+inline constexpr const char* default_port = ":7117";
+
 /// Connection to a daemon. It is established by the first call, and never through a proxy:
 /// http_proxy and similar variables are ignored.
 class Connection {

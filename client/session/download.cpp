@@ -1,10 +1,16 @@
 #include "client/session/download.hpp"
 
-#include <chrono>
-#include <fstream>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <memory>
 #include <ostream>
+#include <string_view>
 
+#include "client/session/jobs.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client {
@@ -30,25 +36,55 @@ struct Attempt {
   grpc::Status status;
   std::int64_t total = -1;
   std::string sha256;
+  bool received = false;  ///< something, if not all
+};
+
+CommandFailed unwritable(const fs::path& file, int error) {
+  return {ExitCode::not_found, "cannot write " + file.string() + ": " + std::strerror(error)};
+}
+
+/// A part file, written at its end. A symbolic link in its place is not followed, since whoever
+/// may write to the folder could have made it.
+class PartFile {
+public:
+  explicit PartFile(const fs::path& file)
+      : file_(file),
+        descriptor_(
+            ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0 && errno == ELOOP)
+      throw CommandFailed(ExitCode::not_found,
+                          file.string() + " is a symbolic link; remove it, or give another -o");
+    if (descriptor_ < 0) throw unwritable(file, errno);
+  }
+  PartFile(const PartFile&) = delete;
+  ~PartFile() { ::close(descriptor_); }
+
+  void append(std::string_view data) {
+    while (!data.empty()) {
+      const ssize_t written = ::write(descriptor_, data.data(), data.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throw unwritable(file_, errno);
+      data.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+private:
+  fs::path file_;
+  int descriptor_;
 };
 
 /// Appends to the part file the data that are missing in it.
 Attempt append_rest(Connection& connection, const Source& source, const std::string& sha256,
                     const fs::path& part) {
-  std::ofstream stream(part, std::ios::binary | std::ios::app);
-  if (!stream) throw CommandFailed(ExitCode::not_found, "cannot write " + part.string());
+  PartFile file(part);
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
   const auto reader = source.open(context, size_of(part), sha256);
   Attempt attempt;
   v1::FetchResultResponse chunk;
   while (reader->Read(&chunk)) {
-    stream.write(chunk.data().data(), static_cast<std::streamsize>(chunk.data().size()));
-    if (!stream) {
-      context.TryCancel();
-      throw CommandFailed(ExitCode::not_found,
-                          "cannot write " + part.string() + "; is the disk full?");
-    }
+    file.append(chunk.data());
+    attempt.received = true;
     attempt.total = chunk.total_size_bytes();
     attempt.sha256 = chunk.sha256();
   }
@@ -80,21 +116,26 @@ bool of_another(const Attempt& attempt) {
 Download download(Connection& connection, const Source& source, const fs::path& file,
                   std::ostream& messages) {
   const fs::path part = file.string() + ".part";
-  constexpr int attempts = 6;
+  constexpr int most_beginnings = 6;
+  const RetryPolicy policy;
   Download result;
   std::string sha256;
   result.resumed_at = size_of(part);
   if (result.resumed_at > 0)
     messages << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
              << std::endl;
-  for (int count = 1; count <= attempts; ++count) {
+  int beginnings = 1, failures = 0;
+  auto pause = policy.first_pause;
+  while (beginnings <= most_beginnings) {
     const Attempt attempt = append_rest(connection, source, sha256, part);
     if (attempt.total >= 0) sha256 = attempt.sha256;
     if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
-    if (cut(attempt, part) && count < attempts) {
-      messages << "fetch: the stream was cut at byte " << size_of(part) << ", going on"
-               << std::endl;
-      connection.interruption().sleep(std::chrono::milliseconds(200 * count));
+    if (attempt.received) failures = 0, pause = policy.first_pause;
+    if (cut(attempt, part) && ++failures < policy.attempts) {
+      messages << "fetch: the stream was cut at byte " << size_of(part) << ", going on (attempt "
+               << failures << " of " << policy.attempts - 1 << ")" << std::endl;
+      connection.interruption().sleep(pause);
+      pause = std::min(2 * pause, policy.longest_pause);
       continue;
     }
     if (!of_another(attempt)) {
@@ -112,6 +153,7 @@ Download download(Connection& connection, const Source& source, const fs::path& 
     fs::remove(part);
     sha256.clear();
     result.resumed_at = 0;
+    ++beginnings;
   }
   throw CommandFailed(
       ExitCode::unreachable,

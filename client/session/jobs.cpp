@@ -15,16 +15,6 @@ constexpr std::size_t id_length = 36;
 constexpr std::size_t shortest = 8;
 constexpr int most_candidates = 5;  // that are listed
 
-bool can_begin_an_id(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789abcdef-") == std::string::npos;
-}
-
-std::string user_name() {
-  const passwd* const user = ::getpwuid(::getuid());
-  return user == nullptr ? "" : user->pw_name;
-}
-
-/// The server calls the owner by the name of the local user; over a tunnel that may be another one.
 std::string last_job(Connection& connection) {
   v1::ListJobsRequest request;
   request.set_page_size(1);
@@ -75,9 +65,19 @@ grpc::Status read_pages(Connection& connection, v1::QueryResultRequest request,
 
 }  // namespace
 
+bool can_begin_an_id(const std::string& text) {
+  return !text.empty() && text.size() < id_length &&
+         text.find_first_not_of("0123456789abcdef-") == std::string::npos;
+}
+
+std::string user_name() {
+  const passwd* const user = ::getpwuid(::getuid());
+  return user == nullptr ? "" : user->pw_name;
+}
+
 std::string resolve_job(Connection& connection, const std::string& text) {
   if (text == "last") return last_job(connection);
-  if (text.size() < id_length && can_begin_an_id(text)) return job_that_begins(connection, text);
+  if (can_begin_an_id(text)) return job_that_begins(connection, text);
   return text;
 }
 

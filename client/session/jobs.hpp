@@ -14,6 +14,11 @@ namespace dccast::client {
 /// newest job of this user. Any other text is passed on for the server to reject. Throws
 /// CommandFailed: no such job (not_found), or several (invalid), which the message lists.
 std::string resolve_job(Connection& connection, const std::string& text);
+/// Whether a text is the beginning of an id, and no complete one.
+bool can_begin_an_id(const std::string& text);
+/// The user whose newest job or study `last` is. The server calls the owner by the name of the
+/// local user; over a tunnel that may be another one.
+std::string user_name();
 std::vector<std::string> resolve_jobs(Connection& connection,
                                       const std::vector<std::string>& texts);
 

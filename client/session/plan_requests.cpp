@@ -11,6 +11,7 @@
 #include "client/session/failure.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
+#include "proto/case_file/quantity.hpp"
 #include "proto/frames/contraction.hpp"
 
 namespace dccast::client {
@@ -31,12 +32,6 @@ std::optional<toml::table> parsed(const std::string& file) {
   } catch (const toml::parse_error&) {
     return std::nullopt;
   }
-}
-
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
 }
 
 /// The value as a case file would have it.
@@ -95,7 +90,7 @@ v1::SweepPlan::Axis axis_of(std::string_view text) {
     throw CommandFailed(ExitCode::invalid,
                         "\"" + std::string(text) + "\": write KEY=a,b,c, e.g. mesh.rows=20,30,40");
   v1::SweepPlan::Axis axis;
-  axis.set_key(trimmed(text.substr(0, equals)));
+  axis.set_key(std::string(case_file::trimmed(text.substr(0, equals))));
   std::string value;
   int depth = 0;
   bool quoted = false;
@@ -104,13 +99,13 @@ v1::SweepPlan::Axis axis_of(std::string_view text) {
     if (!quoted && c == '[') ++depth;
     if (!quoted && c == ']') --depth;
     if (c == ',' && depth == 0 && !quoted) {
-      axis.add_values(trimmed(value));
+      axis.add_values(std::string(case_file::trimmed(value)));
       value.clear();
     } else {
       value += c;
     }
   }
-  axis.add_values(trimmed(value));
+  axis.add_values(std::string(case_file::trimmed(value)));
   return axis;
 }
 

@@ -72,7 +72,7 @@ v1::EvaluateStudyRequest question(const std::string& id, bool curves) {
 std::optional<v1::Study> create_study(
     Connection& connection, const StudyCase& base,
     const std::function<void(v1::CreateStudyRequest&)>& add_plan) {
-  const CaseUnderCheck checked = read_case(base.file, changes_of(base.set));
+  CaseUnderCheck checked = read_case(base.file, changes_of(base.set));
   if (!checked.faults.empty()) {
     print_faults(checked, std::cerr);
     return std::nullopt;
@@ -82,6 +82,10 @@ std::optional<v1::Study> create_study(
   v1::Study study;
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
   if (!faults_of(status).empty()) {
+    // The values at fault are those of the plan, not those of the case.
+    if (!base.plan_origin.empty())
+      for (const auto& axis : request.sweep().axes())
+        checked.read.source.set(axis.key(), {}, base.plan_origin + " " + axis.key());
     print_refusal(status, checked);
     return std::nullopt;
   }
@@ -109,6 +113,39 @@ v1::Study follow_study(Connection& connection, const std::string& id,
   throw CommandFailed(ExitCode::unreachable, "lost the stream of study " + id + " from " +
                                                  connection.server() +
                                                  "; the study itself goes on");
+}
+
+std::vector<v1::Study> list_studies(Connection& connection, int limit) {
+  constexpr int largest_page = 1000;  // service.proto
+  std::vector<v1::Study> studies;
+  v1::ListStudiesRequest request;
+  do {
+    request.set_page_size(std::min(largest_page, limit - static_cast<int>(studies.size())));
+    const auto page = connection.call(&Stub::ListStudies, request);
+    studies.insert(studies.end(), page.studies().begin(), page.studies().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty() && static_cast<int>(studies.size()) < limit);
+  return studies;
+}
+
+std::string resolve_study(Connection& connection, const std::string& text) {
+  if (text != "last" && !can_begin_an_id(text)) return text;
+  const std::string user = user_name();
+  std::string found;
+  for (const v1::Study& study : list_studies(connection, std::numeric_limits<int>::max())) {
+    if (text == "last" && study.owner() == user) return study.id();
+    if (text == "last" || !study.id().starts_with(text)) continue;
+    if (!found.empty())
+      throw CommandFailed(ExitCode::invalid, "'" + text + "' is the beginning of more than one " +
+                                                 "study:\n  " + found + "\n  " + study.id());
+    found = study.id();
+  }
+  if (!found.empty()) return found;
+  throw CommandFailed(ExitCode::not_found,
+                      text == "last" ? "'last': no study on " + connection.server() +
+                                           " belongs to " + user + " (dccast studies)"
+                                     : "no study on " + connection.server() + " begins with '" +
+                                           text + "' (dccast studies)");
 }
 
 ExitCode exit_code_of(v1::StudyState state) {

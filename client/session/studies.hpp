@@ -18,6 +18,8 @@ struct StudyCase {
   std::string file;
   std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> labels;
+  /// What named the keys of the plan, for faults in them, e.g. "--grid"; empty: the program.
+  std::string plan_origin{};
 };
 
 /// Reads the case and creates a study with the plan that `add_plan` adds to the request. Throws
@@ -31,6 +33,16 @@ std::optional<v1::Study> create_study(Connection& connection, const StudyCase& b
 v1::Study follow_study(Connection& connection, const std::string& id,
                        const std::function<void(const v1::Study&)>& on_study,
                        std::ostream& messages, const RetryPolicy& policy = {});
+
+/// At most so many studies, newest first. Throws CommandFailed.
+std::vector<v1::Study> list_studies(Connection& connection, int limit);
+
+/// The id of the study that a user means: a complete id, a unique beginning of one, or `last` for
+/// the newest study of this user. Throws CommandFailed: no such study, or several.
+std::string resolve_study(Connection& connection, const std::string& text);
+
+/// Help text of a STUDY argument.
+inline constexpr const char* study_help = "Study id, the beginning of one, or last";
 
 /// Exit code for the final state of a study.
 ExitCode exit_code_of(v1::StudyState state);

@@ -15,6 +15,7 @@
 #include "client/text/findings.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
@@ -122,34 +123,13 @@ std::string differences_text(const std::vector<Answer>& answers,
   return table.text();
 }
 
-/// Broken at blanks into lines that fit the page, the further ones indented.
-std::string wrapped(const std::string& text) {
-  constexpr int indented = 2, first_line = 8;  // "run 2, "
-  std::string lines;
-  int column = first_line;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t blank = std::min(text.find(' ', at), text.size());
-    const std::string part = text.substr(at, blank - at);
-    if (column + 1 + display_width(part) > page_columns) {
-      lines += "\n" + std::string(indented, ' ');
-      column = indented;
-    } else if (at > 0) {
-      lines += " ";
-      ++column;
-    }
-    lines += part;
-    column += display_width(part);
-    at = blank + 1;
-  }
-  return lines;
-}
-
 std::string sentences_text(const std::vector<Answer>& answers,
                            const std::vector<CurlDifference>& differences) {
   std::string text;
-  for (const Explained& explained : explanations(answers, differences))
-    text += "run " + std::to_string(explained.difference->answer + 1) + ", " +
-            wrapped(explained.text) + "\n";
+  for (const Explained& explained : explanations(answers, differences)) {
+    const std::string run = "run " + std::to_string(explained.difference->answer + 1) + ", ";
+    text += run + wrapped(explained.text, page_columns, display_width(run), 2) + "\n";
+  }
   return text;
 }
 

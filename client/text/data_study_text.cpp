@@ -7,12 +7,14 @@
 #include "client/session/data_study.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 namespace {
 
 constexpr int most_instants = 8;
 constexpr int most_shares = 12;
+constexpr int text_columns = 100;
 constexpr double small_share = 0.01;  // of the variance
 
 std::string millimetres(double metres, int decimals = 1) {
@@ -105,22 +107,6 @@ double not_felt_m(const Effects& effects) {
 
 }  // namespace
 
-std::string wrapped(const std::string& text) {
-  constexpr std::size_t width = 100;
-  std::string lines, line;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    if (!line.empty() && line.size() + 1 + part.size() > width) {
-      lines += line + "\n";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + part;
-    begin = end + 1;
-  }
-  return lines + line + "\n";
-}
-
 std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) {
   const v1::Spread& spread = result.spread();
   std::vector<std::vector<std::string>> rows;
@@ -138,9 +124,16 @@ std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) 
   return rows;
 }
 
+std::optional<double> mesh_error_at_end_m(const v1::Spread& spread,
+                                          std::optional<double> mesh_error) {
+  if (!mesh_error || spread.median_m().empty()) return std::nullopt;
+  return *mesh_error * std::abs(last(spread.median_m()));
+}
+
 std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
-                                               std::optional<double> mesh_error_m) {
+                                               std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
+  const std::optional<double> mesh_error_m = mesh_error_at_end_m(spread, mesh_error);
   if (spread.time_s().empty()) return {"No answer yet: " + result.spread_fault()};
   const double width = last(spread.high_m()) - last(spread.low_m());
   std::vector<std::string> sentences;
@@ -168,7 +161,7 @@ std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
   return sentences;
 }
 
-std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m) {
+std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error) {
   std::string text = head_of(result);
   if (!result.spread().time_s().empty()) {
     text += "\ncurl of the " + result.spread().monitor() + "\n" + history_table(result.spread());
@@ -179,8 +172,8 @@ std::string uncertainty_text(const v1::StudyResult& result, std::optional<double
     if (rest > 0) text += std::to_string(rest) + " more data, with less than these\n";
   }
   text += "\n";
-  for (const std::string& sentence : uncertainty_sentences(result, mesh_error_m))
-    text += wrapped(sentence);
+  for (const std::string& sentence : uncertainty_sentences(result, mesh_error))
+    text += wrapped(sentence, text_columns) + "\n";
   return text;
 }
 
@@ -221,7 +214,8 @@ std::string sensitivity_text(const v1::StudyResult& result, int monitor,
                                 " mm: mesh and time steps.\n"
                           : "What mesh and time steps leave uncertain of a difference is not known "
                             "for such a case.\n";
-  if (!rows.rest.empty()) text += wrapped("This model does not respond to " + rows.rest + ".");
+  if (!rows.rest.empty())
+    text += wrapped("This model does not respond to " + rows.rest + ".", text_columns) + "\n";
   for (const Effect& effect : effects.effects)
     for (const auto& [failure, end] :
          {std::pair(effect.low_failure, 0), std::pair(effect.high_failure, 1)})

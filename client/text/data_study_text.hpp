@@ -9,22 +9,23 @@
 
 namespace dccast::client::render {
 
-/// The answer of an uncertainty study, on one screen of 100 columns.
-/// @param mesh_error_m  half the band of mesh and steps at the end; empty: not known
-std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error_m);
+/// Half the band of mesh and steps at the end of an uncertainty study [m].
+/// @param mesh_error  the same relative to the curl; empty: not known
+std::optional<double> mesh_error_at_end_m(const v1::Spread& spread,
+                                          std::optional<double> mesh_error);
+
+/// The answer of an uncertainty study, on one screen of 100 columns; `mesh_error` as above.
+std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error);
 
 /// The answer of a sensitivity study for one monitor, on one screen of 100 columns.
 /// @param of_curl  as for effects_of()
 std::string sensitivity_text(const v1::StudyResult& result, int monitor,
                              std::optional<double> of_curl);
 
-/// A text in lines of at most 100 bytes.
-std::string wrapped(const std::string& text);
-
 /// The sentences of an uncertainty study, for screen and page: what the curl will be, how sure that
-/// is, and what to measure first.
+/// is, and what to measure first; `mesh_error` as above.
 std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
-                                               std::optional<double> mesh_error_m);
+                                               std::optional<double> mesh_error);
 
 /// A row of the table of shares, largest total first: datum, range, "42 ± 3 %" alone, in all.
 std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ostream>
 
 #include "client/text/braille.hpp"
 #include "client/text/findings.hpp"
@@ -95,7 +94,7 @@ void Progress::show(const v1::JobEvent& event) {
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
   char percent[16];
   std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
-  //     // The most important data come first: the end of the line is cut off in a narrow window.
+  // The most important data come first: the end of the line is cut off in a narrow window.
   const std::string eta = eta_text(event.step());
   renew(percent + eta + (eta.empty() ? "" : " ") + curve + " " + step_facts(event.step()),
         event.step().progress() >= 1.0);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <chrono>
-#include <iosfwd>
+#include <ostream>
 #include <string>
 
 #include "client/model/curl_history.hpp"
@@ -18,7 +18,9 @@ public:
   Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
   Progress(const Progress&) = delete;
   /// Ends the updated line, so that the next message starts on a new one.
-  ~Progress() { end_line(); }
+  ~Progress() {
+    if (stream_.good()) end_line();
+  }
 
   void show(const v1::JobEvent& event);
   /// Ends the updated line and draws the curl of the run, if there is one.

@@ -6,12 +6,14 @@
 
 #include "client/model/case_changes.hpp"
 #include "client/model/effects.hpp"
-#include "client/text/data_study_text.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 namespace {
+
+constexpr int text_columns = 100;
 
 using Candidate = v1::RecipeFound::Candidate;
 
@@ -163,7 +165,8 @@ std::string recipe_text(const v1::StudyResult& result) {
             " at the cast length of the case\n" + table.text();
   }
   text += "\n";
-  for (const std::string& sentence : recipe_sentences(result)) text += wrapped(sentence);
+  for (const std::string& sentence : recipe_sentences(result))
+    text += wrapped(sentence, text_columns) + "\n";
   return text;
 }
 

@@ -9,7 +9,9 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/key_place.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -177,11 +179,15 @@ std::string study_table(const Study& study) {
 
 namespace {
 
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
+/// "_m_per_s": the unit in which the numbers of a key are; "_factor" and "_si" have none of their
+/// own.
+std::string si_suffix(const std::string& key) {
+  if (key.ends_with(".scale")) return "_factor";
+  v1::Case any;
+  const auto* const field = case_file::place_of(any, key).field;
+  const auto suffix =
+      field == nullptr ? std::nullopt : case_file::unit_suffix(case_file::key_of(*field).unit());
+  return suffix && !suffix->empty() ? *suffix : "_si";
 }
 
 std::string csv_number(double value) {
@@ -191,7 +197,7 @@ std::string csv_number(double value) {
 std::string csv_head(const v1::StudyResult& result) {
   std::string head = "run,job,state";
   for (const auto& axis : result.study().sweep().axes())
-    head += "," + csv_text(axis.key()) + "," + csv_text(axis.key() + "_si");
+    head += "," + csv_text(axis.key()) + "," + csv_text(axis.key() + si_suffix(axis.key()));
   for (const std::string& monitor : result.monitors())
     head += "," + csv_text(monitor + "_end_curl_m");
   return head + ",solver_s,beyond_validity,findings,failure\n";

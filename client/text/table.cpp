@@ -34,6 +34,17 @@ std::string Table::text() const {
   return text;
 }
 
+std::string csv_text(const std::string& text) {
+  const bool signed_one = text.find_first_of("+-") == 0;  // "-5 K" is none
+  const bool formula = text.find_first_of("=@\t\r") == 0 ||
+                       (signed_one && text.find_first_of("=@|!(") != std::string::npos);
+  const std::string cell = formula ? "'" + text : text;
+  if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
 std::string fixed(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
   char text[64];

@@ -18,6 +18,10 @@ private:
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// A text as a cell of a CSV file. One that a spreadsheet would take for a formula has an
+/// apostrophe before it.
+std::string csv_text(const std::string& text);
+
 /// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
 std::string fixed(double value, int decimals);
 

@@ -1,5 +1,6 @@
 #include "client/text/terminal.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string_view>
 
@@ -56,6 +57,26 @@ std::string cut_to(const std::string& text, int columns) {
     ++width;
   }
   return text;
+}
+
+std::string wrapped(const std::string& text, int columns, int first, int indent) {
+  std::string lines;
+  int column = first;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t blank = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, blank - at);
+    if (at > 0 && column + 1 + display_width(word) > columns) {
+      lines += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (at > 0) {
+      lines += " ";
+      ++column;
+    }
+    lines += word;
+    column += display_width(word);
+    at = blank + 1;
+  }
+  return lines;
 }
 
 std::string bold(const std::string& text, const Terminal& terminal) {

@@ -25,6 +25,11 @@ int display_width(const std::string& text);
 /// The text cut to this many columns.
 std::string cut_to(const std::string& text, int columns);
 
+/// The text broken at blanks into lines of at most `columns`.
+/// @param first   columns that stand before the text in its first line
+/// @param indent  blanks before each further line
+std::string wrapped(const std::string& text, int columns, int first = 0, int indent = 0);
+
 /// The text in bold, if the terminal shows colour.
 std::string bold(const std::string& text, const Terminal& terminal);
 

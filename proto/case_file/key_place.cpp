@@ -1,7 +1,6 @@
 #include "proto/case_file/key_place.hpp"
 
 #include <charconv>
-#include <memory>
 #include <string>
 
 #include "proto/case_file/recipe_words.hpp"
@@ -24,12 +23,43 @@ Part part_of(std::string_view text) {
   return part;
 }
 
-Message* child_of(Message& message, const FieldDescriptor& field, int element) {
-  const Reflection& reflection = *message.GetReflection();
-  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return nullptr;
-  if (!field.is_repeated()) return reflection.MutableMessage(&message, &field);
-  if (element < 0 || element >= reflection.FieldSize(message, &field)) return nullptr;
-  return reflection.MutableRepeatedMessage(&message, &field, element);
+Message* table_at(Message& message, const FieldDescriptor& field) {
+  return message.GetReflection()->MutableMessage(&message, &field);
+}
+
+const Message* table_at(const Message& message, const FieldDescriptor& field) {
+  return &message.GetReflection()->GetMessage(message, &field);
+}
+
+Message* element_at(Message& message, const FieldDescriptor& field, int element) {
+  return message.GetReflection()->MutableRepeatedMessage(&message, &field, element);
+}
+
+const Message* element_at(const Message& message, const FieldDescriptor& field, int element) {
+  return &message.GetReflection()->GetRepeatedMessage(message, &field, element);
+}
+
+/// What a path leads to in a message that may be changed, or in one that may only be read.
+template <typename AnyMessage>
+struct Place {
+  AnyMessage* message = nullptr;
+  const FieldDescriptor* field = nullptr;
+};
+
+template <typename AnyMessage>
+Place<AnyMessage> walk(AnyMessage& message, std::string_view path) {
+  const auto dot = path.find('.');
+  const Part part = part_of(path.substr(0, dot));
+  const FieldDescriptor* field = field_of_key(*message.GetDescriptor(), part.key);
+  if (field == nullptr) return {};
+  if (dot == std::string_view::npos) return {&message, field};
+  const std::string_view rest = path.substr(dot + 1);
+  if (is_curve(*field)) return {&message, recipe_field(*field, rest)};
+  if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return {};
+  if (!field->is_repeated()) return walk(*table_at(message, *field), rest);
+  if (part.element < 0 || part.element >= message.GetReflection()->FieldSize(message, field))
+    return {};
+  return walk(*element_at(message, *field, part.element), rest);
 }
 
 std::optional<double> scalar(const Message& message, const FieldDescriptor& field) {
@@ -48,12 +78,11 @@ std::optional<double> scalar(const Message& message, const FieldDescriptor& fiel
 }
 
 /// What a key is multiplied by, or what is added to it, before it is changed.
-std::optional<double> unchanged(Message& message, std::string_view path) {
+std::optional<double> unchanged(const Message& message, std::string_view path) {
   for (const auto& [suffix, number] :
        {std::pair(std::string_view(".scale"), 1.0), std::pair(std::string_view(".offset"), 0.0)}) {
     if (!path.ends_with(suffix)) continue;
-    const FieldPlace place = place_of(message, path.substr(0, path.size() - suffix.size()));
-    if (place.field != nullptr && is_present(*place.message, *place.field)) return number;
+    if (has_value_at(message, path.substr(0, path.size() - suffix.size()))) return number;
   }
   return std::nullopt;
 }
@@ -61,22 +90,18 @@ std::optional<double> unchanged(Message& message, std::string_view path) {
 }  // namespace
 
 FieldPlace place_of(Message& message, std::string_view path) {
-  const auto dot = path.find('.');
-  const Part part = part_of(path.substr(0, dot));
-  const FieldDescriptor* field = field_of_key(*message.GetDescriptor(), part.key);
-  if (field == nullptr) return {};
-  if (dot == std::string_view::npos) return {&message, field};
-  const std::string_view rest = path.substr(dot + 1);
-  if (is_curve(*field)) return {&message, recipe_field(*field, rest)};
-  Message* child = child_of(message, *field, part.element);
-  return child == nullptr ? FieldPlace{} : place_of(*child, rest);
+  const Place<Message> place = walk(message, path);
+  return {place.message, place.field};
+}
+
+bool has_value_at(const Message& message, std::string_view path) {
+  const auto place = walk(message, path);
+  return place.field != nullptr && is_present(*place.message, *place.field);
 }
 
 std::optional<double> number_at(const Message& message, std::string_view path) {
-  const std::unique_ptr<Message> copy(message.New());
-  copy->CopyFrom(message);
-  const FieldPlace place = place_of(*copy, path);
-  if (place.field == nullptr) return unchanged(*copy, path);
+  const auto place = walk(message, path);
+  if (place.field == nullptr) return unchanged(message, path);
   if (!is_curve(*place.field)) return scalar(*place.message, *place.field);
   v1::Curve curve;
   curve.CopyFrom(place.message->GetReflection()->GetMessage(*place.message, place.field));
@@ -87,9 +112,7 @@ std::optional<double> number_at(const Message& message, std::string_view path) {
 }
 
 bool is_whole_number(const Message& message, std::string_view path) {
-  const std::unique_ptr<Message> copy(message.New());
-  copy->CopyFrom(message);
-  const FieldPlace place = place_of(*copy, path);
+  const auto place = walk(message, path);
   if (place.field == nullptr) return false;
   return place.field->cpp_type() == FieldDescriptor::CPPTYPE_INT32 ||
          place.field->cpp_type() == FieldDescriptor::CPPTYPE_INT64;

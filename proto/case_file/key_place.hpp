@@ -17,6 +17,9 @@ struct FieldPlace {
 /// Missing tables on the path are created, elements of arrays are not.
 FieldPlace place_of(google::protobuf::Message& message, std::string_view path);
 
+/// Whether a value stands at this path.
+bool has_value_at(const google::protobuf::Message& message, std::string_view path);
+
 /// The number at a path: the value of a quantity, a number, an integer, a curve of one point, one
 /// point of a curve; of "KEY.scale" and "KEY.offset" what leaves the key as it is.
 /// @return [unit of the schema]; empty for other keys and absent ones

@@ -328,14 +328,9 @@ private:
 std::optional<v1::CaseChange> parse_change(std::string_view text) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos) return std::nullopt;
-  const auto trimmed = [](std::string_view part) {
-    const auto first = part.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return std::string();
-    return std::string(part.substr(first, part.find_last_not_of(" \t") - first + 1));
-  };
   v1::CaseChange change;
-  change.set_key(trimmed(text.substr(0, equals)));
-  change.set_value(trimmed(text.substr(equals + 1)));
+  change.set_key(std::string(trimmed(text.substr(0, equals))));
+  change.set_value(std::string(trimmed(text.substr(equals + 1))));
   if (change.key().empty()) return std::nullopt;
   return change;
 }

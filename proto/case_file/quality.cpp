@@ -21,54 +21,42 @@ using Ladder = std::vector<Rung>;
 
 /// What one quality means for one kind of section. Lengths in m.
 struct Discretisation {
-  double column;                    ///< width
-  int fewest_columns;               ///< whatever the width
-  std::optional<double> side_cell;  ///< absent: uniform columns
-  double layer;                     ///< of a quarter slab
-  double wide_side_cell;            ///< of a quarter slab
-  double bottom_cell, top_cell;     ///< heights of the lowest and the topmost initial row
-  double growth_cell;               ///< height of the rows that growth adds
-  double merge_below;               ///< depth at which they are merged; 0: never
-  Ladder begin;                     ///< steps from the start of the simulation
-  Ladder event;                     ///< from the start of casting, of the mechanics, of the water
-  std::optional<double> error;      ///< half the band of the curl at the end [1]
+  double column;                      ///< width
+  int fewest_columns;                 ///< whatever the width
+  std::optional<double> side_cell{};  ///< absent: uniform columns
+  double layer = 0.0;                 ///< of a quarter slab
+  double wide_side_cell = 0.0;        ///< of a quarter slab
+  double bottom_cell, top_cell;       ///< heights of the lowest and the topmost initial row
+  double growth_cell;                 ///< height of the rows that growth adds
+  double merge_below = 0.0;           ///< depth at which they are merged; 0: never
+  Ladder begin;                       ///< steps from the start of the simulation
+  Ladder event;                       ///< from the start of casting, of the mechanics, of the water
+  std::optional<double> error;        ///< half the band of the curl at the end [1]
 };
 
 const Discretisation& of_section(v1::Quality quality) {
   static const Discretisation draft{.column = 14e-3,
                                     .fewest_columns = 8,
-                                    .side_cell = {},
-                                    .layer = 0.0,
-                                    .wide_side_cell = 0.0,
                                     .bottom_cell = 3.5e-3,
                                     .top_cell = 7e-3,
                                     .growth_cell = 7e-3,
-                                    .merge_below = 0.0,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = 0.05};
   static const Discretisation engineering{.column = 9.4e-3,
                                           .fewest_columns = 8,
-                                          .side_cell = {},
-                                          .layer = 0.0,
-                                          .wide_side_cell = 0.0,
                                           .bottom_cell = 2.25e-3,
                                           .top_cell = 2.25e-3,
                                           .growth_cell = 5e-3,
-                                          .merge_below = 0.0,
                                           .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                           .error = 0.04};
   static const Discretisation fine{
       .column = 7e-3,
       .fewest_columns = 8,
-      .side_cell = {},
-      .layer = 0.0,
-      .wide_side_cell = 0.0,
       .bottom_cell = 1.5e-3,
       .top_cell = 1.5e-3,
       .growth_cell = 3.5e-3,
-      .merge_below = 0.0,
       .begin = {{0, 0.25}, {10, 1}},
       .event = {{0, 0.025}, {1, 0.05}, {3, 0.125}, {10, 0.25}, {30, 0.5}, {60, 1}},
       .error = 0.04};
@@ -342,6 +330,16 @@ v1::Case undivided(v1::Case description) {
 }
 
 }  // namespace
+
+bool quality_matters(const v1::Case& description) {
+  v1::Case draft = description, fine = description;
+  draft.set_quality(v1::DRAFT);
+  fine.set_quality(v1::FINE);
+  apply_defaults(draft);
+  apply_defaults(fine);
+  fine.set_quality(v1::DRAFT);
+  return !google::protobuf::util::MessageDifferencer::Equals(draft, fine);
+}
 
 v1::Case divided(const v1::Case& description, int parts) {
   v1::Case fine = description;

@@ -15,6 +15,10 @@ namespace dccast::case_file {
 /// non-positive size of the section are not filled.
 void apply_quality(v1::Case& description);
 
+/// Whether mesh or time steps depend on the quality: not of a case that gives all of them.
+/// @param description  case as submitted
+bool quality_matters(const v1::Case& description);
+
 /// Uncertainty of the final curl due to mesh and time steps: half the width of the band of
 /// docs/error-bars.md, relative to the curl [1]. Empty if no band was measured: it exists, with the
 /// built-in mesh and steps of the quality, for plane-strain thickness sections (half width 0.2 to
@@ -31,9 +35,9 @@ struct PairedError {
 };
 inline constexpr PairedError quarter_slab_pairs{.of_curl = 0.05, .of_difference = 0.2};
 
-/// The error of a difference between two castings of the same quality, from pairs that were computed
-/// at two qualities (docs/error-bars.md). Empty where no pairs were measured: it exists for quarter
-/// slabs and for the sections of relative_discretisation_error().
+/// The error of a difference between two castings of the same quality, from pairs that were
+/// computed at two qualities (docs/error-bars.md). Empty where no pairs were measured: it exists
+/// for quarter slabs and for the sections of relative_discretisation_error().
 /// @param a, b  cases with all their defaults
 std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b);
 

@@ -107,12 +107,6 @@ bool plain_unit(const std::string& unit) {
   return true;
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 Quantity refused(std::string unit, std::string message) {
   return {std::nullopt, std::move(unit), std::move(message)};
 }
@@ -137,6 +131,12 @@ Quantity converted(double number, const std::string& unit, const std::string& wa
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
 
 Quantity parse_quantity(std::string_view text, const std::string& unit) {
   const std::string_view body = trimmed(text);

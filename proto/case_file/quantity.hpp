@@ -10,6 +10,9 @@ namespace dccast::case_file {
 /// "_w_per_m2_k"; "" for "" and "1". Empty for a unit that is not in the table: add it there.
 std::optional<std::string> unit_suffix(std::string_view unit);
 
+/// A text without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
 /// A number read from a text with a unit, or why it could not be read.
 struct Quantity {
   std::optional<double> value;  ///< in the unit asked for

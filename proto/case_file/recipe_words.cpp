@@ -35,16 +35,10 @@ void refuse(Walk& walk, const std::string& path, const Part& part, const std::st
   walk.outcome.source.set(path, {1, static_cast<int>(part.offset) + 1});
 }
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// What stands after the word that begins at `word`, up to `end`.
 Part after(const std::string& text, std::size_t word, std::size_t length, std::size_t end) {
   const std::size_t begin = word + length;
-  return {trimmed(text.substr(begin, end - begin)), word + 1};
+  return {std::string(trimmed(std::string_view(text).substr(begin, end - begin))), word + 1};
 }
 
 Recipe divided(const std::string& text) {
@@ -52,7 +46,8 @@ Recipe divided(const std::string& text) {
   const std::size_t until_at = text.find(until);
   const std::size_t from_at = text.substr(0, until_at).find(from);
   Recipe recipe;
-  recipe.factor = {trimmed(text.substr(0, std::min(from_at, until_at))), 0};
+  recipe.factor = {
+      std::string(trimmed(std::string_view(text).substr(0, std::min(from_at, until_at)))), 0};
   if (from_at != std::string::npos)
     recipe.from = after(text, from_at, from.size(), std::min(until_at, text.size()));
   if (until_at != std::string::npos)

@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <memory>
 #include <set>
 
 #include "proto/case_file/case_file.hpp"
@@ -13,24 +12,17 @@
 namespace dccast::case_file {
 namespace {
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
-}
-
 /// "10 %" as its number and what follows it.
 struct Written {
   double number = 0.0;
   std::string unit;
 };
 
-std::optional<Written> written(const std::string& text) {
+std::optional<Written> written(std::string_view text) {
   Written result;
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, result.number);
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), result.number);
   if (error != std::errc{} || !std::isfinite(result.number)) return std::nullopt;
-  result.unit = trimmed(std::string_view(rest, static_cast<std::size_t>(end - rest)));
+  result.unit = trimmed(text.substr(rest - text.data()));
   return result;
 }
 
@@ -38,7 +30,7 @@ std::string text_of(double number, const std::string& unit) {
   return number_text(number) + (unit.empty() ? "" : " " + unit);
 }
 
-std::optional<Range> around(const std::string& text) {
+std::optional<Range> around(std::string_view text) {
   const auto half = written(text);
   if (!half || !(half->number > 0.0)) return std::nullopt;
   if (half->unit != "%")
@@ -48,7 +40,7 @@ std::optional<Range> around(const std::string& text) {
   return Range{".scale", number_text(1.0 - share), number_text(1.0 + share)};
 }
 
-std::optional<Range> between(const std::string& first, const std::string& second) {
+std::optional<Range> between(std::string_view first, std::string_view second) {
   auto low = written(first);
   const auto high = written(second);
   if (!low || !high) return std::nullopt;
@@ -61,12 +53,6 @@ std::optional<Range> between(const std::string& first, const std::string& second
   if (!low->unit.empty() && low->unit != "times") return std::nullopt;
   if (!(low->number > 0.0)) return std::nullopt;
   return Range{".scale", number_text(low->number), number_text(high->number)};
-}
-
-bool present(const v1::Case& complete, const std::string& key) {
-  const std::unique_ptr<v1::Case> copy(new v1::Case(complete));
-  const FieldPlace place = place_of(*copy, key);
-  return place.field != nullptr && is_present(*place.message, *place.field);
 }
 
 /// Whether a run of this case uses a default at all.
@@ -138,9 +124,9 @@ std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& k
 }  // namespace
 
 std::optional<Range> parse_range(std::string_view text) {
-  const std::string body = trimmed(text);
+  const std::string_view body = trimmed(text);
   for (const std::string_view sign : {"±", "+-", "+/-"})
-    if (body.starts_with(sign)) return around(trimmed(std::string_view(body).substr(sign.size())));
+    if (body.starts_with(sign)) return around(trimmed(body.substr(sign.size())));
   const auto dots = body.find("..");
   if (dots == std::string::npos) return std::nullopt;
   return between(trimmed(body.substr(0, dots)), trimmed(body.substr(dots + 2)));
@@ -155,7 +141,8 @@ std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
   };
   for (const v1::KeyRange& line : complete.uncertainty()) add(line.key(), line.range(), "case");
   for (const v1::KeyRange& line : complete.alloy().uncertainty())
-    if (present(complete, "alloy." + line.key())) add("alloy." + line.key(), line.range(), "card");
+    if (has_value_at(complete, "alloy." + line.key()))
+      add("alloy." + line.key(), line.range(), "card");
   static const auto rows = reference(*v1::Case::descriptor());
   for (const KeyReference& row : rows)
     if (!row.uncertainty.empty() && is_used(complete, row.path) && is_default(complete, row))

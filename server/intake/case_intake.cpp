@@ -14,6 +14,7 @@
 
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
@@ -38,6 +39,13 @@ void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
   v1::Fault& waiting = *verdict.add_warnings();
   waiting.set_field(verdict.faults(0).field());
   waiting.set_message("further checks wait until this is fixed");
+}
+
+void note_idle_quality(v1::ValidateCaseResponse& verdict) {
+  v1::Fault& idle = *verdict.add_warnings();
+  idle.set_field("quality");
+  idle.set_message("changes nothing, as the case gives mesh and time steps itself");
+  idle.set_remedy("leave mesh.columns, mesh.rows, time.step and their like away");
 }
 
 /// Adds the core's faults, save those of keys that have one already.
@@ -123,8 +131,8 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
 }
 
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
-                                std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
-                                jobs::Question question) const {
+                                std::vector<std::string> faulty_keys,
+                                const jobs::CallLimits& waiting, jobs::Question question) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -143,6 +151,8 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
     note_that_checks_wait(verdict);
   }
   hold_against(ceilings_, verdict);
+  if (submitted.quality() != v1::QUALITY_UNSPECIFIED && !case_file::quality_matters(submitted))
+    note_idle_quality(verdict);
   return examined;
 }
 
@@ -180,7 +190,8 @@ v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Ca
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
-                                                 int number, const jobs::CallLimits& waiting) const {
+                                                 int number,
+                                                 const jobs::CallLimits& waiting) const {
   const std::string question = std::to_string(number) + " " + job_folder.string();
   return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, waiting));
 }

@@ -60,7 +60,7 @@ Settlement settle_other_version(JobRecord& record, const RunEnd& end, const Atte
     return {v1::FAILED, reason};
   }
   record.requested_action = RequestedAction::none;
-  return {v1::PAUSED, reason + "; ResumeJob starts the run over"};
+  return {v1::PAUSED, reason + "; resuming it starts the run over"};
 }
 
 std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {

@@ -41,7 +41,8 @@ bool read_age_token(const std::string& token, AgePage& page) {
 }  // namespace
 
 grpc::Status check_job_id(const std::string& id) {
-  return check_uuid(id, "job", "as SubmitJob and ListJobs give it");
+  return check_uuid(id, "job",
+                    "as it was given for the job submitted, or stands in the list of jobs");
 }
 
 grpc::Status check_study_id(const std::string& id) {

@@ -176,7 +176,7 @@ grpc::Status open_artifact(Context& context, const v1::FetchResultRequest& reque
   const auto artifact = artifact_of(*job, name);
   if (!artifact)
     return {grpc::StatusCode::NOT_FOUND,
-            "job " + request.id() + " has no result \"" + name + "\"; GetJob lists them"};
+            "job " + request.id() + " has no result \"" + name + "\"; the job lists those it has"};
   sent = {.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
           .name = name,
           .size = artifact->size_bytes(),

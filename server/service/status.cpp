@@ -124,12 +124,12 @@ grpc::Status too_many_waiting() {
 
 grpc::Status job_not_found(const std::string& id) {
   return {grpc::StatusCode::NOT_FOUND,
-          "there is no job " + id + " here; ListJobs names those there are"};
+          "there is no job " + id + " here; the list of jobs names those there are"};
 }
 
 grpc::Status study_not_found(const std::string& id) {
   return {grpc::StatusCode::NOT_FOUND,
-          "there is no study " + id + " here; ListStudies names those there are"};
+          "there is no study " + id + " here; the list of studies names those there are"};
 }
 
 grpc::Status wrong_state(const v1::Job& job, const std::string& remedy) {
@@ -150,8 +150,8 @@ grpc::Status faulty_case(const v1::ValidateCaseResponse& verdict) {
   std::string message = "the case has " + std::to_string(verdict.faults_size()) + " fault" +
                         (verdict.faults_size() == 1 ? "" : "s");
   if (details.faults_size() < verdict.faults_size())
-    message +=
-        " (" + std::to_string(details.faults_size()) + " given here; ValidateCase gives all)";
+    message += " (" + std::to_string(details.faults_size()) +
+               " given here; validating the case gives all)";
   const v1::Fault& first = verdict.faults(0);
   message += "; first: " + first.field() + ": " + first.message().substr(0, 512);
   return {grpc::StatusCode::INVALID_ARGUMENT, message, details.SerializeAsString()};

@@ -10,6 +10,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/text_checks.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/sweep_plan.hpp"
@@ -82,10 +83,22 @@ double input_of(const v1::Case& base, const SweptKey& key, const std::string* gi
   return number;
 }
 
+[[noreturn]] void not_swept(const std::string& key, const std::vector<SweptKey>& keys) {
+  std::vector<std::string> names;
+  for (const SweptKey& swept : keys) names.push_back(swept.key);
+  const std::string near = case_file::nearest(key, names);
+  throw FaultyPlace(key + " was not swept; " + (near.empty() ? "" : "did you mean " + near + "? ") +
+                    "the keys of this study are " + joined(names));
+}
+
 Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
                const v1::PredictStudyRequest& request) {
   std::map<std::string, std::string> given;
-  for (const v1::CaseChange& change : request.values()) given[change.key()] = change.value();
+  for (const v1::CaseChange& change : request.values()) {
+    if (std::ranges::find(keys, change.key(), &SweptKey::key) == keys.end())
+      not_swept(change.key(), keys);
+    given[change.key()] = change.value();
+  }
   Place place;
   for (const SweptKey& key : keys) {
     const auto found = given.find(key.key);
@@ -98,13 +111,8 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
       if (std::ranges::find(key.values, *value) == key.values.end()) outside(key, *value);
       place.kind += *value + "\n";
     }
-    given.erase(key.key);
   }
-  if (given.empty()) return place;
-  std::vector<std::string> names;
-  for (const SweptKey& key : keys) names.push_back(key.key);
-  throw FaultyPlace(given.begin()->first + " was not swept; the keys of this study are " +
-                    joined(names));
+  return place;
 }
 
 /// A text of a case file for a place on a numeric key, 0 to 1.
@@ -264,7 +272,7 @@ Predictions::Surface Predictions::surface_of(const Wanted& wanted,
 void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
   const auto now = Clock::now();
   log::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
-                std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
+             std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
   const std::lock_guard lock(mutex_);
   kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,
                                          now};

@@ -46,7 +46,7 @@ class Refusal(ServiceTest):
     def test_an_id_of_elsewhere(self):
         job_id = "0f2b9a4e-0000-4000-8000-000000000000"
         error = self.refused(grpc.StatusCode.NOT_FOUND, self.client.job, job_id)
-        self.assertIn("ListJobs", error.details())
+        self.assertIn("the list of jobs", error.details())
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.watch, job_id)
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.fetch, job_id)
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.steps, job_id)

@@ -152,7 +152,7 @@ v1::StudyResult uncertainty() {
 }
 
 TEST(UncertaintyText, AnswersHowSureAndWhatToMeasureFirst) {
-  const std::string text = render::uncertainty_text(uncertainty(), 2e-3);
+  const std::string text = render::uncertainty_text(uncertainty(), 0.05);
   EXPECT_THAT(text, HasSubstr("9 of 10 castings have 30.0 to 50.0 mm at the corner"));
   EXPECT_THAT(text, HasSubstr("half of them less than 40.0 mm"));
   EXPECT_THAT(text, HasSubstr("Mesh and time steps add ± 2.0 mm."));

@@ -1,0 +1,228 @@
+#!/usr/bin/python3
+"""Where a command of the client writes, and what it says: a full disk, a folder, a device, a link in
+the way, a formula in a name, a server given without its port."""
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import threading
+
+from dccast.v1 import job_pb2
+from support import BIN, ServiceTest, fake_case, main
+
+CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
+CONFIG = os.path.join(os.path.dirname(__file__), "..", "..", "deploy", "config", "dccastd.toml")
+
+
+class Commands(ServiceTest):
+    def dccast(self, *words, code=0, address=None, environment=None, **rest):
+        process = subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", address or self.daemon.address, *words],
+            stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=self.folder,
+            timeout=120, check=False, env={**os.environ, **(environment or {})},
+            **{"stdout": subprocess.PIPE, **rest})
+        self.assertEqual(process.returncode, code, process.stderr)
+        return process
+
+    def finished_job(self, title="steps=20", **rest):
+        job = self.client.submit(fake_case(title, **rest))
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        return job.id
+
+    def here(self, name):
+        return os.path.join(self.folder, name)
+
+    def write_case(self, name, **changes):
+        with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
+            text = file.read()
+        for key, value in changes.items():
+            text = re.sub(rf"(?m)^{key} = .*$", f"{key} = {value}", text)
+        with open(self.here(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.here(name)
+
+
+class Output(Commands):
+    # -- what cannot be written
+
+    def test_output_that_does_not_fit_is_an_error_of_every_command(self):
+        job = self.finished_job()
+        for words in (["curl", "--csv", job], ["curl", job], ["curl", "--json", job],
+                      ["list"], ["list", "--json"], ["show", job],
+                      ["schema"], ["completion", "bash"], ["info"], ["new"], ["--help"]):
+            with self.subTest(words=words), open("/dev/full", "w", encoding="ascii") as full:
+                error = self.dccast(*words, code=5, stdout=full).stderr
+                self.assertIn("standard output cannot be written: No space left", error)
+
+    def test_a_watch_ends_when_its_output_has_no_place(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
+        with open("/dev/full", "w", encoding="ascii") as full:
+            self.dccast("watch", "--json", job.id, code=5, stdout=full)
+        self.client.cancel(job.id)
+
+    # -- fetch
+
+    def test_fetch_refuses_what_is_no_file(self):
+        job = self.finished_job()
+        for place, word in (("", "a file or a folder"), ("-", "two files"),
+                            ("/dev/null", "no file"), ("x.xdmf", "HDF5")):
+            with self.subTest(place=place):
+                self.assertIn(word, self.dccast("fetch", "-o", place, job, code=2).stderr)
+        os.mkfifo(self.here("pipe"))
+        self.dccast("fetch", "-f", "-o", "pipe", job, code=2)
+        with open("/dev/null", encoding="ascii") as null:
+            self.assertFalse(os.path.isfile("/dev/null"))
+            self.assertEqual(null.read(), "")
+
+    def test_fetch_does_not_write_through_a_link(self):
+        job = self.finished_job()
+        with open(self.here("victim"), "w", encoding="ascii") as file:
+            file.write("mine")
+        os.symlink(self.here("victim"), self.here("r.h5.part"))
+        self.assertIn("symbolic link", self.dccast("fetch", "-o", "r.h5", job, code=5).stderr)
+        with open(self.here("victim"), encoding="ascii") as file:
+            self.assertEqual(file.read(), "mine")
+        self.assertFalse(os.path.exists(self.here("r.h5")))
+
+    # -- formats
+
+    def test_a_name_in_a_csv_is_no_formula(self):
+        case = fake_case("steps=5")
+        case.monitor.add(name="=1+2", x_m=0.0, y_m=0.0)
+        job = self.client.submit(case)
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        table = self.dccast("curl", "--csv", job.id).stdout
+        for cell in next(csv.reader(io.StringIO(table))):
+            self.assertNotRegex(cell, "^[=+@]")
+
+    def test_the_number_of_a_swept_key_says_its_unit(self):
+        case = self.write_case("case.toml", title='"steps=3"')
+        table = self.dccast("sweep", case, "--grid",
+                            "schedule.casting_speed=50 mm/min,60 mm/min", "--grid",
+                            "schedule.water_flow.scale=1", "--csv", "-").stdout
+        head = next(csv.reader(io.StringIO(table)))
+        self.assertIn("schedule.casting_speed_m_per_s", head)
+        self.assertIn("schedule.water_flow.scale_factor", head)
+
+    # -- states, ids, addresses
+
+    def test_pause_and_cancel_print_the_state_they_reach(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
+        self.client.until_step(job.id, 3)
+        self.assertEqual(self.dccast("pause", job.id).stdout, f"{job.id} paused\n")
+        self.dccast("resume", job.id)
+        self.client.until_step(job.id, 6)
+        self.assertEqual(self.dccast("cancel", job.id).stdout, f"{job.id} cancelled\n")
+
+    def test_a_study_has_short_names(self):
+        case = self.write_case("case.toml", title='"steps=3"')
+        self.dccast("sweep", case, "--grid", "schedule.casting_speed=50 mm/min,60 mm/min",
+                    "--grid", "schedule.hold=10 s,20 s")
+        study = json.loads(self.dccast("studies", "--json").stdout)[0]["id"]
+        for name in ("last", study[:8], study):
+            with self.subTest(name=name):
+                self.assertIn(study, self.dccast("studies", "show", name).stdout)
+        self.assertIn("no study", self.dccast("studies", "show", "0", code=5).stderr
+                      if study[0] != "0" else "no study")
+        self.assertEqual(len(self.dccast("list", "--study", "last", "--ids").stdout.split()), 4)
+        error = self.dccast("predict", "last", "--set", "schedule.casting_sped=55 mm/min",
+                            code=2).stderr
+        self.assertIn("schedule.casting_sped was not swept; did you mean schedule.casting_speed?",
+                      error)
+
+    def test_a_fault_of_a_plan_points_at_the_plan(self):
+        case = self.write_case("case.toml")
+        error = self.dccast("sweep", case, "--grid", "schedule.casting_speed=50 mm/min,-3 mm/min",
+                            code=2).stderr
+        self.assertIn("--grid schedule.casting_speed: ", error)
+        self.assertNotIn("case.toml:", error)
+
+    def test_an_address_without_port_and_one_of_the_web(self):
+        self.assertIn("no answer from 127.0.0.77:7117",
+                      self.dccast("info", address="127.0.0.77", code=4).stderr)
+        self.assertIn("write HOST:PORT, without https://",
+                      self.dccast("info", address="https://localhost:1", code=2).stderr)
+
+    def test_settings_that_are_named_must_exist(self):
+        error = self.dccast("info", code=2, environment={"DCCAST_CONFIG": "/nowhere.toml"}).stderr
+        self.assertIn("DCCAST_CONFIG names /nowhere.toml", error)
+
+    # -- words
+
+    def test_a_quality_that_changes_nothing_is_said(self):
+        case = self.write_case("case.toml")
+        self.assertNotIn("quality: changes nothing", self.dccast("validate", case).stdout)
+        text = self.dccast("validate", case, "--set", 'quality="fine"', "--set", "mesh.columns=20",
+                           "--set", "mesh.rows=20", "--set", 'mesh.bottom_cell="3 mm"',
+                           "--set", 'mesh.growth_cell="5 mm"', "--set", 'time.step="1 s"').stdout
+        self.assertIn("quality: changes nothing", text)
+
+    def test_the_sample_settings_have_every_key(self):
+        keys = json.loads(self.dccast("schema", "--daemon", "--json", "").stdout)
+        with open(CONFIG, encoding="utf-8") as file:
+            text = file.read()
+        for key in keys:
+            if key["type"] != "table":
+                self.assertRegex(text, rf"(?m)^(# )?{re.escape(key['path'])} = ")
+
+
+class Results(Commands):
+    """With results that the real solver has written."""
+    worker = "dccast-worker"
+
+    def cast_job(self):
+        job = self.dccast("submit", os.path.join(CASES, "start-2d-thickness.toml"), "--set",
+                          'quality="draft"', "--set", 'time.end="5 s"').stdout.strip()
+        self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
+        return job
+
+    def test_a_file_that_does_not_fit_is_an_error_and_is_not_left(self):
+        job = self.cast_job()
+        error = self.dccast("report", "-o", "/dev/full", job, code=5).stderr
+        self.assertIn("cannot write /dev/full: No space left", error)
+        with open("/dev/full", "w", encoding="ascii") as full:
+            self.dccast("report", "-o", "-", job, code=5, stdout=full)
+        self.assertIn("cannot write nowhere/r.html: No such file",
+                      self.dccast("report", "-o", "nowhere/r.html", job, code=5).stderr)
+
+    def test_fetch_into_a_folder(self):
+        job = self.cast_job()
+        os.mkdir(self.here("results"))
+        self.dccast("fetch", "-o", "results", job)
+        self.assertEqual(sorted(os.listdir(self.here("results"))),
+                         ["results.h5", "results.xdmf"])
+
+    def test_fetch_survives_a_daemon_that_is_away_for_five_seconds(self):
+        job = self.cast_job()
+        port = self.daemon.address.rsplit(":", 1)[1]
+        self.daemon.settings["listen"] = "127.0.0.1:" + port
+        # The job is named by its whole id, so that the stream is the first call.
+        self.daemon.terminate()
+        again = threading.Timer(5, self.daemon.start)
+        again.start()
+        try:
+            error = self.dccast("fetch", "-o", "late.h5", job).stderr
+        finally:
+            again.join()
+        self.assertIn("going on", error)
+        self.assertTrue(os.path.isfile(self.here("late.h5")))
+
+    def test_report_as_pdf(self):
+        job = self.cast_job()
+        if shutil.which("chromium") is None:
+            self.assertIn("Chromium",
+                          self.dccast("report", "-o", "r.pdf", job, code=2).stderr)
+            return
+        self.dccast("report", "-o", "r.pdf", job)
+        with open(self.here("r.pdf"), "rb") as file:
+            self.assertEqual(file.read(4), b"%PDF")
+        error = self.dccast("report", "-f", "-o", "r2.pdf", job, code=2,
+                            environment={"PATH": self.folder}).stderr
+        self.assertIn("Chromium, which is not installed", error)
+
+
+if __name__ == "__main__":
+    main()
