@@ -14,9 +14,9 @@
 
 #include "core/storage/file.hpp"
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/checker.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/warm_workers.hpp"
 #include "server/service/server.hpp"
 #include "server/state/index.hpp"
 #include "server/studies/studies.hpp"
@@ -108,20 +108,20 @@ intake::Ceilings ceilings(const v1::DaemonConfig& config) {
   return {config.maximum_nodes(), config.maximum_steps(), memory};
 }
 
-/// What the workers compute with, for answers that are found again; empty when none can be asked.
-std::string solver_of(jobs::CheckerPool& workers) {
+/// What the workers compute with, for answers that are found again; empty when none answers.
+/// @throws jobs::WorkerDidNotAnswer  there is no worker that could be asked
+std::string solver_of(jobs::WarmWorkers& workers) {
   constexpr std::chrono::seconds longest{10};
+  v1::WorkerRequest request;
+  request.mutable_name_solver();
   try {
-    return workers.ask(jobs::Question::solver, "",
-                       {.deadline = std::chrono::steady_clock::now() + longest});
+    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest}).solver();
   } catch (const jobs::WorkerDidNotAnswer& error) {
+    if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     log::warn("queries are answered by a run each time: {}", error.what());
     return {};
   }
 }
-
-/// A run is held against the ceiling on its estimate before it begins; it is no check on its way.
-constexpr std::int64_t most_memory = INT64_MAX;
 
 /// As many file descriptors as the system permits.
 rlim_t raise_descriptor_limit() {
@@ -181,13 +181,10 @@ void log_address(const v1::DaemonConfig& config, const service::PublicServer& se
                directory.path().string(), worker_count(config));
 }
 
-/// Processes that compute queries; they check the cases of queries too: nothing that others do
-/// keeps a query waiting.
-jobs::CheckerLimits query_pool(const v1::DaemonConfig& config) {
-  return {.option = "--serve-queries",
-          .kept = number_or_cores(config.query_workers()),
-          .answers = 200,
-          .largest_bytes = most_memory};
+/// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
+/// next job.
+int warm_worker_count(const v1::DaemonConfig& config) {
+  return number_or_cores(config.checkers()) + number_or_cores(config.query_workers()) + 1;
 }
 
 /// @param left_running  workers stay for the next daemon
@@ -222,19 +219,15 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   service::log_grpc_as_debug();
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
-  const fs::path worker = worker_program(config);
   const std::size_t connections = connection_count(config);
-  jobs::CheckerPool checkers(worker, {.kept = number_or_cores(config.checkers())});
-  jobs::CheckerPool query_workers(worker, query_pool(config));
-  const std::string solver = solver_of(query_workers);
-  const intake::CaseIntake intake(checkers, config.alloy_directory(), directory.check(),
+  jobs::WarmWorkers warm_workers(worker_program(config), {.kept = warm_worker_count(config)});
+  const std::string solver = solver_of(warm_workers);
+  const intake::CaseIntake intake(warm_workers, config.alloy_directory(), directory.check(),
                                   ceilings(config));
-  const intake::CaseIntake query_intake(query_workers, config.alloy_directory(), directory.check(),
-                                        ceilings(config));
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
-  jobs::LocalExecutor executor(worker, worker_count(config));
+  jobs::LocalExecutor executor(warm_workers, worker_count(config));
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
@@ -246,9 +239,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .store = store,
       .studies = studies,
       .intake = intake,
-      .checkers = checkers,
-      .query_intake = query_intake,
-      .query_workers = query_workers,
+      .warm_workers = warm_workers,
       .solver = solver,
       .query_directory = directory.check(),
       .jobs_directory = directory.jobs(),
@@ -265,8 +256,6 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   scheduler.recover();
   studies.recover();
   service::PublicServer server(context, config.listen());
-  checkers.warm_up();
-  query_workers.warm_up();
   scheduler.start();
   studies.start();
   log_address(config, server, directory);

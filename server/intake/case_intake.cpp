@@ -24,16 +24,6 @@ namespace dccast::intake {
 
 namespace {
 
-/// Parses what the worker program answered. @throws jobs::WorkerDidNotAnswer
-template <class Message>
-Message parsed(const std::string& bytes) {
-  Message message;
-  if (!message.ParseFromString(bytes))
-    throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
-                                   "the checker's answer cannot be read");
-  return message;
-}
-
 /// What the core would find is not known until the first fault is fixed.
 void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
   v1::Fault& waiting = *verdict.add_warnings();
@@ -107,9 +97,9 @@ double memory_per_worker(int workers) {
   return 0.9 * memory / std::max(workers, 1);
 }
 
-CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+CaseIntake::CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_directory,
                        std::filesystem::path check_directory, const Ceilings& ceilings)
-    : checkers_(checkers),
+    : workers_(workers),
       alloy_directory_(std::move(alloy_directory)),
       check_directory_(std::move(check_directory)),
       ceilings_(ceilings) {
@@ -124,15 +114,15 @@ CaseIntake::CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_
 
 ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                                  std::vector<std::string> faulty_keys,
-                                 const jobs::CallLimits& waiting, jobs::Question question) const {
-  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), waiting, question);
+                                 const jobs::CallLimits& waiting, bool findings) const {
+  ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), waiting, findings);
   make_printable(examined.verdict);  // it repeats values that are refused for what they hold
   return examined;
 }
 
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                                 std::vector<std::string> faulty_keys,
-                                const jobs::CallLimits& waiting, jobs::Question question) const {
+                                const jobs::CallLimits& waiting, bool findings) const {
   ExaminedCase examined{submitted, {}};
   v1::ValidateCaseResponse& verdict = examined.verdict;
   check_attachment_names(submitted, attachments, verdict);
@@ -145,7 +135,11 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
     return examined;
   }
   try {
-    merge(ask_core(question, examined.complete, attachments, faulty_keys, waiting), verdict);
+    v1::CheckCase check;
+    *check.mutable_case_() = examined.complete;
+    *check.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
+    check.set_findings(findings);
+    merge(ask_core(std::move(check), attachments, waiting), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
     if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
     note_that_checks_wait(verdict);
@@ -175,25 +169,24 @@ case_file::AlloyCard CaseIntake::card(const std::string& name) const {
   return case_file::alloy_card(name, alloy_directory_);
 }
 
-v1::ValidateCaseResponse CaseIntake::ask_core(jobs::Question asked, const v1::Case& complete,
+v1::ValidateCaseResponse CaseIntake::ask_core(v1::CheckCase check,
                                               const jobs::Attachments& attachments,
-                                              const std::vector<std::string>& faulty_keys,
                                               const jobs::CallLimits& waiting) const {
   std::optional<jobs::CheckFolder> folder;
   if (!attachments.empty()) folder.emplace(check_directory_, attachments);
-  v1::WorkerOrder question;
-  *question.mutable_case_() = complete;
-  question.set_directory(folder ? folder->path() : check_directory_);
-  *question.mutable_faulty_keys() = {faulty_keys.begin(), faulty_keys.end()};
-  return parsed<v1::ValidateCaseResponse>(
-      checkers_.ask(asked, question.SerializeAsString(), waiting));
+  check.set_directory(folder ? folder->path() : check_directory_);
+  v1::WorkerRequest request;
+  *request.mutable_check() = std::move(check);
+  return std::move(*workers_.ask(request, waiting).mutable_verdict());
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
                                                  int number,
                                                  const jobs::CallLimits& waiting) const {
-  const std::string question = std::to_string(number) + " " + job_folder.string();
-  return parsed<v1::QueryResultResponse>(checkers_.ask(jobs::Question::frame, question, waiting));
+  v1::WorkerRequest request;
+  request.mutable_read_frame()->set_directory(job_folder);
+  request.mutable_read_frame()->set_number(number);
+  return std::move(*workers_.ask(request, waiting).mutable_stored());
 }
 
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {

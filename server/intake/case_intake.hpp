@@ -7,8 +7,8 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
-#include "server/jobs/checker.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/warm_workers.hpp"
 
 namespace dccast::intake {
 
@@ -30,23 +30,23 @@ struct ExaminedCase {
 };
 
 /// Examines cases before they are queued. What single values permit is checked here by the schema;
-/// how they fit together is checked by the core, in a checker: a mesh or temperature file that
+/// how they fit together is checked by the core, in a worker: a mesh or temperature file that
 /// brings it down costs one answer.
 class CaseIntake {
 public:
-  /// @param checkers         outlives this object
+  /// @param workers          outlives this object
   /// @param alloy_directory  further alloy cards; empty: only those that are built in
   /// @param check_directory  where attachments are put while a case is checked
   /// @throws std::runtime_error  an alloy card has faults
-  CaseIntake(jobs::CheckerPool& checkers, std::filesystem::path alloy_directory,
+  CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_directory,
              std::filesystem::path check_directory, const Ceilings& ceilings);
 
   /// @param faulty_keys  paths of keys that the client could not read
-  /// @param question     check, or judge for a verdict with findings
+  /// @param findings     also those of a case without faults, which takes longer
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                        std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
-                       jobs::Question question = jobs::Question::check) const;
+                       bool findings = false) const;
 
   /// The times of all frames that a job has stored, and one of them; without it when there are
   /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
@@ -59,17 +59,15 @@ public:
 private:
   ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
-                      jobs::Question question) const;
+                      bool findings) const;
   /// Fills in defaults and the alloy card. @return what is wrong with single values
   std::vector<v1::Fault> complete(v1::Case& submitted) const;
-  v1::ValidateCaseResponse ask_core(jobs::Question question, const v1::Case& complete,
-                                    const jobs::Attachments& attachments,
-                                    const std::vector<std::string>& faulty_keys,
+  v1::ValidateCaseResponse ask_core(v1::CheckCase check, const jobs::Attachments& attachments,
                                     const jobs::CallLimits& waiting) const;
   /// The card of this name; with faults when there is none.
   case_file::AlloyCard card(const std::string& name) const;
 
-  jobs::CheckerPool& checkers_;
+  jobs::WarmWorkers& workers_;
   std::filesystem::path alloy_directory_;
   std::filesystem::path check_directory_;
   const Ceilings ceilings_;

@@ -91,8 +91,8 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   return attempts_[attempt->job_id] = attempt;
 }
 
-std::string Attempts::order_of(const Attempt& attempt) const {
-  v1::WorkerOrder order;
+v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
+  v1::SolveCase order;
   order.set_job_id(attempt.job_id);
   order.set_attempt(attempt.number);
   order.set_directory(folder_of(attempt));
@@ -101,7 +101,7 @@ std::string Attempts::order_of(const Attempt& attempt) const {
   order.set_threads(options_.job_threads);
   order.set_heartbeat_interval_s(seconds(options_.heartbeat_interval));
   order.set_daemon_patience_s(seconds(options_.daemon_patience));
-  return order.SerializeAsString();
+  return order;
 }
 
 void Attempts::start(Attempt& attempt) {

@@ -121,7 +121,7 @@ public:
 
 private:
   std::filesystem::path folder_of(const Attempt& attempt) const;
-  std::string order_of(const Attempt& attempt) const;
+  v1::SolveCase order_of(const Attempt& attempt) const;
   void kill_hung(Attempt& attempt, const std::string& what);
 
   const AttemptOptions options_;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "dccast/v1/worker.pb.h"
+
 namespace dccast::jobs {
 
 /// One start of a worker.
@@ -12,7 +14,7 @@ struct WorkerLaunch {
   std::string job_id;
   int attempt = 0;  ///< together with the job's id it names this start
   std::filesystem::path folder{};
-  std::string order{};  ///< a serialised WorkerOrder, handed to the process; empty in adopt()
+  v1::SolveCase order{};  ///< handed to the process; empty in adopt()
 };
 
 /// The end of a worker's process.

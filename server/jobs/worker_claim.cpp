@@ -8,7 +8,7 @@
 #include <system_error>
 #include <thread>
 
-#include "server/jobs/process.hpp"
+#include "server/jobs/worker_process.hpp"
 
 namespace dccast::jobs {
 

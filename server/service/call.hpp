@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "server/jobs/checker.hpp"
+#include "server/jobs/worker_process.hpp"
 #include "server/service/local_users.hpp"
 
 namespace grpc {

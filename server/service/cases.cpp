@@ -15,7 +15,7 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
     auto examined =
         context_.intake.examine(request->case_(), request->attachments(),
                                 {request->faulty_keys().begin(), request->faulty_keys().end()},
-                                waiting_time(call, context_.check_timeout), jobs::Question::judge);
+                                waiting_time(call, context_.check_timeout), true);
     *response = std::move(examined.verdict);
     if (response->faults().empty()) *response->mutable_complete() = std::move(examined.complete);
     return grpc::Status::OK;

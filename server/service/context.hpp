@@ -21,9 +21,7 @@ struct Context {
   jobs::JobStore& store;
   studies::Studies& studies;
   const intake::CaseIntake& intake;
-  jobs::CheckerPool& checkers;
-  const intake::CaseIntake& query_intake;
-  jobs::CheckerPool& query_workers;
+  jobs::WarmWorkers& warm_workers;
   std::string solver;  ///< identity of the solver that the workers run; empty: not known
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders
   jobs::StepIndexes step_indexes{};

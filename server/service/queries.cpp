@@ -98,12 +98,9 @@ public:
     if (request_.keep()) run_.id = values::random_uuid();
     send_(accepted(examined_, false, run_.id));
     for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
-    const auto question = request_.keep() ? jobs::Question::kept_query : jobs::Question::query;
-    const std::string last = context_.query_workers.ask(question, order().SerializeAsString(),
-                                                        waiting, [this](auto part) { take(part); });
-    if (!run_.end.ParseFromString(last))
-      throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
-                                     "the end of a query's run cannot be read");
+    run_.end = context_.warm_workers
+                   .ask(run_request(), waiting, [this](v1::JobEvent& event) { take(event); })
+                   .run_end();
     return end();
   }
 
@@ -114,16 +111,18 @@ private:
     return true;
   }
 
-  v1::WorkerOrder order() const {
-    v1::WorkerOrder order;
+  v1::WorkerRequest run_request() const {
+    v1::WorkerRequest request;
+    v1::SolveCase& order = *request.mutable_solve();
     *order.mutable_case_() = examined_.complete;
     order.set_directory(run_.folder);
     order.set_threads(context_.query_threads);
-    if (request_.keep()) return order;
+    order.set_keeps_results(request_.keep());
+    if (request_.keep()) return request;
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);
-    return order;
+    return request;
   }
 
   void pass_on(Response response) {
@@ -139,9 +138,7 @@ private:
     pass_on(std::move(response));
   }
 
-  void take(std::string_view part) {
-    v1::JobEvent event;
-    if (!event.ParseFromString(std::string(part))) return;
+  void take(v1::JobEvent& event) {
     if (request_.keep()) {
       *event.mutable_time() = jobs::now();
       run_.events.push_back(event);
@@ -201,12 +198,14 @@ private:
 grpc::Status answer_query(Context& context, const Call& call,
                           const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
-  const intake::ExaminedCase examined = context.query_intake.examine(
+  const intake::ExaminedCase examined = context.intake.examine(
       request.case_(), request.attachments(), {}, waiting_time(call, context.check_timeout));
   if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
   Query query(context, call, request, examined, send);
   if (query.answer_from_store()) return grpc::Status::OK;
-  return query.run(waiting_time(call, longest_query));
+  jobs::CallLimits waiting = waiting_time(call, longest_query);
+  waiting.largest_bytes = INT64_MAX;  // its estimate was held against the ceiling
+  return query.run(waiting);
 }
 
 /// One query: what the thread of its run has passed on and gRPC has not sent yet.

@@ -210,9 +210,10 @@ grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudy
   const auto result = context.studies.evaluate(every_curve);
   if (!result) return study_not_found(request.id());
   const PassingFile file(context.query_directory);
-  context.checkers.ask(jobs::Question::study_table,
-                       file.path().string() + "\n" + result->SerializeAsString(),
-                       waiting_time(call, context.check_timeout));
+  v1::WorkerRequest asked;
+  asked.mutable_write_table()->set_path(file.path());
+  *asked.mutable_write_table()->mutable_study() = *result;
+  context.warm_workers.ask(asked, waiting_time(call, context.check_timeout));
   sent = {.file = storage::File(file.path(), O_RDONLY),
           .name = "the table of study " + request.id(),
           .sha256 = values::sha256_of_file(file.path())};

@@ -6,9 +6,9 @@
 #include "core/storage/storage_error.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "server/jobs/checker.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/worker_process.hpp"
 
 namespace dccast::service {
 

@@ -60,7 +60,7 @@ struct Lanes {
   WorkPool status{4, many};     ///< one look into the store
   WorkPool histories{2, many};  ///< reads event logs
   WorkPool durable{4, many};    ///< syncs new jobs and requests to disk
-  WorkPool checks;              ///< asks a checker; one thread for each that may be at work
+  WorkPool checks;              ///< asks a worker; one thread for each that may be at work
   WorkPool queries;             ///< from the check of a case to the end of its run; likewise
 
 private:

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/checker.hpp"
+#include "server/jobs/worker_process.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
 #include "server/studies/predictions.hpp"
@@ -141,7 +141,7 @@ private:
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
   bool feeder_woken_ = true;
-  std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a checker
+  std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a worker
   std::jthread feeder_;
   SurfaceKeeper surface_keeper_;
 };

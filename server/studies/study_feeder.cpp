@@ -169,7 +169,7 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());
 }
 
-/// A case that brings checkers down again and again is at fault itself.
+/// A case that brings workers down again and again is at fault itself.
 Studies::Fed Studies::not_examined(const StudyRecord& study, const RunRecord& run,
                                    const jobs::WorkerDidNotAnswer& error) {
   using Why = jobs::WorkerDidNotAnswer::Why;

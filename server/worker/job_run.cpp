@@ -49,7 +49,7 @@ void JobRun::prepare_signals() {
   ::signal(SIGTERM, note_termination);
 }
 
-JobRun::JobRun(const v1::WorkerOrder& order, const jobs::FolderClaim& claim)
+JobRun::JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim)
     : folder_(order.directory()),
       claim_(claim),
       heartbeat_(duration_of(order.heartbeat_interval_s())),

@@ -25,7 +25,7 @@ public:
 
   /// @param claim  on the folder of the job; outlives this
   /// @throws std::system_error  the log cannot be written
-  JobRun(const v1::WorkerOrder& order, const jobs::FolderClaim& claim);
+  JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim);
   ~JobRun() override;
 
   /// Findings and the loss of validity stand in the log once, however often the run goes on from a

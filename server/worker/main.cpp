@@ -1,6 +1,8 @@
 #include "server/worker/main.hpp"
 
 #include <fcntl.h>
+#include <google/protobuf/io/zero_copy_stream_impl.h>
+#include <google/protobuf/util/delimited_message_util.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,12 +11,10 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <optional>
 #include <string>
 #include <system_error>
 
@@ -29,7 +29,7 @@ namespace dccast::worker {
 
 namespace {
 
-constexpr int exit_not_answered = 1;
+constexpr int exit_not_begun = 1;
 constexpr int exit_usage = 2;
 constexpr int exit_daemon_gone = 70;
 
@@ -72,19 +72,8 @@ void write_messages_into(const std::filesystem::path& log) {
   ::close(file);
 }
 
-/// Waits for the job on the standard input: the length of the order, 4 bytes in the machine's
-/// order, then the order. @return nothing when the daemon has closed it without a job
-std::optional<v1::WorkerOrder> wait_for_order() {
-  std::uint32_t length = 0;
-  v1::WorkerOrder order;
-  if (!std::cin.read(reinterpret_cast<char*>(&length), sizeof length)) return std::nullopt;
-  std::string bytes(length, '\0');
-  if (!std::cin.read(bytes.data(), length) || !order.ParseFromString(bytes)) return std::nullopt;
-  return order;
-}
-
 /// The case of a job, as the daemon has completed it. @throws std::runtime_error
-void read_case(v1::WorkerOrder& order) {
+void read_case(v1::SolveCase& order) {
   const auto description = jobs::read_job_description(order.directory());
   if (!order.mutable_case_()->ParseFromString(description.complete_case))
     throw std::runtime_error(std::string("the case in ") + jobs::description_file +
@@ -100,7 +89,7 @@ v1::RunEnd unreadable_case(const std::exception& error) {
   return end;
 }
 
-v1::RunEnd end_of_run(v1::WorkerOrder& order, JobRun& run) {
+v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
   try {
     read_case(order);
   } catch (const std::system_error&) {
@@ -112,7 +101,7 @@ v1::RunEnd end_of_run(v1::WorkerOrder& order, JobRun& run) {
 }
 
 /// @throws jobs::FolderTaken, std::system_error
-void run_in_folder(v1::WorkerOrder& order) {
+void run_in_folder(v1::SolveCase& order) {
   constexpr std::chrono::seconds longest{5};  // for a worker that was killed a moment ago
   const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()}, longest);
   if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
@@ -124,21 +113,13 @@ void run_in_folder(v1::WorkerOrder& order) {
   ::_exit(0);  // nothing is left to do, and the next job waits for the end of this process
 }
 
-bool answers_questions(const char* option) {
-  return ::strcmp(option, "--serve-checks") == 0 || ::strcmp(option, "--serve-queries") == 0;
-}
-
-int run_job_of_daemon() {
-  const std::string parent = take_variable("DCCAST_WORKER_PARENT");
-  if (parent.empty()) return refuse_to_run_alone();
-  if (!tie_to_parent(parent)) return exit_daemon_gone;
+/// From now on this process runs a job and nothing else. @return its exit code
+int run_job_of_daemon(v1::SolveCase& order) {
   step_back_behind_queries();
   JobRun::prepare_signals();
-  auto order = wait_for_order();
-  if (!order) return 0;
-  write_messages_into(std::filesystem::path(order->directory()) / "worker.log");
+  write_messages_into(std::filesystem::path(order.directory()) / "worker.log");
   try {
-    run_in_folder(*order);
+    run_in_folder(order);
     return 0;
   } catch (const std::system_error& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
@@ -146,26 +127,42 @@ int run_job_of_daemon() {
   }
 }
 
+/// What lists of processes show of a process at work.
+const char* name_of(const v1::WorkerRequest& request) {
+  if (request.has_solve()) return request.solve().job_id().empty() ? "dccast-query" : "dccast-job";
+  return request.has_check() ? "dccast-check" : "dccast-read";
+}
+
+/// Answers requests until the daemon closes the link, or one is the run of a job.
+int serve_daemon() {
+  google::protobuf::io::FileInputStream input(STDIN_FILENO);
+  for (;;) {
+    ::prctl(PR_SET_NAME, "dccast-worker");
+    v1::WorkerRequest request;
+    if (!google::protobuf::util::ParseDelimitedFromZeroCopyStream(&request, &input, nullptr))
+      return 0;
+    ::prctl(PR_SET_NAME, name_of(request));
+    if (!request.solve().job_id().empty()) return run_job_of_daemon(*request.mutable_solve());
+    if (!send_answer(STDIN_FILENO, answer(request, STDIN_FILENO))) return exit_link_broken;
+  }
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int, char**) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   name_memory_exhaustion();
   try {
-    if (argc == 2 && answers_questions(argv[1])) {
-      // A closed socket ends it between two questions, this one that never ends.
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      return serve_checks(STDIN_FILENO);
-    }
-    if (argc == 2 && ::strcmp(argv[1], "--wait") == 0) return run_job_of_daemon();
-    return refuse_to_run_alone();
+    const std::string parent = take_variable("DCCAST_WORKER_PARENT");
+    if (parent.empty()) return refuse_to_run_alone();
+    return tie_to_parent(parent) ? serve_daemon() : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
     return jobs::exit_out_of_memory;
   } catch (const std::exception& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
-    return exit_not_answered;
+    return exit_not_begun;
   }
 }
 

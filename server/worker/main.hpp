@@ -1,21 +1,26 @@
 #pragma once
 
+#include "dccast/v1/worker.pb.h"
+
 namespace dccast::worker {
 
-/// The worker program.
-///
-/// With `--wait` it runs one job: dccastd starts it, with its own process id in the environment,
-/// and hands it a WorkerOrder on its standard input, behind its length. Exit codes then:
-///   0  the end of the run is in the event log of the job, or there never was a job
+/// The worker program. dccastd starts it, with its own process id in the environment, and sends it
+/// requests on its standard input: worker.proto. Exit codes:
+///   0  the daemon has closed the link, or the end of the run is in the event log of the job
 ///   1  it could not begin: another worker writes into the folder of the job, for example
 ///  70  the folder of the job is gone, or no daemon came in time and the run did not stop
 ///  71, 74  jobs::exit_out_of_memory, jobs::exit_storage
-/// Once it has claimed the folder of the job it outlives the daemon, as long as the order permits.
-/// With `--serve-checks` or `--serve-queries` it answers questions: server/jobs/checker.hpp.
+/// Once it has claimed the folder of a job it outlives the daemon, as long as the order permits.
 int main(int argc, char** argv);
 
-/// Answers the daemon's questions over a socket until it is closed: see server/jobs/checker.hpp for
-/// how they are written. What a question throws becomes its answer. @return the exit code
-int serve_checks(int socket);
+// In answers.cpp.
+
+/// Answers a request that is not the run of a job. What it throws becomes its answer.
+/// @param socket  where the events of a run go
+v1::WorkerAnswer answer(const v1::WorkerRequest& request, int socket);
+/// @return whether the daemon takes it
+bool send_answer(int socket, const v1::WorkerAnswer& answer);
+
+inline constexpr int exit_link_broken = 1;
 
 }  // namespace dccast::worker

@@ -128,17 +128,21 @@ void note_storage_failure(const std::system_error& error, Finished& finished) {
     finished = failed(v1::Failure::STORAGE, error.what());
 }
 
-Finished to_finished(const casting::RunOutcome& outcome, const fs::path& directory,
-                     Results results) {
+/// A run that no one wants results of.
+bool keeps_nothing(const v1::SolveCase& order) {
+  return order.job_id().empty() && !order.keeps_results();
+}
+
+Finished to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
   Finished finished;
   finished.set_outcome(to_proto(outcome.end));
   if (!outcome.failures.empty())
     *finished.mutable_failure() = translate::to_proto(outcome.failures);
   const bool ended =
       outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::failed;
-  if (!ended || results == Results::discarded) return finished;
+  if (!ended || keeps_nothing(order)) return finished;
   try {
-    add_artifacts(directory, finished);
+    add_artifacts(order.directory(), finished);
   } catch (const std::system_error& error) {
     note_storage_failure(error, finished);
   }
@@ -150,28 +154,28 @@ casting::OtherVersion to_core(v1::OtherVersion what) {
   return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
 }
 
-casting::RunDirectory directory_of(const v1::WorkerOrder& order, Results results) {
+casting::RunDirectory directory_of(const v1::SolveCase& order) {
   return {.path = order.directory(),
           .resume = order.resume(),
           .other_version = to_core(order.other_version()),
           .leaves_run_files = true,
-          .keeps_nothing = results == Results::discarded};
+          .keeps_nothing = keeps_nothing(order)};
 }
 
-Finished run(const v1::WorkerOrder& order, RunLink& link, Results results) {
+Finished run(const v1::SolveCase& order, RunLink& link) {
   const fs::path directory = order.directory();
   const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case);
-  const auto outcome = casting::run(casting_case, directory_of(order, results), observer,
-                                    std::max(order.threads(), 1));
-  return to_finished(outcome, directory, results);
+  const auto outcome =
+      casting::run(casting_case, directory_of(order), observer, std::max(order.threads(), 1));
+  return to_finished(outcome, order);
 }
 
 }  // namespace
 
-Finished run_job(const v1::WorkerOrder& order, RunLink& link, Results results) {
+Finished run_job(const v1::SolveCase& order, RunLink& link) {
   try {
-    return run(order, link, results);
+    return run(order, link);
   } catch (const InvalidCase& error) {
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {

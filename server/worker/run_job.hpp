@@ -23,10 +23,7 @@ public:
   virtual void sync() {}
 };
 
-/// Whether what a run leaves in its directory is wanted.
-enum class Results { kept, discarded };
-
 /// Runs a case to its end. Never throws: whatever goes wrong is a failure of the job.
-v1::RunEnd run_job(const v1::WorkerOrder& order, RunLink& link, Results results = Results::kept);
+v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link);
 
 }  // namespace dccast::worker

@@ -212,9 +212,10 @@ class KillCheck(Fault):
     def kill(scene, answered):
         pause(scene.chance, 0.01)
         while not answered.is_set():
-            for process in scene.daemon.checker_processes():
-                if signal_process((process, start_ticks(process)), signal.SIGKILL):
-                    return
+            killed = [signal_process((process, start_ticks(process)), signal.SIGKILL)
+                      for process in scene.daemon.answering_processes()]
+            if any(killed):
+                return
 
     def look(self, scene, count):
         for expected in scene.unsure:

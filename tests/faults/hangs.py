@@ -3,10 +3,11 @@ import os
 import signal
 
 from cases import FAKE, REAL, coarse, failing_check, fake
+from disk import FailingDisk
 from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import Scene, alive, at_some_step, pause, signal_process
+from scene import alive, at_some_step, pause, signal_process
 from support import BIN, until
 
 # Short times, and still long against a machine that does other things too.
@@ -40,29 +41,20 @@ class StopWorker(TwoCastings):
 
 
 class SilentWorker(Fault):
-    """A worker program that sleeps instead of saying its first word, the first three times"""
+    """A worker that is handed a job and does not begin it, three times"""
     short, long = 1, 5
     patience = 30.0
-    sleeper = """#!/bin/sh
-case "$1" in ""|--wait)
-  for time in 1 2 3; do mkdir {folder}/slept-$time 2>/dev/null && exec sleep 60; done;;
-esac
-exec {worker} "$@"
-"""
 
     def scene(self, chance):
-        return Scene(chance, FAKE, prepare=self.write_sleeper, **WATCHFUL)
-
-    def write_sleeper(self, scene):
-        path = os.path.join(scene.folder, "sleeper")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.sleeper.format(worker=os.path.join(BIN, FAKE), folder=scene.folder))
-        os.chmod(path, 0o700)
-        scene.daemon.settings["worker_program"] = path
+        return FailingDisk(chance, **{**WATCHFUL, "worker_hello_timeout": "1 s"})
 
     def disturb(self, scene, count):
-        for _ in range(3):
-            scene.submit(fake("steps=20"))
+        """Its claim on the folder takes 2 s, until three were killed for that."""
+        scene.fail(0, "o", 1, "worker.lock")
+        jobs = [scene.submit(fake("steps=20")) for _ in range(3)]
+        must(count, lambda: scene.client.job(jobs[0]).attempts > 3, "a silent worker is not killed",
+             PATIENCE)
+        scene.heal()
 
 
 class StalledWorker(Fault):
@@ -164,6 +156,6 @@ def leave_and_come_back(scene, count):
     code = scene.tell_daemon(signal.SIGTERM)
     if code != 0:
         count.found("wrong", f"dccastd ended with {code} after SIGTERM")
-    if scene.workers():
+    if scene.job_workers():
         count.found("wrong", "a worker outlives an orderly stop")
     scene.come_back()

@@ -70,7 +70,7 @@ class KillDaemonWithWorkers(Kill):
     options = ("--worker-patience", "0")
 
     def kill(self, scene):
-        workers = scene.workers()
+        workers = scene.job_workers()
         scene.tell_daemon(signal.SIGKILL)
         until(lambda: not any(alive(worker) for worker in workers), 10)
         scene.come_back()
@@ -83,7 +83,7 @@ class KillDaemonThenWorker(Kill):
     def kill(self, scene):
         scene.tell_daemon(signal.SIGKILL)
         pause(scene.chance, 0.2)
-        workers = scene.workers()
+        workers = scene.job_workers()
         killed = bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL)
         scene.come_back()
         return killed

@@ -100,9 +100,8 @@ def measure(scene, options, times):
 
 
 def query_workers(scene):
-    from scene import command_line
-    return [process for process in scene.daemon.children()
-            if "--serve-queries" in command_line(process)]
+    """Those that compute a query or wait for one."""
+    return scene.daemon.answering_processes()
 
 
 def core_waits(scene):

@@ -20,10 +20,6 @@ from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
 TIED = ("setpriv", "--pdeathsig", "KILL")
 
 
-# Words of a worker that checks cases or reads frames.
-ANSWERING = ("--check", "--serve-checks", "--serve-queries", "--frame")
-
-
 class Daemons(Daemon):
     """A daemon started through other programs, which set its limits and then become it."""
     through = ()
@@ -87,13 +83,9 @@ class Scene:
     def data(self, *names):
         return os.path.join(self.folder, "data", *names)
 
-    def workers(self):
-        return [(process, start_ticks(process)) for process in self.daemon.worker_processes()]
-
     def job_workers(self):
-        """Workers that run a job or wait for one, without those that answer questions."""
-        return [worker for worker in self.workers()
-                if not any(word in command_line(worker[0]) for word in ANSWERING)]
+        """Workers that run a job."""
+        return [(process, start_ticks(process)) for process in self.daemon.worker_processes()]
 
     def busy_workers(self):
         """Workers that have a file of a job open."""
@@ -196,14 +188,6 @@ class Expected:
         self.request_id = request_id
         self.file = None     # of a submission by the command line client
         self.refusal = None  # the error instead of an answer
-
-
-def command_line(process):
-    try:
-        with open(f"/proc/{process}/cmdline", encoding="utf-8", errors="replace") as file:
-            return file.read()
-    except OSError:
-        return ""
 
 
 def open_files(process):

@@ -8,7 +8,7 @@ import time
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, curve, fake_case, main, until
+from support import BIN, ServiceTest, curve, fake_case, main, until, work_of
 
 
 def question(title="", columns=30, **rest):
@@ -35,15 +35,9 @@ class QueryTest(ServiceTest):
         return list(self.client.stub.ListJobs(service_pb2.ListJobsRequest(**filters)).jobs)
 
     def query_processes(self):
-        """Those that answer queries."""
-        found = []
-        for process in self.daemon.children():
-            try:
-                with open(f"/proc/{process}/cmdline", "rb") as file:
-                    found += [process] if b"--serve-queries" in file.read() else []
-            except OSError:
-                pass  # it ended while we looked
-        return found
+        """Those that compute a query now."""
+        return [process for process in self.daemon.children()
+                if work_of(process) == "dccast-query"]
 
 
 class Queries(QueryTest):
@@ -112,24 +106,25 @@ class Queries(QueryTest):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.ask, "check=fault")
 
     def test_a_worker_that_crashes_costs_one_answer(self):
-        before = self.query_processes()
+        before = len(self.daemon.answering_processes())
         self.refused(grpc.StatusCode.INTERNAL, self.ask, "steps=10 crash_at=3", columns=13)
         _, steps, _ = parts(self.ask("steps=10", columns=13))
         self.assertEqual(len(steps), 10)
-        self.assertEqual(len(self.query_processes()), len(before))
+        until(lambda: len(self.daemon.answering_processes()) == before, 1.0)
 
 
 class Cancelling(QueryTest):
     settings = {"query_workers": 1}
 
     def test_cancelling_the_call_ends_the_run_at_once(self):
-        worker, = self.query_processes()
+        waiting = len(self.daemon.answering_processes())
         call = self.ask("steps=100000 sleep_ms=5")
         for _, _ in zip(range(4), call):
             pass
+        worker, = self.query_processes()
         call.cancel()
-        until(lambda: worker not in self.query_processes(), 0.5)
-        until(lambda: len(self.query_processes()) == 1, 1.0)  # the next one is there already
+        until(lambda: worker not in self.daemon.children(), 0.5)
+        until(lambda: len(self.daemon.answering_processes()) == waiting, 1.0)  # the next one
         _, steps, _ = parts(self.ask("steps=5", columns=14))
         self.assertEqual(len(steps), 5)
         self.assertEqual(self.jobs(), [])
@@ -162,10 +157,10 @@ class SeveralAtOnce(QueryTest):
     settings = {"checkers": 1, "query_workers": 3}
 
     def test_as_many_run_at_once_as_the_settings_say(self):
-        self.assertEqual(len(self.query_processes()), 3)
         calls = [self.ask("steps=100000 sleep_ms=5", columns=50 + number) for number in range(3)]
         for call in calls:
             self.assertTrue(any(response.HasField("step") for response in call))
+        self.assertEqual(len(self.query_processes()), 3)
         for call in calls:
             call.cancel()
 

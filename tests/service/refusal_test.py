@@ -11,7 +11,7 @@ import time
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, fake_case, main
+from support import BIN, ServiceTest, fake_case, main, until, work_of
 
 
 class Refusal(ServiceTest):
@@ -205,9 +205,9 @@ class LittleMemory(ServiceTest):
     settings = {"workers": 1}
 
     def setUp(self):
-        # Jobs only: what checks the case is not to fail.
+        # Enough to check the case, not to run it.
         self.script = tempfile.NamedTemporaryFile("w", suffix=".sh", delete=False)
-        self.script.write('#!/bin/sh\n[ "$1" = --wait ] && ulimit -v 400000\n'
+        self.script.write('#!/bin/sh\nulimit -v 400000\n'
                           f'exec {BIN}/dccast-worker "$@"\n')
         self.script.close()
         os.chmod(self.script.name, 0o700)
@@ -232,24 +232,29 @@ class LittleMemory(ServiceTest):
 
 class Checks(ServiceTest):
     """What one check costs the others."""
-    settings = {"checkers": 1, "maximum_waiting_checks": 2, "check_timeout": "20 s"}
+    settings = {"checkers": 1, "query_workers": 1, "maximum_waiting_checks": 2,
+                "check_timeout": "20 s"}
 
     def validate(self, title):
         return self.client.stub.ValidateCase.future(
             service_pb2.ValidateCaseRequest(case=fake_case(title)), timeout=30)
 
-    def test_a_checker_is_kept(self):
-        before = self.daemon.checker_processes()
-        self.assertEqual(len(before), 1)
-        for i in range(5):
-            self.client.submit(fake_case(f"steps=1 number={i}"))
-        self.assertEqual(self.daemon.checker_processes(), before)
+    def checking(self):
+        return [process for process in self.daemon.children()
+                if work_of(process) == "dccast-check"]
 
-    def test_a_checker_that_is_killed_costs_one_answer_that_can_be_asked_again(self):
-        idle, = self.daemon.checker_processes()
+    def test_workers_that_check_are_kept(self):
+        """One for checks, one for queries, one for the next job."""
+        until(lambda: len(self.daemon.answering_processes()) == 3, 10)
+        before = self.daemon.answering_processes()
+        for i in range(5):
+            self.validate(f"steps=1 number={i}").result()
+        self.assertEqual(self.daemon.answering_processes(), before)
+
+    def test_a_worker_that_is_killed_costs_one_answer_that_can_be_asked_again(self):
         check = self.validate("check_ms=15000")
-        time.sleep(1)
-        os.kill(idle, signal.SIGKILL)
+        until(lambda: self.checking(), 10)
+        os.kill(self.checking()[0], signal.SIGKILL)
         error = self.refused(grpc.StatusCode.UNAVAILABLE, check.result)
         self.assertIn("try again", error.details())
         self.client.submit(fake_case("steps=1"))

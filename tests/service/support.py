@@ -94,9 +94,9 @@ class Daemon:
         jobs = os.path.join(os.path.realpath(self.settings["data_directory"]), "jobs", "")
         return [process for process in processes() if job_log(process).startswith(jobs)]
 
-    def checker_processes(self):
-        """Process ids of this daemon's workers that check cases."""
-        return [process for process in self.children() if is_checker(process)]
+    def answering_processes(self):
+        """Process ids of this daemon's workers without a job: they answer, or wait."""
+        return [process for process in self.children() if not job_log(process)]
 
     def children(self):
         found = []
@@ -134,12 +134,13 @@ def job_log(process):
     return log if "/worker.log" in log else ""
 
 
-def is_checker(process):
+def work_of(process):
+    """What a worker is at: "dccast-check", "dccast-query", "dccast-job"; "" when it has ended."""
     try:
-        with open(f"/proc/{process}/cmdline", "rb") as file:
-            return b"--serve-checks" in file.read()
+        with open(f"/proc/{process}/comm", encoding="utf-8") as file:
+            return file.read().strip()
     except OSError:
-        return False
+        return ""
 
 
 class Client:

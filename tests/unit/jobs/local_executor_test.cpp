@@ -44,7 +44,8 @@ protected:
 
   TemporaryFolder folder_;
   Ends ends_;
-  LocalExecutor executor_{"/bin/true", 1};
+  WarmWorkers workers_{"/bin/true"};
+  LocalExecutor executor_{workers_, 1};
 };
 
 TEST_F(LocalExecutorAdoption, LeadsOnAWorkerThatClaimsTheFolder) {

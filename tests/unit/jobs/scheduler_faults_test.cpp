@@ -230,9 +230,7 @@ TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
   run_a_job(daemon);
   end_worker(daemon, "signal 9 (Killed)");
   worker_.emplace(daemon.executor.wait_for_launch(2));
-  v1::WorkerOrder order;
-  ASSERT_TRUE(order.ParseFromString(worker_->launch().order));
-  EXPECT_TRUE(order.resume());
+  EXPECT_TRUE(worker_->launch().order.resume());
   worker_->resume(2);
   end_worker(daemon, "signal 9 (Killed)");
   EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->lost_step == 2; }));

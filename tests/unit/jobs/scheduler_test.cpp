@@ -14,8 +14,7 @@ TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   daemon.scheduler.start();
   const auto job = daemon.scheduler.submit(new_job(), {});
   FakeWorker worker(daemon.executor.wait_for_launch(1));
-  v1::WorkerOrder order;
-  ASSERT_TRUE(order.ParseFromString(worker.launch().order));
+  const v1::SolveCase order = worker.launch().order;
   EXPECT_EQ(order.directory(), folder_.path() / job.id());
   EXPECT_EQ(order.job_id(), job.id());
   EXPECT_EQ(order.attempt(), 1);

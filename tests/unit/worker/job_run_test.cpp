@@ -34,7 +34,7 @@ protected:
   }
 
   TemporaryFolder folder_;
-  v1::WorkerOrder order_;
+  v1::SolveCase order_;
   std::optional<jobs::FolderClaim> claim_;
 };
 
