@@ -145,6 +145,11 @@ std::vector<std::string> recipe_sentences(const v1::StudyResult& result) {
   sentences.push_back(chosen_text(plan, found));
   if (found.chosen() >= 0)
     sentences.push_back("It is " + changes_text(found.front(found.chosen()).changes()) + ".");
+  constexpr double no_recipe = 0.5;
+  if (!found.front().empty() && found.front(0).risk() > no_recipe)
+    sentences.push_back(
+        "No recipe within these limits is safe whatever the data are: what leaves them open has to "
+        "be measured first (dccast uncertainty, dccast sensitivity).");
   sentences.push_back("The surfaces rest on " + std::to_string(found.runs()) + " drafts, " +
                       std::to_string(found.dangers()) + " with a danger; the curl is off by " +
                       millimetres(found.surface_error_m()) + " mm, the danger is misjudged in " +
