@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace dccast::client {
 namespace {
@@ -16,6 +17,7 @@ constexpr std::size_t most_causes = 3;
 enum class Kind {
   flow,     ///< "less heat ... (-22 %)", summed over the places where it differs
   level,    ///< "shell ... 62 -> 71 mm", where it differs most
+  shell,    ///< as a level, where the section is not solid through, as the butt is
   contact,  ///< "contact ... 8 s longer", otherwise as a flow
 };
 
@@ -46,7 +48,7 @@ constexpr std::array figures{
            }},
     Figure{Kind::contact, "contact with the block", "contact with the block", "dm2", 1e2,
            [](const Step& s) { return s.contact_area_m2() + s.contact_length_m(); }},
-    Figure{Kind::level, "shell at the mould exit", "shell at the mould exit", "mm", 1e3,
+    Figure{Kind::shell, "shell at the mould exit", "shell at the mould exit", "mm", 1e3,
            [](const Step& s) { return s.shell_at_exit_m(); }},
     Figure{Kind::level, "shell over the block", "shell over the block", "mm", 1e3,
            [](const Step& s) { return s.bottom_shell_m(); }},
@@ -102,11 +104,23 @@ private:
   std::vector<double> first_, other_;
 };
 
+/// From the middle of a section to its side [m], where that is nearest.
+double half_thickness_m(const v1::Section& section) {
+  double half = section.half_width_m();
+  for (const double value : section.half_thickness_m().value()) half = std::min(half, value);
+  return half > 0.0 ? half : std::numeric_limits<double>::infinity();
+}
+
 Pair pair_of(const Figure& figure, const Answer& first, const Answer& other, const Course& course) {
   const auto values = [&](const Answer& answer) {
+    constexpr double solid_through = 0.98;
+    const double most = figure.kind == Kind::shell
+                            ? solid_through * half_thickness_m(answer.description.section())
+                            : std::numeric_limits<double>::infinity();
     std::vector<double> value;
     for (const Step& step : answer.history.reports)
-      value.push_back(figure.factor * figure.value(step));
+      value.push_back(figure.value(step) < most ? figure.factor * figure.value(step)
+                                                : std::numeric_limits<double>::quiet_NaN());
     return along(course, answer.history, value);
   };
   return {course, values(first), values(other)};
@@ -202,8 +216,9 @@ std::vector<Cause> causes_of(const Answer& first, const Answer& other,
     if (share < least_share || onset > half) continue;
     std::string text = figure.kind == Kind::contact ? contact_text(pair, course) : "";
     if (text.empty())
-      text = figure.kind == Kind::level ? level_text(figure, name, pair, course, end)
-                                        : flow_text(name, pair, course, onset);
+      text = figure.kind == Kind::level || figure.kind == Kind::shell
+                 ? level_text(figure, name, pair, course, end)
+                 : flow_text(name, pair, course, onset);
     if (text.empty()) continue;
     causes.push_back(
         {name, figure.unit, text, course.at[onset], share, pair.first(), pair.other()});

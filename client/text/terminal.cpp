@@ -63,7 +63,9 @@ std::string wrapped(const std::string& text, int columns, int first, int indent)
   std::string lines;
   int column = first;
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t blank = std::min(text.find(' ', at), text.size());
+    std::size_t blank = std::min(text.find(' ', at), text.size());
+    while (blank + 1 < text.size() && text[blank + 1] == '%')  // "13 %" stays together
+      blank = std::min(text.find(' ', blank + 1), text.size());
     const std::string word = text.substr(at, blank - at);
     if (at > 0 && column + 1 + display_width(word) > columns) {
       lines += "\n" + std::string(indent, ' ');

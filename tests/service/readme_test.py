@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The case that README shows gives the curl that README says."""
+"""The case of the page for beginners gives the curl that stands beside it."""
 import json
 import os
 import re
@@ -7,14 +7,14 @@ import subprocess
 
 from support import BIN, ServiceTest, main
 
-README = os.path.join(os.path.dirname(__file__), "..", "..", "README.md")
+PAGE = os.path.join(os.path.dirname(__file__), "..", "..", "docs", "first-casting.md")
 
 
 class Readme(ServiceTest):
     worker = "dccast-worker"
 
     def test_the_case_in_one_screen_gives_the_curl_beside_it(self):
-        with open(README, encoding="utf-8") as file:
+        with open(PAGE, encoding="utf-8") as file:
             section = file.read().split("## A case in one screen")[1].split("\n## ")[0]
         case = re.search(r"```toml\n(.*?)```", section, re.DOTALL).group(1)
         said = float(re.search(r"^ {4}corner: curl ([\d.]+) mm", section, re.MULTILINE).group(1))

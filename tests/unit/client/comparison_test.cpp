@@ -150,6 +150,21 @@ TEST(Comparison, ALevelIsGivenWhereItDiffersMost) {
   EXPECT_EQ(causes[0].sentence, "shell at the mould exit 20 -> 25 mm at 50 s");
 }
 
+/// The butt is solid through when it leaves the mould: there is no shell that could be thicker.
+TEST(Comparison, AButtThatIsSolidThroughHasNoShell) {
+  constexpr double half = 0.28;
+  const auto butt_until = [](double end_s) {
+    return [end_s](double time_s, v1::StepReport& step) {
+      step.set_shell_at_exit_m(time_s < end_s ? half : 0.05);
+    };
+  };
+  Answer first = run_of(rise_to(0.01), butt_until(60));
+  Answer other = run_of(rise_to(0.004), butt_until(90));
+  for (Answer* answer : {&first, &other})
+    answer->description.mutable_section()->set_half_width_m(half);
+  EXPECT_THAT(causes_of(first, other, curl_differences({first, other}).at(0)), IsEmpty());
+}
+
 TEST(Comparison, TheErrorOfADifferenceComesFromMeasuredPairs) {
   Answer first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.016));
   first.description = shipped_case("start-3d", v1::DRAFT);
