@@ -54,7 +54,7 @@ v1::StudyResult recipes() {
 
 TEST(RecipeText, ShowsTheFrontTheChosenOneAndWhatItRestsOn) {
   const std::string text = render::recipe_text(recipes());
-  EXPECT_THAT(text, HasSubstr("40 to 60     140      30      60       90 to 180   141.4"));
+  EXPECT_THAT(text, HasSubstr("40 to 60     140      30      60      90 to 180   141.4"));
   EXPECT_THAT(text, HasSubstr("12 ± 10"));
   EXPECT_THAT(text, HasSubstr("50.0 !")) << "outside the band";
   EXPECT_THAT(text, HasSubstr("Recipe 2: 20 ± 10 % of castings"));
