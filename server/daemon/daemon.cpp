@@ -88,7 +88,8 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                                     .stall = milliseconds(config.stall_timeout_s())},
                        .other_version = config.other_version(),
                        .solver = solver,
-                       .job_threads = config.job_threads()},
+                       .job_threads = config.job_threads(),
+                       .first_threads = query_threads(config)},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
@@ -178,7 +179,7 @@ void log_address(const v1::DaemonConfig& config, const service::PublicServer& se
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), server.address() + "\n");
   log::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
-               directory.path().string(), worker_count(config));
+            directory.path().string(), worker_count(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -208,8 +209,8 @@ void serve_until_signal(const Serving& serving, const WorkerPolicy& workers) {
   const int signal = wait_for_signal();
   const bool left_running = workers.left_running && workers.patience_s > 0.0;
   log::info("{}: running jobs {}", ::strsignal(signal),
-               left_running ? "go on for the next dccastd"
-                            : "stop at a checkpoint and go back into the queue");
+            left_running ? "go on for the next dccastd"
+                         : "stop at a checkpoint and go back into the queue");
   stop_serving(serving, left_running);
 }
 
@@ -231,8 +232,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
-  studies::Studies studies(study_options(config, directory), study_store, scheduler,
-                           intake);
+  studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,

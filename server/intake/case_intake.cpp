@@ -208,6 +208,17 @@ std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) 
   return fingerprint(complete, attachments);
 }
 
+jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
+                     const ExaminedCase& examined) {
+  jobs::NewJob job;
+  job.title = submitted.title();
+  job.case_sha256 = fingerprint(submitted, attachments);
+  job.submitted_case = submitted.SerializeAsString();
+  job.complete_case = examined.complete.SerializeAsString();
+  job.answer_key = answer_key(examined.complete, attachments);
+  return job;
+}
+
 void make_printable(google::protobuf::Message& message) {
   using google::protobuf::FieldDescriptor;
   const auto* reflection = message.GetReflection();

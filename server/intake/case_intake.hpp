@@ -7,7 +7,7 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/job_store.hpp"
 #include "server/jobs/warm_workers.hpp"
 
 namespace dccast::intake {
@@ -82,6 +82,10 @@ std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& atta
 /// its checkpoints, and its attachments. Two cases with one key have, from one solver, one answer.
 /// @param complete  with defaults and alloy card
 std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
+
+/// A job of a case that was found good; who wants it, and how, is to be added.
+jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
+                     const ExaminedCase& examined);
 
 /// Writes out what would act on a terminal in every text of a message. Cases of today are held
 /// against that when they are taken; those of an earlier version may hold anything.

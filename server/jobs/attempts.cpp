@@ -98,7 +98,8 @@ v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
   order.set_directory(folder_of(attempt));
   order.set_resume(attempt.number > 1);
   order.set_other_version(options_.other_version);
-  order.set_threads(options_.job_threads);
+  order.set_threads(attempt.goes_first ? options_.first_threads : options_.job_threads);
+  order.set_goes_first(attempt.goes_first);
   order.set_heartbeat_interval_s(seconds(options_.heartbeat_interval));
   order.set_daemon_patience_s(seconds(options_.daemon_patience));
   return order;
@@ -127,6 +128,11 @@ std::vector<std::shared_ptr<Attempt>> Attempts::ended() const {
   for (const auto& [id, attempt] : attempts_)
     if (attempt->exit) ended.push_back(attempt);
   return ended;
+}
+
+int Attempts::of_queue() const {
+  return static_cast<int>(std::ranges::count_if(
+      attempts_, [](const auto& entry) { return !entry.second->goes_first; }));
 }
 
 int Attempts::running() const {

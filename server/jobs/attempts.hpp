@@ -24,7 +24,8 @@ struct Attempt {
   std::string job_id;
   int number = 0;  ///< counts the attempts at the job from 1
   std::shared_ptr<EventLog> log;
-  bool adopted = false;  ///< its worker was started by an earlier daemon
+  bool adopted = false;     ///< its worker was started by an earlier daemon
+  bool goes_first = false;  ///< beside those that the capacity of the executor permits
   JobRecord record;
 
   std::optional<Clock::time_point> kill_at;
@@ -74,8 +75,9 @@ struct AttemptOptions {
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
-  std::string solver{};  ///< identity of the solver that the workers run; empty: not known
-  int job_threads = 1;   ///< of a quarter slab
+  std::string solver{};   ///< identity of the solver that the workers run; empty: not known
+  int job_threads = 1;    ///< of a quarter slab
+  int first_threads = 1;  ///< the same for a job that goes first
 };
 
 /// The attempts under way: their workers and the signs these give. The scheduler's mutex guards it.
@@ -92,6 +94,8 @@ public:
   void erase(const Attempt& attempt);
 
   int count() const { return static_cast<int>(attempts_.size()); }
+  /// Those that count for the capacity of the executor.
+  int of_queue() const;
   /// The attempt at a job; null when there is none.
   std::shared_ptr<Attempt> find(const std::string& job_id) const;
   /// Those whose processes have ended.

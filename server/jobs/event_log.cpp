@@ -38,7 +38,7 @@ void EventLog::take_over() {
   {
     const std::lock_guard lock(mutex_);
     if (appends_ && (prepared_ || !log_.in_doubt())) return;
-    more = take_whole_records();
+    more = take_whole_records(log_.file(), content_);
     if (log_.file().size() > content_.end) content_ = scan_event_log(log_.file());
     repair();
     appends_ = true;
@@ -60,43 +60,10 @@ void EventLog::hand_over() {
 bool EventLog::refresh() {
   {
     const std::lock_guard lock(mutex_);
-    if (appends_ || !take_whole_records()) return false;
+    if (appends_ || !take_whole_records(log_.file(), content_)) return false;
   }
   if (on_append_) on_append_();
   return true;
-}
-
-/// Takes the records behind the last one. A record that is not whole is being written, or what a
-/// crash left of it: take_over() decides. @return whether there was one
-bool EventLog::take_whole_records() {
-  constexpr std::int64_t most_at_once = 1 << 20;  // [bytes]
-  const std::int64_t begin = content_.end;
-  for (std::int64_t size = log_.file().size(); content_.end < size;) {
-    std::string bytes(static_cast<std::size_t>(std::min(size - content_.end, most_at_once)), '\0');
-    bytes.resize(log_.file().read_at(content_.end, bytes));
-    const std::int64_t first = content_.end;
-    for (std::string_view rest = bytes; !rest.empty();) {
-      const auto record = short_records.first_of(rest, largest_event);
-      v1::JobEvent event;
-      if (!record ||
-          !event.ParseFromArray(record->payload.data(), static_cast<int>(record->payload.size())) ||
-          event.sequence() != content_.last_sequence + 1)
-        break;
-      content_.take(event, content_.end, content_.end + record->size);
-      rest.remove_prefix(static_cast<std::size_t>(record->size));
-    }
-    if (content_.end == first && size - first > most_at_once) {
-      // One record longer than a piece: read alone.
-      const auto payload = payload_at(first, size);
-      v1::JobEvent event;
-      if (payload && event.ParseFromString(*payload) &&
-          event.sequence() == content_.last_sequence + 1)
-        content_.take(event, first,
-                      first + static_cast<std::int64_t>(short_records.head_size + payload->size()));
-    }
-    if (content_.end == first) break;
-  }
-  return content_.end > begin;
 }
 
 void EventLog::repair() {
@@ -167,7 +134,7 @@ void EventLog::announce() {
   {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(prepared_, false)) return;
-    take_whole_records();
+    take_whole_records(log_.file(), content_);
   }
   if (on_append_) on_append_();
 }

@@ -87,8 +87,8 @@ public:
   /// What is damaged, with sound events behind it.
   std::vector<EventGap> gaps() const;
 
-  /// Called after every append and refresh() with something new, outside of any lock of the log. Set
-  /// once, before the log is shared.
+  /// Called after every append and refresh() with something new, outside of any lock of the log.
+  /// Set once, before the log is shared.
   void on_append(std::function<void()> call) { on_append_ = std::move(call); }
 
 private:
@@ -96,7 +96,6 @@ private:
   bool appends() const;
   void repair();
   void cut_tail();
-  bool take_whole_records();
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
   void locate(Cursor& cursor) const;
   v1::JobEvent lost_event(Cursor& cursor, const EventGap& gap) const;

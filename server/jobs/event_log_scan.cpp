@@ -111,19 +111,25 @@ const EventLogContent::Anchor& EventLogContent::anchor_before(std::int64_t seque
   return *std::prev(behind);
 }
 
-/// One pass over a file. Steps are most of a log, and only the last of them counts: the others are
-/// held against their checksum but not parsed.
+/// A pass over the records of a file that the content does not have yet. Steps are most of a log,
+/// and only the last of them counts: the others are held against their checksum but not parsed.
 class EventLogScan {
 public:
-  explicit EventLogScan(const storage::File& file) : file_(file) {}
+  EventLogScan(const storage::File& file, EventLogContent& content)
+      : file_(file), content_(content) {}
 
-  EventLogContent run() {
+  void read_all() {
     content_.size = file_.size();
     content_.sound_header = file_.at(0, event_log_header_size) == event_log_header();
     while (const auto record = next_record()) take(*record);
     settle_last_step();
     content_.torn = ends_in_part_of_a_record();
-    return std::move(content_);
+  }
+
+  /// Up to the first record that is not whole.
+  void read_whole() {
+    while (const auto record = record_at(content_.end, expected(), expected())) take(*record);
+    settle_last_step();
   }
 
 private:
@@ -150,12 +156,13 @@ private:
                   .payload = found->payload};
   }
 
+  std::int64_t expected() const { return content_.last_sequence + 1; }
+
   std::optional<Record> next_record() {
-    const std::int64_t expected = content_.last_sequence + 1;
-    if (auto record = record_at(content_.end, expected, expected)) return record;
-    const std::int64_t highest = expected + file_.size() / smallest_record;
+    if (auto record = record_at(content_.end, expected(), expected())) return record;
+    const std::int64_t highest = expected() + file_.size() / smallest_record;
     for (std::int64_t at = content_.end; at < file_.size(); ++at)
-      if (auto record = record_at(at, expected, highest)) return record;
+      if (auto record = record_at(at, expected(), highest)) return record;
     return std::nullopt;
   }
 
@@ -200,12 +207,20 @@ private:
   }
 
   storage::FileWindow file_;
-  EventLogContent content_;
+  EventLogContent& content_;
   std::string last_step_;  ///< serialised event, not parsed yet
 };
 
 EventLogContent scan_event_log(const storage::File& file) {
-  return EventLogScan(file).run();
+  EventLogContent content;
+  EventLogScan(file, content).read_all();
+  return content;
+}
+
+bool take_whole_records(const storage::File& file, EventLogContent& content) {
+  const std::int64_t begin = content.end;
+  EventLogScan(file, content).read_whole();
+  return content.end > begin;
 }
 
 EventLogContent scan_event_log(const std::filesystem::path& path) {

@@ -81,4 +81,8 @@ EventLogContent scan_event_log(const storage::File& file);
 /// The same of a file that nothing is written to. @throws std::system_error
 EventLogContent scan_event_log(const std::filesystem::path& path);
 
+/// Takes the records behind the last one. A record that is not whole is being written, or what a
+/// crash left of it. @return whether there was one  @throws std::system_error
+bool take_whole_records(const storage::File& file, EventLogContent& content);
+
 }  // namespace dccast::jobs

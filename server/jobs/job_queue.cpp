@@ -14,9 +14,10 @@ int level(v1::Priority priority) {
 
 }  // namespace
 
-void JobQueue::push(const v1::Job& job) {
-  const std::int64_t key =
+void JobQueue::push(const v1::Job& job, bool goes_first) {
+  const std::int64_t by_age =
       milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms;
+  const std::int64_t key = goes_first ? first_key : by_age;
   if (key_of_.emplace(job.id(), key).second) order_.insert({key, job.id()});
 }
 

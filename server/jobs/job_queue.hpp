@@ -21,15 +21,18 @@ class JobQueue {
 public:
   static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
 
-  void push(const v1::Job& job);
+  /// @param goes_first  before all that do not
+  void push(const v1::Job& job, bool goes_first = false);
   void erase(const std::string& job_id);
   /// The next job. @return nothing when none waits
   std::optional<std::string> front() const;
+  bool front_goes_first() const { return !order_.empty() && order_.begin()->first == first_key; }
   std::size_t size() const { return order_.size(); }
   /// 1 is next; 0: not in the queue. Takes the logarithm of the queue's length.
   int position(const std::string& job_id) const;
 
 private:
+  static constexpr std::int64_t first_key = INT64_MIN;
   using Place = std::pair<std::int64_t, std::string>;
   /// A set that knows how many are before an element.
   using Order = __gnu_pbds::tree<Place, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,

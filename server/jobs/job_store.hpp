@@ -116,6 +116,8 @@ struct NewJob {
   std::vector<std::string> labels{};
   std::vector<v1::CaseChange> changes{};  ///< made in the case already
   std::string answer_key{};               ///< see JobRecord
+  /// It starts at once, beside the others, as long as this daemon serves; else as they do.
+  bool goes_first = false;
 };
 
 /// The job as it is stored first: with an id of its own, queued, created now.

@@ -207,7 +207,8 @@ std::string Scheduler::storage_fault() {
 }
 
 bool Scheduler::may_start() const {
-  return !shutting_down_ && !hold_.holds() && attempts_.count() < executor_.capacity();
+  return !shutting_down_ && !hold_.holds() &&
+         (attempts_.of_queue() < executor_.capacity() || queue_.front_goes_first());
 }
 
 void Scheduler::start_jobs() {
@@ -226,9 +227,12 @@ bool Scheduler::start_next() {
   try {
     auto [record, log] = begin_attempt(*id);
     lock.lock();
+    const bool goes_first = queue_.front() == id && queue_.front_goes_first();
     queue_.erase(*id);
     if (!log) return true;  // it waits no more
-    attempts_.start(*attempts_.add(std::move(record), std::move(log), false));
+    const auto attempt = attempts_.add(std::move(record), std::move(log), false);
+    attempt->goes_first = goes_first;
+    attempts_.start(*attempt);
     if (const std::string fault = ledger_.refusal(); !fault.empty()) hold(fault);
   } catch (const std::exception& error) {
     refuse_start(*id, error);

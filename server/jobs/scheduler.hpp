@@ -31,15 +31,6 @@ struct SchedulerOptions {
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
 };
 
-/// A run that was computed outside of the queue.
-struct FinishedRun {
-  std::string id;                    ///< of the job it becomes
-  std::filesystem::path folder;      ///< where its results are
-  std::vector<v1::JobEvent> events;  ///< what it reported
-  v1::RunEnd end{};                  ///< succeeded or failed
-  google::protobuf::Timestamp begun;
-};
-
 class QueueFull : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
@@ -99,9 +90,6 @@ public:
   /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
   /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments);
-  /// Makes a job, which has ended, of a run that was computed elsewhere; its results move into the
-  /// job's folder. Durable when this returns. @throws as submit(); nothing is left of the job then
-  v1::Job keep(const NewJob& new_job, const Attachments& attachments, const FinishedRun& run);
   std::optional<v1::Job> find(const std::string& id);
   /// The event log of a job that exists.
   std::shared_ptr<EventLog> log(const std::string& id);
@@ -156,8 +144,6 @@ private:
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
-  void write_history(const JobRecord& record, const FinishedRun& run);
-  void forget(const std::string& id);
 
   // These hold the job, and release `lock` while they wait for the disk.
   Reply request(std::unique_lock<std::mutex>& lock, Attempt& attempt, const Request& request);

@@ -1,5 +1,4 @@
-// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete, keep what a query
-// has computed.
+// What clients ask of the scheduler: submit, look, cancel, pause, resume, delete.
 #include <system_error>
 #include <utility>
 
@@ -87,7 +86,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
             record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
   const std::lock_guard lock(mutex_);
-  queue_.push(record.job);
+  queue_.push(record.job, new_job.goes_first);
   changed_.notify_all();
   return view(std::move(record));
 }
@@ -120,6 +119,9 @@ std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const N
 }
 
 v1::Job Scheduler::view(JobRecord record) const {
+  // An end that is written counts, although its attempt may still be there.
+  const auto attempt = attempts_.find(record.job.id());
+  if (attempt && !is_terminal(record.job.state())) return view(*attempt);
   v1::Job job = std::move(record.job);
   const bool queued = job.state() == v1::QUEUED;
   job.set_queue_position(queued ? queue_.position(job.id()) : 0);
@@ -137,9 +139,6 @@ std::optional<v1::Job> Scheduler::find(const std::string& id) {
   auto record = ledger_.find(id);
   if (!record) return std::nullopt;
   const std::lock_guard lock(mutex_);
-  // An end that is written counts, although its attempt may still be there.
-  const auto attempt = attempts_.find(id);
-  if (attempt && !is_terminal(record->job.state())) return view(*attempt);
   return view(std::move(*record));
 }
 
@@ -167,12 +166,8 @@ std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
   const std::lock_guard lock(mutex_);
   std::vector<v1::Job> jobs;
   for (JobRecord& record : records) {
-    const auto attempt = attempts_.find(record.job.id());
     if (auto kept = ledger_.kept(record.job.id())) record = std::move(*kept);
-    if (attempt && !is_terminal(record.job.state()))
-      jobs.push_back(view(*attempt));
-    else
-      jobs.push_back(view(std::move(record)));
+    jobs.push_back(view(std::move(record)));
   }
   return jobs;
 }
@@ -291,72 +286,6 @@ Reply Scheduler::remove(const std::string& id) {
   ledger_.report(record->job);
   log::info("job {}: deleted by request", id);
   return {Reply::Kind::done, {}};
-}
-
-namespace {
-
-/// What the run leaves in the job, but for its history.
-void take_outcome(const FinishedRun& run, JobRecord& record) {
-  v1::Job& job = record.job;
-  job.set_attempts(1);
-  *job.mutable_start_time() = timestamp(milliseconds(run.begun));
-  *job.mutable_artifacts() = run.end.artifacts();
-  if (run.end.has_failure()) *job.mutable_failure() = run.end.failure();
-  for (const v1::JobEvent& event : run.events) {
-    if (event.has_validity_lost()) *job.mutable_validity_loss() = event.validity_lost();
-    if (event.has_finding()) keep_finding(*job.mutable_findings(), event.finding());
-  }
-}
-
-void move_results(const FinishedRun& run, const std::filesystem::path& folder) {
-  for (const v1::Artifact& artifact : run.end.artifacts())
-    std::filesystem::rename(run.folder / artifact.name(), folder / artifact.name());
-}
-
-}  // namespace
-
-void Scheduler::write_history(const JobRecord& record, const FinishedRun& run) {
-  const auto log = logs_.open(record.job.id());
-  v1::JobEvent begun = state_event(record.job, "computed by a query");
-  begun.mutable_state_change()->set_state(v1::RUNNING);
-  log->append(begun);
-  for (v1::JobEvent event : run.events) log->append(event);
-}
-
-/// Removes a job that was never acknowledged. What cannot be removed is computed after the next
-/// start.
-void Scheduler::forget(const std::string& id) {
-  try {
-    store_.erase(id);
-    std::filesystem::remove_all(jobs_directory_ / id);
-  } catch (const std::exception& error) {
-    log::error("job {}: {}", id, error.what());
-  }
-}
-
-v1::Job Scheduler::keep(const NewJob& new_job, const Attachments& attachments,
-                        const FinishedRun& run) {
-  JobRecord record = record_of_new(new_job, attachments);
-  record.job.set_id(run.id);
-  require_room(record.bytes);
-  // Queued on the disk and in no queue here: should the machine stop now, it is computed again.
-  write_new_job(record, new_job, attachments);
-  try {
-    write_history(record, run);
-    move_results(run, jobs_directory_ / run.id);
-  } catch (...) {
-    forget(run.id);
-    throw;
-  }
-  take_outcome(run, record);
-  const bool succeeded = run.end.outcome() == v1::RunEnd::SUCCEEDED;
-  if (succeeded) record.solver = options_.attempts.solver;
-  ledger_.settle(record, succeeded ? v1::SUCCEEDED : v1::FAILED,
-                 succeeded ? "finished" : run.end.failure().message());
-  ledger_.announce(run.id);
-  const std::lock_guard lock(mutex_);
-  if (const std::string refusal = ledger_.refusal(); !refusal.empty()) hold(refusal);
-  return view(std::move(record));
 }
 
 }  // namespace dccast::jobs

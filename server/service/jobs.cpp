@@ -32,19 +32,14 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
 /// Its second half: the job on the disk.
 v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
                const intake::ExaminedCase& examined) {
-  return context.scheduler.submit(
-      {.request_id = request.request_id(),
-       .study = request.study(),
-       .title = request.case_().title(),
-       .priority = request.priority(),
-       .owner = call.caller,
-       .case_sha256 = intake::fingerprint(request.case_(), request.attachments()),
-       .submitted_case = request.case_().SerializeAsString(),
-       .complete_case = examined.complete.SerializeAsString(),
-       .labels = {request.labels().begin(), request.labels().end()},
-       .changes = {request.changes().begin(), request.changes().end()},
-       .answer_key = intake::answer_key(examined.complete, request.attachments())},
-      request.attachments());
+  jobs::NewJob job = intake::new_job(request.case_(), request.attachments(), examined);
+  job.request_id = request.request_id();
+  job.study = request.study();
+  job.priority = request.priority();
+  job.owner = call.caller;
+  job.labels = {request.labels().begin(), request.labels().end()};
+  job.changes = {request.changes().begin(), request.changes().end()};
+  return context.scheduler.submit(job, request.attachments());
 }
 
 /// Cuts a text between two characters of UTF-8.

@@ -1,5 +1,6 @@
 // The call of near-real-time queries: answered by a run of its own, or by one that was there.
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <map>
 #include <memory>
@@ -10,7 +11,6 @@
 
 #include "dccast/v1/worker.pb.h"
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/request_checks.hpp"
@@ -67,6 +67,30 @@ std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
   return answer;
 }
 
+/// Lets the thread of a query sleep until its job has another event, and look now and then whether
+/// its caller has left.
+class Appended final : public jobs::Watcher {
+public:
+  void on_appended() override {
+    {
+      const std::lock_guard lock(mutex_);
+      appended_ = true;
+    }
+    changed_.notify_one();
+  }
+  void wait() {
+    constexpr std::chrono::milliseconds longest{20};
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, longest, [this] { return appended_; });
+    appended_ = false;
+  }
+
+private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool appended_ = false;
+};
+
 /// One query whose case is sound.
 class Query {
 public:
@@ -91,17 +115,44 @@ public:
     return answer && replay(*answer, "");
   }
 
+  /// Runs it for this answer alone; nothing is left of the run.
   grpc::Status run(const jobs::CallLimits& waiting) {
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
-    run_.folder = folder.path();
-    run_.begun = jobs::now();
-    if (request_.keep()) run_.id = values::random_uuid();
-    send_(accepted(examined_, false, run_.id));
-    for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
-    run_.end = context_.warm_workers
-                   .ask(run_request(), waiting, [this](v1::JobEvent& event) { take(event); })
-                   .run_end();
-    return end();
+    begin("");
+    const RunEnd end = context_.warm_workers
+                           .ask(run_request(folder.path()), waiting,
+                                [this](const v1::JobEvent& event) { take(event); })
+                           .run_end();
+    finish(state_of(end.outcome()), end.failure());
+    if (end.outcome() == RunEnd::SUCCEEDED) context_.query_answers.keep(key_, std::move(answer_));
+    return grpc::Status::OK;
+  }
+
+  /// Runs it as a job that goes first, which stays.
+  grpc::Status run_as_job(const jobs::CallLimits& waiting) {
+    jobs::NewJob job = intake::new_job(request_.case_(), request_.attachments(), examined_);
+    job.owner = caller_;
+    job.changes = {request_.changes().begin(), request_.changes().end()};
+    job.goes_first = true;
+    const std::string id = context_.scheduler.submit(job, request_.attachments()).id();
+    begin(id);
+    const auto log = context_.scheduler.log(id);
+    const auto appended = std::make_shared<Appended>();
+    context_.logs.watch(id, appended);
+    for (jobs::EventLog::Cursor cursor;; appended->wait()) {
+      while (const auto event = log->read(cursor)) {
+        if (event->state_change().terminal()) {
+          finish(event->state_change().state(), event->state_change().failure());
+          return grpc::Status::OK;
+        }
+        take(*event);
+      }
+      if (!waiting.called_off()) continue;
+      // The daemon that leaves has its jobs go on; only the caller cancels one.
+      if (!context_.leaving) context_.scheduler.cancel(id, "the caller of its query has left");
+      throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::called_off,
+                                     "no one waits for this answer any more");
+    }
   }
 
 private:
@@ -111,18 +162,22 @@ private:
     return true;
   }
 
-  v1::WorkerRequest run_request() const {
+  v1::WorkerRequest run_request(const std::filesystem::path& folder) const {
     v1::WorkerRequest request;
     v1::SolveCase& order = *request.mutable_solve();
     *order.mutable_case_() = examined_.complete;
-    order.set_directory(run_.folder);
+    order.set_directory(folder);
     order.set_threads(context_.query_threads);
-    order.set_keeps_results(request_.keep());
-    if (request_.keep()) return request;
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);
     return request;
+  }
+
+  /// @param job  its id; empty: none
+  void begin(const std::string& job) {
+    send_(accepted(examined_, false, job));
+    for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
   }
 
   void pass_on(Response response) {
@@ -138,16 +193,13 @@ private:
     pass_on(std::move(response));
   }
 
-  void take(v1::JobEvent& event) {
-    if (request_.keep()) {
-      *event.mutable_time() = jobs::now();
-      run_.events.push_back(event);
-    }
-    if (event.has_finding()) return pass_on(event.finding());
+  void take(const v1::JobEvent& event) {
     Response response;
-    if (event.has_step()) {
+    if (event.has_finding()) return pass_on(event.finding());
+    if (event.has_step() && event.step().step() > last_step_) {  // a resumed run repeats some
+      last_step_ = event.step().step();
       solver_s_ = event.step().solver_s();
-      *response.mutable_step() = std::move(*event.mutable_step());
+      *response.mutable_step() = event.step();
     } else if (event.has_validity_lost()) {
       *response.mutable_validity_lost() = event.validity_lost();
     } else {
@@ -156,29 +208,12 @@ private:
     pass_on(std::move(response));
   }
 
-  grpc::Status end() {
-    const bool succeeded = run_.end.outcome() == RunEnd::SUCCEEDED;
-    if (request_.keep()) keep_job();
+  void finish(v1::JobState state, const v1::Failure& failure) {
     Response response;
-    response.mutable_ended()->set_state(state_of(run_.end.outcome()));
-    if (run_.end.has_failure()) *response.mutable_ended()->mutable_failure() = run_.end.failure();
+    response.mutable_ended()->set_state(state);
+    if (state == v1::FAILED) *response.mutable_ended()->mutable_failure() = failure;
     response.mutable_ended()->set_solver_s(solver_s_);
     pass_on(std::move(response));
-    if (succeeded && !request_.keep()) context_.query_answers.keep(key_, std::move(answer_));
-    return grpc::Status::OK;
-  }
-
-  void keep_job() {
-    context_.scheduler.keep(
-        {.request_id = "",
-         .title = request_.case_().title(),
-         .owner = caller_,
-         .case_sha256 = intake::fingerprint(request_.case_(), request_.attachments()),
-         .submitted_case = request_.case_().SerializeAsString(),
-         .complete_case = examined_.complete.SerializeAsString(),
-         .changes = {request_.changes().begin(), request_.changes().end()},
-         .answer_key = key_},
-        request_.attachments(), run_);
   }
 
   Context& context_;
@@ -187,9 +222,9 @@ private:
   const std::string& caller_;
   const SendQueryResponse& send_;
   const std::string key_;
-  jobs::FinishedRun run_;
   QueryAnswer answer_;
   std::map<std::string, std::string> reported_;  // findings as they were sent, by code
+  std::int64_t last_step_ = 0;
   double solver_s_ = 0.0;
 };
 
@@ -205,7 +240,7 @@ grpc::Status answer_query(Context& context, const Call& call,
   if (query.answer_from_store()) return grpc::Status::OK;
   jobs::CallLimits waiting = waiting_time(call, longest_query);
   waiting.largest_bytes = INT64_MAX;  // its estimate was held against the ceiling
-  return query.run(waiting);
+  return request.keep() ? query.run_as_job(waiting) : query.run(waiting);
 }
 
 /// One query: what the thread of its run has passed on and gRPC has not sent yet.

@@ -1,7 +1,5 @@
 // Calls that read what a run or a study has computed.
 #include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -186,19 +184,6 @@ grpc::Status open_artifact(Context& context, const v1::FetchResultRequest& reque
           name + " on the server has not the size its worker wrote; run the job again"};
 }
 
-/// A path that is free, and is free again afterwards.
-class PassingFile {
-public:
-  explicit PassingFile(const std::filesystem::path& folder)
-      : path_(folder / (values::random_uuid() + ".h5")) {}
-  PassingFile(const PassingFile&) = delete;
-  ~PassingFile() { ::unlink(path_.c_str()); }
-  const std::filesystem::path& path() const { return path_; }
-
-private:
-  std::filesystem::path path_;
-};
-
 /// The study as a file that has no name any more: it is gone with the call. A study that has not
 /// changed gives the same bytes, so that a client goes on where it was.
 grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request,
@@ -209,14 +194,15 @@ grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudy
   every_curve.set_curves(true);
   const auto result = context.studies.evaluate(every_curve);
   if (!result) return study_not_found(request.id());
-  const PassingFile file(context.query_directory);
+  const jobs::CheckFolder folder(context.query_directory, {});
+  const auto path = folder.path() / "study.h5";
   v1::WorkerRequest asked;
-  asked.mutable_write_table()->set_path(file.path());
+  asked.mutable_write_table()->set_path(path);
   *asked.mutable_write_table()->mutable_study() = *result;
   context.warm_workers.ask(asked, waiting_time(call, context.check_timeout));
-  sent = {.file = storage::File(file.path(), O_RDONLY),
+  sent = {.file = storage::File(path, O_RDONLY),
           .name = "the table of study " + request.id(),
-          .sha256 = values::sha256_of_file(file.path())};
+          .sha256 = values::sha256_of_file(path)};
   sent.size = sent.file.size();
   if (request.sha256().empty() || request.sha256() == sent.sha256) return grpc::Status::OK;
   return {grpc::StatusCode::ABORTED, "the study went on meanwhile; begin again from 0"};

@@ -25,10 +25,10 @@ std::string text_of(const v1::Fault& fault) {
   return text;
 }
 
-jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
-  jobs::NewJob job;
+jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned,
+                     const intake::ExaminedCase& examined) {
+  jobs::NewJob job = intake::new_job(planned.description, study.request.attachments(), examined);
   job.study = study.id;
-  job.title = planned.description.title();
   // A study must not stand in the way of a question, unless its request sets a priority.
   job.priority =
       study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
@@ -36,7 +36,6 @@ jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned) {
   job.labels = {study.request.labels().begin(), study.request.labels().end()};
   job.changes = {study.request.changes().begin(), study.request.changes().end()};
   job.changes.insert(job.changes.end(), planned.changes.begin(), planned.changes.end());
-  job.submitted_case = planned.description.SerializeAsString();
   return job;
 }
 
@@ -140,12 +139,8 @@ Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run, const Pl
     refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
     return Fed::refused;
   }
-  jobs::NewJob job = new_job(study, planned);
-  job.case_sha256 = intake::fingerprint(planned.description, study.request.attachments());
-  job.complete_case = examined.complete.SerializeAsString();
-  job.answer_key = intake::answer_key(examined.complete, study.request.attachments());
   try {
-    make_job(study, std::move(run), planned.key, std::move(job));
+    make_job(study, std::move(run), planned.key, new_job(study, planned, examined));
   } catch (const jobs::RequestIdTaken& error) {
     refuse(study, run, error.what());
     return Fed::refused;

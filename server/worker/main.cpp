@@ -115,7 +115,7 @@ void run_in_folder(v1::SolveCase& order) {
 
 /// From now on this process runs a job and nothing else. @return its exit code
 int run_job_of_daemon(v1::SolveCase& order) {
-  step_back_behind_queries();
+  if (!order.goes_first()) step_back_behind_queries();
   JobRun::prepare_signals();
   write_messages_into(std::filesystem::path(order.directory()) / "worker.log");
   try {

@@ -128,11 +128,6 @@ void note_storage_failure(const std::system_error& error, Finished& finished) {
     finished = failed(v1::Failure::STORAGE, error.what());
 }
 
-/// A run that no one wants results of.
-bool keeps_nothing(const v1::SolveCase& order) {
-  return order.job_id().empty() && !order.keeps_results();
-}
-
 Finished to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
   Finished finished;
   finished.set_outcome(to_proto(outcome.end));
@@ -140,7 +135,7 @@ Finished to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& or
     *finished.mutable_failure() = translate::to_proto(outcome.failures);
   const bool ended =
       outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::failed;
-  if (!ended || keeps_nothing(order)) return finished;
+  if (!ended || order.job_id().empty()) return finished;
   try {
     add_artifacts(order.directory(), finished);
   } catch (const std::system_error& error) {
@@ -159,7 +154,7 @@ casting::RunDirectory directory_of(const v1::SolveCase& order) {
           .resume = order.resume(),
           .other_version = to_core(order.other_version()),
           .leaves_run_files = true,
-          .keeps_nothing = keeps_nothing(order)};
+          .keeps_nothing = order.job_id().empty()};
 }
 
 Finished run(const v1::SolveCase& order, RunLink& link) {

@@ -206,17 +206,36 @@ class Kept(QueryTest):
         self.assertEqual(ended.state, job_pb2.FAILED)
         self.assertEqual(self.client.job(accepted.job).failure.kind, job_pb2.Failure.SOLVE_FAILED)
 
-    def test_nothing_is_kept_of_a_call_that_was_cancelled(self):
+    def test_the_job_of_a_call_that_was_cancelled_is_cancelled(self):
         call = self.ask("steps=100000 sleep_ms=5", keep=True)
         for _, _ in zip(range(4), call):
             pass
         call.cancel()
-        time.sleep(0.2)
-        self.assertEqual(self.jobs(), [])
+        job, = self.jobs()
+        until(lambda: self.client.job(job.id).state == job_pb2.CANCELLED, 10)
+
+    def test_what_was_acknowledged_survives_the_daemon(self):
+        call = self.ask("steps=200 sleep_ms=5", keep=True)
+        accepted = next(iter(call)).accepted
+        self.client.until_step(accepted.job, 5)
+        self.daemon.kill()
+        self.restart()
+        self.client.until_state(accepted.job, job_pb2.SUCCEEDED)
+        steps = [step.step for step in self.client.steps(accepted.job)]
+        self.assertEqual(steps, list(range(1, 201)))
 
 
 class Beside(QueryTest):
     settings = {"query_workers": 1, "maximum_waiting_checks": 1, "workers": 2}
+
+    def test_a_kept_query_does_not_wait_for_the_queue(self):
+        for number in range(4):
+            self.client.submit(fake_case("steps=1000000 sleep_ms=50", mesh={"columns": 60 + number}))
+        until(lambda: len(self.jobs(states=[job_pb2.RUNNING])) == 2, 10)
+        _, steps, ended = parts(self.ask("steps=10", columns=70, keep=True))
+        self.assertEqual(ended.state, job_pb2.SUCCEEDED)
+        self.assertEqual([step.step for step in steps], list(range(1, 11)))
+        self.assertEqual(len(self.jobs(states=[job_pb2.RUNNING])), 2)
 
     def test_a_full_queue_delays_no_query(self):
         for number in range(20):

@@ -31,6 +31,27 @@ TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   EXPECT_EQ(daemon.scheduler.running(), 0);
 }
 
+TEST_F(SchedulerTest, AJobThatGoesFirstWaitsForNoPlace) {
+  Daemon daemon(folder_.path());
+  daemon.scheduler.start();
+  daemon.scheduler.submit(new_job(), {});
+  FakeWorker running(daemon.executor.wait_for_launch(1));
+  const auto waiting = daemon.scheduler.submit(new_job(), {});
+  NewJob query = new_job();
+  query.goes_first = true;
+  const auto first = daemon.scheduler.submit(query, {});
+  FakeWorker worker(daemon.executor.wait_for_launch(2));
+  EXPECT_EQ(worker.launch().job_id, first.id());
+  EXPECT_TRUE(worker.launch().order.goes_first());
+  EXPECT_FALSE(running.launch().order.goes_first());
+  EXPECT_EQ(worker.launch().order.threads(), 1);
+  worker.end(RunEnd::SUCCEEDED);
+  daemon.executor.end(worker.launch(), "exit code 0", 0);
+  EXPECT_TRUE(becomes(daemon, first.id(), v1::SUCCEEDED));
+  EXPECT_EQ(state(daemon, waiting.id()), v1::QUEUED) << "the one place is taken";
+  EXPECT_EQ(daemon.executor.launches(), 2u);
+}
+
 // The daemon is asked to leave while the start of a job is being written.
 TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
   Daemon daemon(folder_.path());
@@ -74,7 +95,8 @@ TEST_F(SchedulerTest, ARunThatHasEndedIsNoDeath) {
   EXPECT_TRUE(becomes(daemon, job.id(), v1::SUCCEEDED));
   EXPECT_EQ(daemon.store.find(job.id())->losses, 0);
   EXPECT_EQ(daemon.scheduler.find(job.id())->attempts(), 1);
-  EXPECT_TRUE(eventually([&] { return !fs::exists(folder_.path() / job.id() / "checkpoint.bin"); }));
+  EXPECT_TRUE(
+      eventually([&] { return !fs::exists(folder_.path() / job.id() / "checkpoint.bin"); }));
 }
 
 TEST_F(SchedulerTest, TheEndOfAnAttemptBeforeIsNotThatOfThisOne) {
