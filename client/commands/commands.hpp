@@ -44,6 +44,7 @@ void add_uncertainty(cli::CommandLine& line, Program& program);
 void add_sensitivity(cli::CommandLine& line, Program& program);
 void add_calibrate(cli::CommandLine& line, Program& program);
 void add_design_mould(cli::CommandLine& line, Program& program);
+void add_design_recipe(cli::CommandLine& line, Program& program);
 void add_studies(cli::CommandLine& line, Program& program);
 void add_report(cli::CommandLine& line, Program& program);
 void add_schema(cli::CommandLine& line, Program& program);

@@ -101,10 +101,10 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_contraction, commands::add_compare,      commands::add_fetch,
         commands::add_report,      commands::add_convergence,  commands::add_sweep,
         commands::add_predict,     commands::add_uncertainty,  commands::add_sensitivity,
-        commands::add_calibrate,   commands::add_design_mould, commands::add_studies,
-        commands::add_cancel,      commands::add_pause,        commands::add_resume,
-        commands::add_delete,      commands::add_schema,       commands::add_alloys,
-        commands::add_info,        commands::add_completion})
+        commands::add_calibrate,   commands::add_design_mould, commands::add_design_recipe,
+        commands::add_studies,     commands::add_cancel,       commands::add_pause,
+        commands::add_resume,      commands::add_delete,       commands::add_schema,
+        commands::add_alloys,      commands::add_info,         commands::add_completion})
     add(line, program);
 }
 

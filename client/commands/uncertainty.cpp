@@ -10,6 +10,7 @@
 #include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/data_study_text.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::client::commands {
@@ -33,12 +34,25 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// Half the band of mesh and time steps relative to the curl, by the first valid run.
-std::optional<double> mesh_error(Connection& connection, const v1::StudyResult& result) {
+/// The case of the first valid run; of a sensitivity study that is the case itself.
+std::optional<v1::Case> first_case(Connection& connection, const v1::StudyResult& result) {
   for (const v1::StudyRun& run : result.runs())
     if (run.state() == v1::SUCCEEDED && !run.beyond_validity())
-      return discretisation_error(query_result(connection, run.job()).case_(), 1.0);
+      return query_result(connection, run.job()).case_();
   return std::nullopt;
+}
+
+/// Half the band of mesh and time steps relative to the curl.
+std::optional<double> mesh_error(Connection& connection, const v1::StudyResult& result) {
+  const auto of_run = first_case(connection, result);
+  return of_run ? discretisation_error(*of_run, 1.0) : std::nullopt;
+}
+
+/// The error of a small difference between runs, relative to the curl.
+std::optional<double> difference_error(Connection& connection, const v1::StudyResult& result) {
+  const auto of_run = first_case(connection, result);
+  const auto pair = of_run ? case_file::paired_error(*of_run, *of_run) : std::nullopt;
+  return pair ? std::optional(pair->of_curl) : std::nullopt;
 }
 
 int chosen_monitor(const v1::StudyResult& result, const std::string& point) {
@@ -73,8 +87,8 @@ void print_uncertainty(Connection& connection, const DataOptions& options, const
   }
 }
 
-Json effects_json(const v1::StudyResult& result, int monitor) {
-  const Effects effects = effects_of(result, monitor);
+Json effects_json(const v1::StudyResult& result, int monitor, std::optional<double> of_curl) {
+  const Effects effects = effects_of(result, monitor, of_curl);
   const auto number = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json();
   };
@@ -93,18 +107,20 @@ Json effects_json(const v1::StudyResult& result, int monitor) {
   return {{"study", to_json(result.study())},
           {"monitor", result.monitors(monitor)},
           {"curl_m", number(effects.base_m)},
-          {"error_m", effects.error_m},
+          {"error_m", number(effects.error_m)},
           {"effects", list}};
 }
 
 void print_sensitivity(Connection& connection, const DataOptions& options, const std::string& id) {
   const v1::StudyResult result = evaluate_study(connection, id);
   const int monitor = chosen_monitor(result, options.point);
-  if (!options.plot.empty()) write_output(options.plot, render::sensitivity_page(result, monitor));
+  const auto of_curl = difference_error(connection, result);
+  if (!options.plot.empty())
+    write_output(options.plot, render::sensitivity_page(result, monitor, of_curl));
   if (options.json)
-    std::cout << effects_json(result, monitor).dump() << '\n';
+    std::cout << effects_json(result, monitor, of_curl).dump() << '\n';
   else if (options.plot != "-")
-    std::cout << render::sensitivity_text(result, monitor);
+    std::cout << render::sensitivity_text(result, monitor, of_curl);
 }
 
 /// What distinguishes the two commands.

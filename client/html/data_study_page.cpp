@@ -24,20 +24,6 @@ std::string page(const v1::StudyResult& result, const std::string& body) {
                     body);
 }
 
-std::string table_of(const std::vector<std::string>& headings,
-                     const std::vector<std::vector<std::string>>& rows) {
-  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
-    std::string html = "<tr>";
-    for (const std::string& cell : cells)
-      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
-    return html + "</tr>";
-  };
-  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
-                     "</thead><tbody>";
-  for (const auto& cells : rows) html += row(cells, "td");
-  return html + "</tbody></table></div>";
-}
-
 /// What the data leave open, and what mesh and time steps add to the median.
 struct CurlBands {
   ChartBand data, mesh;
@@ -147,7 +133,7 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
   const double height = row * static_cast<double>(effects.effects.size()) + 30.0;
   std::string svg = "<svg viewBox='0 0 910 " + fixed(height, 0) +
                     "' role='img' aria-label='effect of each key on the curl'>";
-  const double error = half * effects.error_m / most;
+  const double error = half * std::min(1.0, effects.error_m.value_or(0.0) / most);
   svg += "<rect class='wanted' x='" + fixed(middle - error, 1) + "' y='4' width='" +
          fixed(2.0 * error, 1) + "' height='" + fixed(height - 26.0, 1) + "'/>";
   double top = 8.0;
@@ -175,6 +161,20 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
 }
 
 }  // namespace
+
+std::string table_of(const std::vector<std::string>& headings,
+                     const std::vector<std::vector<std::string>>& rows) {
+  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
+    std::string html = "<tr>";
+    for (const std::string& cell : cells)
+      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
+    return html + "</tr>";
+  };
+  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
+                     "</thead><tbody>";
+  for (const auto& cells : rows) html += row(cells, "td");
+  return html + "</tbody></table></div>";
+}
 
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
@@ -216,8 +216,9 @@ std::string calibration_page(const v1::StudyResult& result) {
   return page(result, body + lost_runs(result));
 }
 
-std::string sensitivity_page(const v1::StudyResult& result, int monitor) {
-  const Effects effects = effects_of(result, monitor);
+std::string sensitivity_page(const v1::StudyResult& result, int monitor,
+                             std::optional<double> of_curl) {
+  const Effects effects = effects_of(result, monitor, of_curl);
   if (!effects.base_m)
     return page(result,
                 card("Nothing to compare with", "<p>The case itself has no valid run.</p>") +
@@ -226,10 +227,11 @@ std::string sensitivity_page(const v1::StudyResult& result, int monitor) {
   std::string body = card(
       "Change of the curl of the " + html_escaped(result.monitors(monitor)) + " at the end, " +
           fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
-      bars(result, effects) +
-          "<p>Blue: lower end of the range, orange: upper end. Shaded: what mesh and time steps "
-          "leave uncertain of a difference, ± " +
-          fixed(1e3 * effects.error_m, 1) + " mm.</p>");
+      bars(result, effects) + "<p>Blue: lower end of the range, orange: upper end. " +
+          (effects.error_m
+               ? "Shaded: what mesh and time steps leave uncertain of a difference, ± " +
+                     fixed(1e3 * *effects.error_m, 1) + " mm.</p>"
+               : "What mesh and time steps leave uncertain of a difference is not known.</p>"));
   if (!rows.rest.empty())
     body += "<p class='note'>This model does not respond to " + html_escaped(rows.rest) + ".</p>";
   return page(result, body + lost_runs(result));

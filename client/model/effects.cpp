@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client {
@@ -50,7 +49,7 @@ double Effect::largest_m() const {
   return std::max(std::abs(low_m.value_or(0.0)), std::abs(high_m.value_or(0.0)));
 }
 
-Effects effects_of(const v1::StudyResult& result, int monitor) {
+Effects effects_of(const v1::StudyResult& result, int monitor, std::optional<double> of_curl) {
   const auto& axes = result.study().sweep().axes();
   Effects all;
   all.effects.resize(static_cast<std::size_t>(axes.size()));
@@ -69,7 +68,7 @@ Effects effects_of(const v1::StudyResult& result, int monitor) {
       (low ? effect.low_failure : effect.high_failure) = failure_of_run(run);
   }
   std::ranges::stable_sort(all.effects, std::ranges::greater(), &Effect::largest_m);
-  all.error_m = case_file::quarter_slab_pairs.of_curl * std::abs(all.base_m.value_or(0.0));
+  if (of_curl && all.base_m) all.error_m = *of_curl * std::abs(*all.base_m);
   return all;
 }
 

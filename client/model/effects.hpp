@@ -20,9 +20,11 @@ struct Effect {
 struct Effects {
   std::optional<double> base_m;  ///< curl of the case itself; empty: no valid run
   std::vector<Effect> effects;
-  double error_m = 0.0;  ///< to which a small difference of two runs is known
+  std::optional<double> error_m;  ///< to which a small difference of two runs is known
 };
-Effects effects_of(const v1::StudyResult& result, int monitor);
+/// @param of_curl  share of a curl that is the error of a small difference
+///                 (case_file::paired_error); empty: not known
+Effects effects_of(const v1::StudyResult& result, int monitor, std::optional<double> of_curl);
 
 /// Index of the monitor with this name; with an empty name that with the largest curl at the end.
 /// @return -1 where there is none

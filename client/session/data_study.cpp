@@ -62,20 +62,13 @@ v1::ValidateCaseResponse validated(Connection& connection, const v1::CreateStudy
   throw CommandFailed(ExitCode::invalid, text);
 }
 
-/// Completes the case of a request. @return its data with a range
+/// At draft quality, unless the changes of the request choose another.
 std::vector<case_file::UncertainKey> complete(Connection& connection,
                                               v1::CreateStudyRequest& request) {
   const bool chosen = std::ranges::any_of(
       request.changes(), [](const v1::CaseChange& change) { return change.key() == "quality"; });
   if (!chosen) request.mutable_case_()->set_quality(v1::DRAFT);
-  const bool depth_follows_block = !request.case_().section().has_initial_depth_m();
-  v1::Case& base = *request.mutable_case_();
-  base = validated(connection, request).complete();
-  const auto keys = case_file::uncertain_keys(base);
-  if (depth_follows_block) base.mutable_section()->clear_initial_depth_m();
-  base.clear_uncertainty();
-  base.mutable_alloy()->clear_uncertainty();
-  return keys;
+  return complete_case(connection, request);
 }
 
 void add_axis(v1::SweepPlan& sweep, const std::string& key, const std::string& low,
@@ -129,6 +122,18 @@ void add_free(const std::string& text, const std::vector<case_file::UncertainKey
 }
 
 }  // namespace
+
+std::vector<case_file::UncertainKey> complete_case(Connection& connection,
+                                                   v1::CreateStudyRequest& request) {
+  const bool depth_follows_block = !request.case_().section().has_initial_depth_m();
+  v1::Case& base = *request.mutable_case_();
+  base = validated(connection, request).complete();
+  auto keys = case_file::uncertain_keys(base);
+  if (depth_follows_block) base.mutable_section()->clear_initial_depth_m();
+  base.clear_uncertainty();
+  base.mutable_alloy()->clear_uncertainty();
+  return keys;
+}
 
 void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
                          const google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis>& axes,

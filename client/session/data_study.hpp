@@ -5,6 +5,7 @@
 
 #include "client/session/connection.hpp"
 #include "dccast/v1/study.pb.h"
+#include "proto/case_file/uncertainty.hpp"
 
 /// Plans of `uncertainty` and `sensitivity`: sweeps over what data and levers may be.
 namespace dccast::client {
@@ -15,6 +16,12 @@ struct DataPlan {
   std::uint64_t seed = 0;
   std::vector<std::string> only;  ///< keys of data; empty: all
 };
+
+/// Has the server complete the case of a request, so that card, mesh and steps are the same in all
+/// runs of a plan. @return its data with a range, which the case itself no longer has. Throws
+/// CommandFailed.
+std::vector<case_file::UncertainKey> complete_case(Connection& connection,
+                                                   v1::CreateStudyRequest& request);
 
 /// Makes the study of a request a Latin hypercube over every datum of its case that has a range
 /// (docs/uncertainty.md). The case is completed by the server, so that card, mesh and steps are the

@@ -95,7 +95,7 @@ std::string name_of(const v1::SweepPlan::Axis& axis) {
 /// Below it a curl does not answer: a fiftieth of a millimetre, a tenth of the error of a
 /// difference.
 double not_felt_m(const Effects& effects) {
-  return std::max(2e-5, 0.1 * effects.error_m);
+  return std::max(2e-5, 0.1 * effects.error_m.value_or(0.0));
 }
 
 }  // namespace
@@ -195,9 +195,10 @@ EffectRows effect_rows(const v1::StudyResult& result, const Effects& effects) {
   return found;
 }
 
-std::string sensitivity_text(const v1::StudyResult& result, int monitor) {
+std::string sensitivity_text(const v1::StudyResult& result, int monitor,
+                             std::optional<double> of_curl) {
   std::string text = head_of(result);
-  const Effects effects = effects_of(result, monitor);
+  const Effects effects = effects_of(result, monitor, of_curl);
   if (!effects.base_m) return text + "the case itself has no valid run: nothing to compare with\n";
   text += "\ncurl of the " + result.monitors(monitor) +
           " at the end: " + millimetres(*effects.base_m) +
@@ -209,8 +210,10 @@ std::string sensitivity_text(const v1::StudyResult& result, int monitor) {
     for (auto& row : *part) table.add(std::move(row));
     if (!part->empty()) text += table.text() + "\n";
   }
-  text += "A small difference is known to ± " + millimetres(effects.error_m) +
-          " mm: mesh and time steps.\n";
+  text += effects.error_m ? "A small difference is known to ± " + millimetres(*effects.error_m) +
+                                " mm: mesh and time steps.\n"
+                          : "What mesh and time steps leave uncertain of a difference is not known "
+                            "for such a case.\n";
   if (!rows.rest.empty())
     text += wrapped("This model does not respond to " + rows.rest + ".", text_columns) + "\n";
   for (const Effect& effect : effects.effects)

@@ -21,7 +21,9 @@ std::optional<double> mesh_error_at_end_m(const v1::Spread& spread,
 std::string uncertainty_text(const v1::StudyResult& result, std::optional<double> mesh_error);
 
 /// The answer of a sensitivity study for one monitor, on one screen of 100 columns.
-std::string sensitivity_text(const v1::StudyResult& result, int monitor);
+/// @param of_curl  as for effects_of()
+std::string sensitivity_text(const v1::StudyResult& result, int monitor,
+                             std::optional<double> of_curl);
 
 /// The sentences of an uncertainty study, for screen and page: what the curl will be, how sure that
 /// is, and what to measure first; `mesh_error` as above.

@@ -72,6 +72,8 @@ std::string state_text(v1::StudyState state) {
 std::string plan_text(const v1::Study& study) {
   if (study.has_refinement()) return "refinement";
   if (study.has_mould()) return "mould";
+  if (study.has_recipe())
+    return "recipe, " + std::to_string(study.recipe().numbers_size()) + " numbers";
   const std::string count = std::to_string(study.sweep().axes_size());
   if (study.sweep().purpose() == v1::SweepPlan::UNCERTAINTY)
     return "uncertainty, " + count + " data";

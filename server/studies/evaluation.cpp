@@ -118,6 +118,7 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
     const auto job = jobs.find(kept.job);
     if (!kept.job.empty() && job == jobs.end()) continue;
     EvaluatedRun& evaluated = runs.emplace_back();
+    evaluated.number = kept.number;
     plan->describe(kept.number, evaluated.run);
     if (kept.job.empty()) {
       describe_without_job(kept, evaluated.run);
@@ -180,7 +181,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
   if (!record) return std::nullopt;
   const auto plan = plan_of(*record);
   auto runs = evaluated_runs(
-      *record, {.histories = curves || plan->needs_histories(), .faces = plan->grows()});
+      *record, {.histories = curves || plan->needs_histories(), .faces = plan->needs_faces()});
   v1::StudyResult result;
   *result.mutable_study() = view(*record);
   for (const v1::Monitor& monitor : record->request.case_().monitor())

@@ -124,6 +124,7 @@ public:
     return plan_.maximum_runs() == 0 ? usual_runs : plan_.maximum_runs();
   }
   std::string key(int number) const override { return std::to_string(number + 1); }
+  bool needs_faces() const override { return true; }
   /// The first run casts in the mould of the case.
   PlannedRun run(int number) const override {
     return {key(number), "run " + key(number), base_, {}};

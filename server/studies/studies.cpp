@@ -23,26 +23,12 @@ bool lost(v1::JobState state) {
   return state == v1::FAILED || state == v1::CANCELLED;
 }
 
-/// Whether the same case would end in the same way again.
-bool by_the_case_itself(const v1::Failure& failure) {
-  switch (failure.kind()) {
-    case v1::Failure::SOLVE_FAILED:
-    case v1::Failure::CHECK_FAILED:
-    case v1::Failure::INVALID_CASE:
-    case v1::Failure::SHELL_MELTED_THROUGH:
-    case v1::Failure::MOTION_TOO_LARGE:
-    case v1::Failure::LIQUID_PRESSURE_LOST:
-      return true;
-    default:
-      return false;
-  }
-}
-
 /// Whether two requests differ in nothing but the number of levels of a refinement.
 bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
   if (a.plan_case() != b.plan_case()) return false;
   if (a.has_refinement()) return true;
   if (a.has_mould()) return MessageDifferencer::Equals(a.mould(), b.mould());
+  if (a.has_recipe()) return MessageDifferencer::Equals(a.recipe(), b.recipe());
   return MessageDifferencer::Equals(a.sweep(), b.sweep());
 }
 
@@ -75,6 +61,10 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   if (request.has_refinement()) *study.mutable_refinement() = request.refinement();
   if (request.has_sweep()) *study.mutable_sweep() = request.sweep();
   if (request.has_mould()) *study.mutable_mould() = request.mould();
+  if (request.has_recipe()) {
+    *study.mutable_recipe() = request.recipe();
+    study.mutable_recipe()->clear_draft();  // it is as large as a case, and no list needs it
+  }
 }
 
 }  // namespace
@@ -229,7 +219,10 @@ v1::Study Studies::view(const StudyRecord& record) {
     for (const v1::Job& job : scheduler_.list(
              {.states = {v1::RUNNING}, .study = record.id, .size = counts.of(v1::RUNNING)}))
       done += job.last_step().progress();
-  study.set_progress(counts.all() == 0 ? 1.0 : std::min(1.0, done / counts.all()));
+  // Of a recipe all runs that will be are known, though not what they are.
+  const bool grows = record.request.has_recipe() && study.state() == v1::STUDY_RUNNING;
+  const int all = grows ? plan_of(record)->most_runs() : counts.all();
+  study.set_progress(all == 0 ? 1.0 : std::min(1.0, done / all));
   if (study.state() != v1::STUDY_RUNNING)
     *study.mutable_end_time() = jobs::timestamp(std::max(record.changed_ms, counts.last_end_ms));
   return study;
@@ -265,6 +258,16 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   return {StudyReply::Kind::done, view(store_.find(id).value_or(*record))};
 }
 
+/// A plan that had no further run because of those that were lost may have one now.
+void Studies::grow_again(const StudyRecord& record) {
+  const auto plan = plan_of(record);
+  const auto runs = store_.runs(record.id);
+  RunRecord next;
+  next.number = runs.back().number + 1;
+  if (plan->outlasts_failures() && next.number >= plan->runs() && next.number < plan->most_runs())
+    store_.extend(record, {next});
+}
+
 StudyReply Studies::resume(const std::string& id, bool failed) {
   const std::lock_guard lock(requests_mutex_);
   const auto record = store_.find(id);
@@ -279,6 +282,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
   queue_again(*record, again);
+  if (!again.empty()) grow_again(*record);
   note_change(id);
   wake_feeder();
   return {StudyReply::Kind::done, view(*record)};

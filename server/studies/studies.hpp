@@ -106,6 +106,7 @@ private:
   v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                     const std::string& case_sha256);
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
+  void grow_again(const StudyRecord& record);
   void queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs);
   void remove_now(const std::string& id);
   std::map<std::string, v1::Job> jobs_of(const std::string& id);

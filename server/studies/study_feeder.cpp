@@ -100,13 +100,17 @@ bool Studies::feed_study(const std::string& id) {
 }
 
 /// A run of a plan that grows waits from the moment the one before it is queued, so that the study
-/// does not end in between. It is queued when all before it have succeeded and do not suffice.
+/// does not end in between. It is queued when those that it rests on have ended and do not suffice.
 Studies::Fed Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan,
                                  const RunRecord& run) {
-  const auto before = evaluated_runs(study, {.faces = true, .before = run.number});
+  const auto before =
+      evaluated_runs(study, {.faces = plan.needs_faces(), .before = plan.rests_on(run.number)});
   for (const EvaluatedRun& other : before)
     if (!jobs::is_terminal(other.run.state())) return Fed::later;
-  if (!std::ranges::all_of(before, &EvaluatedRun::succeeded)) return not_needed(study, run);
+  const auto stops = [&plan](const EvaluatedRun& other) {
+    return !other.succeeded() && !(plan.outlasts_failures() && other.run.state() == v1::FAILED);
+  };
+  if (std::ranges::any_of(before, stops)) return not_needed(study, run);
   for (const EvaluatedRun& other : before)
     if (!other.face_fault.empty()) {
       refuse(study, run,

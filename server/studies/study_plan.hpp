@@ -28,6 +28,7 @@ struct RunFace {
 /// A run as it stands, for evaluation.
 struct EvaluatedRun {
   v1::StudyRun run{};
+  int number = 0;                 ///< in the plan, from 0
   RunHistory history{};           ///< of a run that succeeded, where the plan asks for histories
   std::optional<RunFace> face{};  ///< of a run that succeeded, where the plan grows
   std::string face_fault{};       ///< why it cannot be read
@@ -39,6 +40,9 @@ struct EvaluatedRun {
            history.curves.front().time_s_size() > 0;
   }
 };
+
+/// Whether the same case would end in the same way again.
+bool by_the_case_itself(const v1::Failure& failure);
 
 /// What the runs of a study are, and their results together. One implementation for each kind.
 class StudyPlan {
@@ -53,8 +57,15 @@ public:
   /// A plan grows when it may have more runs than it lays out: each follows from those before it.
   virtual int most_runs() const { return runs(); }
   bool grows() const { return most_runs() > runs(); }
+  /// The runs that decide what a further one is have lower numbers than this; it waits for their
+  /// end.
+  virtual int rests_on(int number) const { return number; }
+  /// Whether next() is asked after runs that have failed, or the plan ends with them.
+  virtual bool outlasts_failures() const { return false; }
+  /// Whether next() and evaluate() need the faces of the runs that succeeded.
+  virtual bool needs_faces() const { return false; }
   /// A run that is not laid out, nothing when those before it suffice.
-  /// @param before  all succeeded, with faces; without those whose job was deleted
+  /// @param before  those it rests on, ended; without those whose job was deleted
   virtual std::optional<PlannedRun> next(int number, const std::vector<EvaluatedRun>& before) const;
   /// Writes into a run of the answer what is particular to the plan: refinement, values.
   virtual void describe(int number, v1::StudyRun& run) const = 0;
@@ -79,6 +90,9 @@ std::unique_ptr<StudyPlan> refinement_plan(const v1::CreateStudyRequest& request
 
 std::vector<v1::Fault> sweep_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> sweep_plan(const v1::CreateStudyRequest& request);
+
+std::vector<v1::Fault> recipe_faults(const v1::CreateStudyRequest& request);
+std::unique_ptr<StudyPlan> recipe_plan(const v1::CreateStudyRequest& request);
 
 std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);

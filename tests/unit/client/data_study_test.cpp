@@ -12,6 +12,7 @@ namespace dccast::client {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 void add_axis(v1::StudyResult& result, const std::string& key, const std::string& low,
               const std::string& high) {
@@ -64,7 +65,7 @@ std::size_t widest_line(const std::string& text) {
 }
 
 TEST(Effects, AreDifferencesToTheCaseItselfLargestFirst) {
-  const Effects effects = effects_of(sensitivity(), 0);
+  const Effects effects = effects_of(sensitivity(), 0, 0.05);
   EXPECT_DOUBLE_EQ(*effects.base_m, 40e-3);
   ASSERT_EQ(effects.effects.size(), 4u);
   EXPECT_EQ(effects.effects[0].axis, 1);
@@ -73,14 +74,23 @@ TEST(Effects, AreDifferencesToTheCaseItselfLargestFirst) {
   EXPECT_EQ(effects.effects[1].axis, 3);
   EXPECT_FALSE(effects.effects[1].low_m);
   EXPECT_EQ(effects.effects[1].low_failure, "melts through at 43 s");
-  EXPECT_DOUBLE_EQ(effects.error_m, 2e-3);
+  EXPECT_DOUBLE_EQ(*effects.error_m, 2e-3);
 }
 
 TEST(Effects, OfAStudyWithoutTheCaseItselfAreUnknown) {
   v1::StudyResult result = sensitivity();
   result.mutable_runs()->erase(result.runs().begin());  // its job was deleted
-  EXPECT_FALSE(effects_of(result, 0).base_m);
-  EXPECT_THAT(render::sensitivity_text(result, 0), HasSubstr("nothing to compare with"));
+  EXPECT_FALSE(effects_of(result, 0, 0.05).base_m);
+  EXPECT_THAT(render::sensitivity_text(result, 0, 0.05), HasSubstr("nothing to compare with"));
+}
+
+TEST(Effects, AnErrorThatWasNotMeasuredIsNotStated) {
+  EXPECT_FALSE(effects_of(sensitivity(), 0, std::nullopt).error_m);
+  const std::string text = render::sensitivity_text(sensitivity(), 0, std::nullopt);
+  EXPECT_THAT(text, HasSubstr("leave uncertain of a difference is not known for such a case"));
+  EXPECT_THAT(text, Not(HasSubstr("is known to")));
+  EXPECT_THAT(render::sensitivity_page(sensitivity(), 0, std::nullopt),
+              HasSubstr("uncertain of a difference is not known"));
 }
 
 TEST(Effects, AMonitorIsNamedOrHasTheLargestCurl) {
@@ -102,7 +112,7 @@ TEST(Effects, RangesReadAsTheyAreWritten) {
 }
 
 TEST(SensitivityText, ShowsLeversDataFailuresAndWhatDoesNotMatter) {
-  const std::string text = render::sensitivity_text(sensitivity(), 0);
+  const std::string text = render::sensitivity_text(sensitivity(), 0, 0.05);
   EXPECT_THAT(text, HasSubstr("9 runs: 8 valid, 1 failed or cancelled"));
   EXPECT_THAT(text, HasSubstr("corner at the end: 40.0 mm"));
   EXPECT_THAT(text, HasSubstr("schedule.casting_speed  ± 10 %    -5.0     +6.0"));
@@ -111,7 +121,7 @@ TEST(SensitivityText, ShowsLeversDataFailuresAndWhatDoesNotMatter) {
   EXPECT_THAT(text, HasSubstr("This model does not respond to cooling.water.wetting.lag.\n"));
   EXPECT_THAT(text, HasSubstr("wet_coefficient = 1000 W/(m2 K): melts through at 43 s"));
   EXPECT_LE(widest_line(text), 100u) << text;
-  EXPECT_THAT(render::sensitivity_page(sensitivity(), 0), HasSubstr("melts through at 43 s"));
+  EXPECT_THAT(render::sensitivity_page(sensitivity(), 0, 0.05), HasSubstr("melts through at 43 s"));
 }
 
 v1::StudyResult uncertainty() {

@@ -1,0 +1,163 @@
+#include "proto/case_file/recipe_numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+constexpr double ramp_of_one_value_s = 60.0;
+constexpr double integration_step_s = 0.05;
+constexpr double longest_s = 36000.0;
+constexpr double mm_per_min = 60e3;  // [(mm/min)/(m/s)]
+
+double value_at(const v1::Curve& curve, double at, double otherwise) {
+  if (curve.value().empty()) return otherwise;
+  if (curve.value_size() == 1 || at <= curve.at(0)) return curve.value(0);
+  for (int i = 1; i < curve.value_size(); ++i)
+    if (at < curve.at(i))
+      return curve.value(i - 1) + (curve.value(i) - curve.value(i - 1)) * (at - curve.at(i - 1)) /
+                                      (curve.at(i) - curve.at(i - 1));
+  return curve.value(curve.value_size() - 1);
+}
+
+double at_place(const v1::Curve& curve, double time, double length, double otherwise) {
+  return value_at(curve, ramps_by_length(curve) ? length : time, otherwise);
+}
+
+double speed_at(const v1::Schedule& schedule, double time, double length) {
+  return at_place(schedule.casting_speed_factor(), time, length, 1.0) *
+         at_place(schedule.casting_speed_m_per_s(), time - schedule.casting_speed_shift_s(), length,
+                  0.0);
+}
+
+/// Integrates the speed by the midpoint rule up to a time or a cast length, whichever comes first.
+struct Course {
+  double time_s = 0.0, length_m = 0.0;
+};
+Course course_to(const v1::Schedule& schedule, double time_s, double length_m) {
+  Course at;
+  while (at.time_s < time_s) {
+    const double h = std::min(integration_step_s, time_s - at.time_s);
+    const double half = at.length_m + 0.5 * h * speed_at(schedule, at.time_s, at.length_m);
+    const double moved = h * speed_at(schedule, at.time_s + 0.5 * h, half);
+    if (at.length_m + moved >= length_m) {
+      at.time_s += h * (length_m - at.length_m) / moved;
+      at.length_m = length_m;
+      return at;
+    }
+    at.length_m += moved;
+    at.time_s += h;
+  }
+  return at;
+}
+
+struct Ramp {
+  double start = 0.0, run = 0.0, from = 0.0, length = ramp_of_one_value_s;
+};
+
+Ramp ramp_of(const v1::Curve& curve) {
+  if (curve.value().empty()) return {};
+  Ramp ramp{curve.value(0), curve.value(curve.value_size() - 1)};
+  if (curve.value_size() > 1) {
+    ramp.from = curve.at(0);
+    ramp.length = curve.at(curve.at_size() - 1) - ramp.from;
+  }
+  return ramp;
+}
+
+double rounded(double value, int digits) {
+  if (value == 0.0) return 0.0;
+  const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+std::string text_of(double value, const std::string& unit) {
+  // Rounded twice: by the scale, then by the digits that a double can be read back with.
+  return quantity_text(std::stod(number_text(rounded(value, 4))), unit);
+}
+
+/// A speed in mm/min, as plants write it; everything else in SI.
+std::string value_text(double value, const std::string& unit) {
+  return unit == "m/s" ? text_of(mm_per_min * value, "mm/min") : text_of(value, unit);
+}
+
+std::string table_text(const v1::Curve& curve, std::span<const double, 3> numbers,
+                       const std::string& unit) {
+  const double from = ramp_of(curve).from;
+  const std::string at_unit = ramps_by_length(curve) ? "m" : "s";
+  return "[[\"" + quantity_text(from, at_unit) + "\", \"" + value_text(numbers[0], unit) +
+         "\"], [\"" + text_of(from + numbers[2], at_unit) + "\", \"" +
+         value_text(numbers[1], unit) + "\"]]";
+}
+
+bool differ(std::span<const double> a, std::span<const double> b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::abs(a[i] - b[i]) > 1e-9 * std::abs(b[i])) return true;
+  return false;
+}
+
+void add(std::vector<v1::CaseChange>& changes, const std::string& key, const std::string& value) {
+  v1::CaseChange& change = changes.emplace_back();
+  change.set_key(key);
+  change.set_value(value);
+}
+
+}  // namespace
+
+bool ramps_by_length(const v1::Curve& curve) {
+  return curve.abscissa() == v1::CAST_LENGTH;
+}
+
+Recipe recipe_of(const v1::Case& complete) {
+  const v1::Schedule& schedule = complete.schedule();
+  const Ramp speed = ramp_of(schedule.casting_speed_m_per_s());
+  const Ramp water = ramp_of(schedule.water_flow_m2_per_s());
+  return {speed.start,       speed.run,   speed.length, schedule.filling_s(),
+          schedule.hold_s(), water.start, water.run,    water.length};
+}
+
+std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recipe& recipe) {
+  const Recipe before = recipe_of(complete);
+  const auto part = [](const Recipe& of, RecipeNumber first) {
+    return std::span<const double, 3>(of.data() + first, 3);
+  };
+  const v1::Schedule& schedule = complete.schedule();
+  std::vector<v1::CaseChange> changes;
+  const bool other_speed = differ(part(recipe, speed_start), part(before, speed_start));
+  if (other_speed)
+    add(changes, "schedule.casting_speed",
+        table_text(schedule.casting_speed_m_per_s(), part(recipe, speed_start), "m/s"));
+  if (differ({&recipe[hold], 1}, {&before[hold], 1}))
+    add(changes, "schedule.hold", text_of(recipe[hold], "s"));
+  if (differ({&recipe[filling], 1}, {&before[filling], 1}))
+    add(changes, "schedule.filling", text_of(recipe[filling], "s"));
+  if (differ(part(recipe, water_start), part(before, water_start)))
+    add(changes, "schedule.water_flow",
+        table_text(schedule.water_flow_m2_per_s(), part(recipe, water_start), "m2/s"));
+  if (!other_speed) return changes;
+  v1::Case changed = complete;
+  apply_changes(changed, changes);
+  const double end = time_of_cast_length(changed, cast_length_at_end(complete));
+  if (std::isfinite(end))
+    add(changes, "time.end", quantity_text(0.1 * std::round(10.0 * end), "s"));
+  return changes;
+}
+
+double cast_length_at_end(const v1::Case& complete) {
+  return course_to(complete.schedule(), complete.time().end_s(),
+                   std::numeric_limits<double>::infinity())
+      .length_m;
+}
+
+double time_of_cast_length(const v1::Case& complete, double length_m) {
+  const Course end = course_to(complete.schedule(), longest_s, length_m);
+  return end.length_m < length_m ? std::numeric_limits<double>::infinity() : end.time_s;
+}
+
+}  // namespace dccast::case_file

@@ -1,0 +1,134 @@
+#!/usr/bin/python3
+"""The recipe of a start on the real solver: from drafts over candidates to the chosen case, the same again
+after the daemon was killed, and cancelled by an interruption."""
+import json
+import os
+import re
+import signal
+import subprocess
+
+from dccast.v1 import job_pb2, service_pb2, study_pb2
+from support import BIN, ServiceTest, main, until
+
+CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+
+# The shipped thickness section on few cells and for a short time, with two data that have a range.
+COARSE = ((r"(?s)^\[mesh\].*?(?=^\[)",
+           '[mesh]\ncolumns = 8\nrows = 6\nside_cell = "12 mm"\nbottom_cell = "12 mm"\ngrowth_cell = "12 mm"\n\n'),
+          (r'^end = "145 s"$', 'end = "12 s"'),
+          (r"(?s)^\[uncertainty\].*", '[uncertainty]\n"schedule.casting_temperature" = "± 10 K"\n'
+           '"cooling.bottom_block.temperature" = "50..110 degC"\n'))
+
+
+class Recipe(ServiceTest):
+    worker = "dccast-worker"
+    settings = {"workers": 2}
+
+    def case_file(self):
+        with open(CASE, encoding="utf-8") as shipped:
+            text = shipped.read()
+        for pattern, other in COARSE:
+            text, changes = re.subn(pattern, other, text, flags=re.M)
+            self.assertGreater(changes, 0, pattern)
+        path = os.path.join(self.folder, "case.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def command(self, *words):
+        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
+
+    def design(self, path, *more, code=0, band="0..100 mm"):
+        ended = subprocess.run(self.command("design-recipe", path, "--band", band, "--drafts", "16",
+                                            "--castings", "3", "--candidates", "2", *more),
+                               capture_output=True, text=True, timeout=280, check=False)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended.stdout if code == 0 else ended.stderr
+
+    def study(self, study):
+        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+
+    def test_from_drafts_to_the_chosen_case(self):
+        path = self.case_file()
+        chosen, page = (os.path.join(self.folder, name) for name in ("chosen.toml", "page.html"))
+        screen = self.design(path, "-o", chosen, "--plot", page)
+        self.assertRegex(screen, r"Recipe \d: \d+ ± \d+ % of castings end outside 0 to 100 mm")
+        self.assertLessEqual(max(len(line) for line in screen.splitlines()), 120)
+        with open(page, encoding="utf-8") as file:
+            self.assertIn("Recipes of least risk", file.read())
+        subprocess.run(self.command("validate", chosen), check=True, timeout=60,
+                       capture_output=True)
+        # The same command finds the study as it is and runs nothing again.
+        answer = json.loads(self.design(path, "--json"))
+        self.assertIn(answer["study"]["id"], screen)
+        self.assertEqual(answer["study"]["runs"], 18 + 6 + 2 + 6)
+        found = answer["recipe"]
+        best = found["front"][found["chosen"]]
+        self.assertEqual(best["castings"], 3)
+        self.assertEqual(best["full_dangers"], [])
+        with open(chosen, encoding="utf-8") as file:
+            text = file.read()
+        for change in best["changes"]:
+            self.assertIn(change["key"].split(".")[1], text)
+        self.assertIn("recipe, 7 numbers", subprocess.run(
+            self.command("studies"), check=True, capture_output=True, text=True, timeout=30).stdout)
+
+    def test_the_daemon_is_killed_and_the_front_is_the_same(self):
+        path = self.case_file()
+        expected = json.loads(self.design(path, "--json"))["recipe"]
+        self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(
+            id=json.loads(self.design(path, "--json"))["study"]["id"]), timeout=30)
+        study = self.design(path, "--no-wait").strip()
+        for ended in (4, 21):  # among the drafts, and among the castings of candidates
+            until(lambda: self.study(study).succeeded >= ended, 120)
+            self.daemon.kill_with_workers()
+            self.daemon.start()
+            self.client = self.new_client()
+        again = json.loads(self.design(path, "--json"))
+        self.assertEqual(again["study"]["id"], study)
+        for candidate in expected["front"] + again["recipe"]["front"]:
+            del candidate["full_job"]
+        self.assertEqual(again["recipe"], expected)
+
+    def test_an_interruption_cancels_and_the_same_command_goes_on(self):
+        path = self.case_file()
+        running = subprocess.Popen(self.command(
+            "design-recipe", path, "--band", "0..100 mm", "--drafts", "16", "--castings", "3",
+            "--candidates", "2"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        study = re.search(r"study ([0-9a-f-]{36})", running.stderr.readline())[1]
+        until(lambda: self.study(study).succeeded >= 2, 60)
+        running.send_signal(signal.SIGINT)
+        self.assertIn("is cancelled; the same command goes on", running.communicate(timeout=30)[1])
+        self.assertEqual(running.returncode, 130)
+        until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 30)
+        answer = json.loads(self.design(path, "--json"))
+        self.assertEqual(answer["study"]["id"], study)
+        self.assertGreaterEqual(answer["recipe"]["chosen"], 0)
+
+    def test_a_run_that_was_cancelled_alone_is_run_again_and_the_plan_grows(self):
+        path = self.case_file()
+        study = self.design(path, "--no-wait").strip()
+        until(lambda: self.study(study).running > 0, 60)
+        running = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
+            study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]), timeout=10).jobs
+        self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=running[0].id), timeout=10)
+        until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 120)
+        self.assertEqual(self.study(study).runs, 18)
+        answer = json.loads(self.design(path, "--json"))
+        self.assertEqual(answer["study"]["id"], study)
+        self.assertEqual(answer["study"]["runs"], 18 + 6 + 2 + 6)
+
+    def test_a_band_that_no_recipe_reaches_is_reported(self):
+        error = self.design(self.case_file(), band="300..400 mm", code=3)
+        self.assertIn("study", error)
+
+    def test_faults_name_the_limit(self):
+        path = self.case_file()
+        self.assertIn("--speed 200..300 mm/min: speed_start of the case is",
+                      self.design(path, "--speed", "200..300 mm/min", code=2))
+        self.assertIn("--band 35 mm: write it as 35..45 mm", self.design(path, band="35 mm", code=2))
+        self.assertIn("--hold 10..20: the unit is missing", self.design(path, "--hold", "10..20", code=2))
+
+
+if __name__ == "__main__":
+    main()
