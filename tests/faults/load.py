@@ -4,8 +4,8 @@
     tests/faults/load.py                            of build/release/bin
     tests/faults/load.py --bin OLD --bin NEW        side by side
 
-The case is a coarse real one, checked by the real worker program; what runs meanwhile is a casting
-that does nothing but sleep, so that the processor is the service's.
+The case is a coarse real one, complete as the client makes it; the worker program checks nothing and
+sleeps instead of computing, so that the processor is the service's.
 """
 import argparse
 import os
@@ -28,13 +28,6 @@ def arguments():
     return parser.parse_args()
 
 
-WORKER = """#!/bin/sh
-# Checks by the real program, runs by the fake one.
-case "$1" in ""|--wait) exec {fake} "$@";; esac
-exec {real} "$@"
-"""
-
-
 def measure(options):
     """Prints `name<TAB>value` for each figure of one folder of programs."""
     run.set_up_imports(options.bin[0])
@@ -42,7 +35,7 @@ def measure(options):
     from cases import FAKE, coarse, fake
     from scene import Scene
     case = coarse()
-    with Scene(random.Random(1), FAKE, prepare=write_worker, workers=1, maximum_queued=100000,
+    with Scene(random.Random(1), FAKE, workers=1, maximum_queued=100000,
                stall_timeout="0 s") as scene:
         scene.submit(fake("steps=1000000 sleep_ms=1000"))
         case.title = "steps=3"
@@ -53,16 +46,6 @@ def measure(options):
         measure_calls(scene, case, options.calls)
         tell("memory at the end, MB", memory(process))
         tell("largest memory, MB", memory(process, "VmHWM"))
-
-
-def write_worker(scene):
-    from cases import FAKE, REAL
-    from support import BIN
-    path = os.path.join(scene.folder, "worker")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(WORKER.format(real=os.path.join(BIN, REAL), fake=os.path.join(BIN, FAKE)))
-    os.chmod(path, 0o700)
-    scene.daemon.settings["worker_program"] = path
 
 
 def tell(name, value):
