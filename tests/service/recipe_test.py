@@ -7,33 +7,17 @@ import re
 import signal
 import subprocess
 
+from data_study import DataStudyCase
 from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, ServiceTest, main, until
+from support import BIN, main, until
 
-CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
-
-# The shipped thickness section on few cells and for a short time, with two data that have a range.
-COARSE = ((r"(?s)^\[mesh\].*?(?=^\[)",
-           '[mesh]\ncolumns = 8\nrows = 6\nside_cell = "12 mm"\nbottom_cell = "12 mm"\ngrowth_cell = "12 mm"\n\n'),
-          (r'^end = "145 s"$', 'end = "12 s"'),
-          (r"(?s)^\[uncertainty\].*", '[uncertainty]\n"schedule.casting_temperature" = "± 10 K"\n'
-           '"cooling.bottom_block.temperature" = "50..110 degC"\n'))
+# Two of the four data are enough.
+TWO_DATA = (r'(?s)^"alloy\.specific_heat.*', "")
 
 
-class Recipe(ServiceTest):
-    worker = "dccast-worker"
-    settings = {"workers": 2}
-
+class Recipe(DataStudyCase):
     def case_file(self):
-        with open(CASE, encoding="utf-8") as shipped:
-            text = shipped.read()
-        for pattern, other in COARSE:
-            text, changes = re.subn(pattern, other, text, flags=re.M)
-            self.assertGreater(changes, 0, pattern)
-        path = os.path.join(self.folder, "case.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
+        return super().case_file(TWO_DATA)
 
     def command(self, *words):
         return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
