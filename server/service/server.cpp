@@ -103,6 +103,13 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
   return all;
 }
 
+/// The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
+/// gigabytes, which gRPC would unpack before anything looks at them.
+void refuse_compression(grpc::ServerBuilder& builder) {
+  for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE})
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+}
+
 }  // namespace
 
 void log_grpc_as_debug() {
@@ -122,6 +129,7 @@ PublicServer::PublicServer(Context& context, const std::string& listen)
   builder.experimental().SetInterceptorCreators(interceptors());
   builder.RegisterService(&service_);
   builder.SetMaxReceiveMessageSize(static_cast<int>(context.maximum_message_bytes));
+  refuse_compression(builder);
   permit_pings(builder);
   end_idle_connections(builder);
   server_ = builder.BuildAndStart();

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What is not right is refused with a remedy, and the daemon goes on."""
 import os
+import re
 import signal
 import socket
 import sqlite3
@@ -185,6 +186,23 @@ class Refusal(ServiceTest):
 class RealWorker(ServiceTest):
     """Faults of the machine and of files that only the real worker reads."""
     worker = "dccast-worker"
+
+    def test_a_compressed_message_is_not_unpacked(self):
+        """400 KB that stand for 400 MB: a daemon that unpacks them has to hold them."""
+        def largest_memory():
+            with open(f"/proc/{self.daemon.process.pid}/status", encoding="ascii") as file:
+                return int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1]) * 1024
+        before = largest_memory()
+        for compression in (grpc.Compression.Gzip, grpc.Compression.Deflate):
+            for method in ("GetJob", "SubmitJob"):
+                call = self.client.channel.unary_unary(
+                    f"/dccast.v1.SimulationService/{method}", request_serializer=lambda b: b,
+                    response_deserializer=lambda b: b)
+                error = self.refused(grpc.StatusCode.UNIMPLEMENTED, call, bytes(400_000_000),
+                                     compression=compression, timeout=60)
+                self.assertIn("ompression", error.details())
+        self.assertLess(largest_memory() - before, 100e6)
+        self.client.submit(fake_case("steps=1"))
 
     def test_a_mesh_with_a_text_that_is_no_utf8(self):
         case = fake_case("mesh")
