@@ -114,7 +114,8 @@ std::string curl_sentence(const CurlHistory& history, const v1::QueryResultRespo
                      " since the block started. ";
   text += half_band ? "Mesh and time steps leave ± " + fixed(1e3 * *half_band, 1) +
                           " mm of it uncertain; thermal data and alloy come on top. "
-                    : "What mesh and time steps leave uncertain of it is not known. ";
+                    : "Its error from mesh and time steps has not been measured: <code>dccast "
+                      "convergence</code> does that. ";
   if (const auto band = plant_band(result.case_()))
     text += against_band(*band, curl, half_band ? 1e3 * *half_band : 0.0);
   return "<p class='answer'>" + text + "</p>";

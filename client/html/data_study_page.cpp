@@ -224,14 +224,14 @@ std::string sensitivity_page(const v1::StudyResult& result, int monitor,
                 card("Nothing to compare with", "<p>The case itself has no valid run.</p>") +
                     lost_runs(result));
   const EffectRows rows = effect_rows(result, effects);
-  std::string body = card(
-      "Change of the curl of the " + html_escaped(result.monitors(monitor)) + " at the end, " +
-          fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
-      bars(result, effects) + "<p>Blue: lower end of the range, orange: upper end. " +
-          (effects.error_m
-               ? "Shaded: what mesh and time steps leave uncertain of a difference, ± " +
-                     fixed(1e3 * *effects.error_m, 1) + " mm.</p>"
-               : "What mesh and time steps leave uncertain of a difference is not known.</p>"));
+  std::string body =
+      card("Change of the curl of the " + html_escaped(result.monitors(monitor)) + " at the end, " +
+               fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
+           bars(result, effects) + "<p>Blue: lower end of the range, orange: upper end. " +
+               (effects.error_m
+                    ? "Shaded: what mesh and time steps leave uncertain of a difference, ± " +
+                          fixed(1e3 * *effects.error_m, 1) + " mm.</p>"
+                    : "The error of a difference has not been measured for such a case.</p>"));
   if (!rows.rest.empty())
     body += "<p class='note'>This model does not respond to " + html_escaped(rows.rest) + ".</p>";
   return page(result, body + lost_runs(result));

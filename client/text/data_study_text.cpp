@@ -212,8 +212,7 @@ std::string sensitivity_text(const v1::StudyResult& result, int monitor,
   }
   text += effects.error_m ? "A small difference is known to ± " + millimetres(*effects.error_m) +
                                 " mm: mesh and time steps.\n"
-                          : "What mesh and time steps leave uncertain of a difference is not known "
-                            "for such a case.\n";
+                          : "The error of a difference has not been measured for such a case.\n";
   if (!rows.rest.empty())
     text += wrapped("This model does not respond to " + rows.rest + ".", text_columns) + "\n";
   for (const Effect& effect : effects.effects)

@@ -87,10 +87,10 @@ TEST(Effects, OfAStudyWithoutTheCaseItselfAreUnknown) {
 TEST(Effects, AnErrorThatWasNotMeasuredIsNotStated) {
   EXPECT_FALSE(effects_of(sensitivity(), 0, std::nullopt).error_m);
   const std::string text = render::sensitivity_text(sensitivity(), 0, std::nullopt);
-  EXPECT_THAT(text, HasSubstr("leave uncertain of a difference is not known for such a case"));
+  EXPECT_THAT(text, HasSubstr("error of a difference has not been measured for such a case"));
   EXPECT_THAT(text, Not(HasSubstr("is known to")));
   EXPECT_THAT(render::sensitivity_page(sensitivity(), 0, std::nullopt),
-              HasSubstr("uncertain of a difference is not known"));
+              HasSubstr("error of a difference has not been measured"));
 }
 
 TEST(Effects, AMonitorIsNamedOrHasTheLargestCurl) {

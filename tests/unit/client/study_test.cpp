@@ -197,6 +197,10 @@ TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTable) {
         "<td>4.800</td>", "<td>0.250</td>"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, Not(HasSubstr("is not known")));
+  EXPECT_THAT(page, Not(HasSubstr("has not been measured")));
+  const std::string alone =
+      render::report_page(study.levels[0].job, result_of(study.levels[0]), {});
+  EXPECT_THAT(alone, HasSubstr("has not been measured: <code>dccast convergence"));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
