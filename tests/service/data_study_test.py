@@ -65,7 +65,7 @@ class DataStudy(DataStudyCase):
         page = os.path.join(self.folder, "page.html")
         screen = self.dccast("sensitivity", "--study", answer["study"]["id"], "--plot", page)
         self.assertIn("9 runs: 9 valid", screen)
-        self.assertIn("uncertain of a difference is not known", screen)  # of a mesh of its own
+        self.assertIn("error of a difference has not been measured", screen)  # of a mesh of its own
         with open(page, encoding="utf-8") as file:
             self.assertIn("Change of the curl of the corner", file.read())
         # Nothing lies between runs that move one key each.
