@@ -1,7 +1,9 @@
+#include <cmath>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/curl_history.hpp"
 #include "client/model/json.hpp"
 #include "client/session/failure.hpp"
@@ -27,37 +29,47 @@ struct JobCurl {
   v1::Job job;
   CurlHistory history;
   Study study;  ///< empty if the job belongs to none
+  /// What mesh and time steps of its quality leave uncertain, relative; empty: not measured.
+  std::optional<double> relative_error{};
 };
 
-/// Results of the job's study for a monitor at the steps of the job; empty columns without a study.
+/// What mesh and time steps leave uncertain of a monitor at the steps of the job: by the job's
+/// study, which has a limit too, or else by its quality. Empty columns where neither is known.
 struct Error {
   std::vector<double> limit_m, uncertainty_m;
 };
 
-Error error_of(const CurlHistory& history, const std::string& monitor, const Study& study) {
-  const MonitorStudy* found = study.monitor(monitor);
-  if (found == nullptr) return {};
+Error error_of(const JobCurl& curl, const CurlHistory::Series& series) {
+  const auto& [job, history, study, relative] = curl;
+  const MonitorStudy* found = study.monitor(series.name);
+  if (found == nullptr) {
+    Error error;
+    if (relative)
+      for (const double value : series.curl_m)
+        error.uncertainty_m.push_back(*relative * std::abs(value));
+    return error;
+  }
   return {values::at_instants(history.time_s, study.time_s, found->limit.value_m),
           values::at_instants(history.time_s, study.time_s, found->limit.uncertainty_m)};
 }
 
 /// Columns of the CSV after time and cast length, by name.
-std::vector<std::pair<std::string, std::vector<double>>> columns_of(const CurlHistory& history,
-                                                                    const Study& study) {
+std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCurl& curl) {
   std::vector<std::pair<std::string, std::vector<double>>> columns;
-  for (const auto& series : history.monitors) {
+  for (const auto& series : curl.history.monitors) {
     columns.emplace_back(series.name + "_curl_m", series.curl_m);
-    Error error = error_of(history, series.name, study);
-    if (error.limit_m.empty()) continue;
-    columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
-    columns.emplace_back(series.name + "_uncertainty_m", std::move(error.uncertainty_m));
+    Error error = error_of(curl, series);
+    if (!error.limit_m.empty())
+      columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
+    if (!error.uncertainty_m.empty())
+      columns.emplace_back(series.name + "_uncertainty_m", std::move(error.uncertainty_m));
   }
   return columns;
 }
 
 void print_csv(const JobCurl& curl) {
-  const auto& [job, history, study] = curl;
-  const auto columns = columns_of(history, study);
+  const auto& [job, history, study, relative] = curl;
+  const auto columns = columns_of(curl);
   const bool has_limits = !study.monitors.empty();
   std::cout << "time_s,cast_length_m";
   for (const auto& [name, values] : columns) std::cout << ',' << render::csv_text(name);
@@ -81,7 +93,7 @@ Json horizontal_json(const CurlHistory::Series& series) {
 }
 
 void print_json(const JobCurl& curl) {
-  const auto& [job, history, study] = curl;
+  const auto& [job, history, study, relative] = curl;
   Json json{{"job", job.id()},
             {"time_s", history.time_s},
             {"cast_length_m", history.cast_length_m},
@@ -96,10 +108,9 @@ void print_json(const JobCurl& curl) {
                                                     {"curl_m", series.curl_m},
                                                     {"horizontal_m", horizontal_json(series)},
                                                     {"temperature_c", series.temperature_c}});
-    const Error error = error_of(history, series.name, study);
-    if (error.limit_m.empty()) continue;
-    monitor["limit_m"] = error.limit_m;
-    monitor["uncertainty_m"] = error.uncertainty_m;
+    const Error error = error_of(curl, series);
+    if (!error.limit_m.empty()) monitor["limit_m"] = error.limit_m;
+    if (!error.uncertainty_m.empty()) monitor["uncertainty_m"] = error.uncertainty_m;
   }
   std::cout << json.dump() << '\n';
 }
@@ -120,6 +131,9 @@ void print_table(const JobCurl& curl) {
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
+  if (curl.relative_error)
+    std::cerr << "mesh and time steps: ± " << render::fixed(100.0 * *curl.relative_error, 0)
+              << " % of each curl (docs/error-bars.md)\n";
   for (const v1::Finding& finding : curl.job.findings())
     std::cerr << render::finding_line(finding) << '\n';
   if (curl.job.has_validity_loss())
@@ -133,6 +147,7 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
   curl.job = connection.call(&Stub::GetJob, request);
   const auto result = query_result(connection, id);
   curl.history = curl_history(curl.job, result);
+  curl.relative_error = discretisation_error(result.case_(), 1.0);
   if (with_study) curl.study = study_around(connection, curl.job);
   return curl;
 }

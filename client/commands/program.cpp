@@ -1,4 +1,5 @@
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 
@@ -108,6 +109,13 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
     add(line, program);
 }
 
+/// Why standard output cannot be written: errno has been overwritten by then, so it is tried again.
+std::string reason_against_output() {
+  std::clearerr(stdout);
+  if (std::fputc('\n', stdout) != EOF && std::fflush(stdout) == 0) return {};
+  return std::string(": ") + std::strerror(errno);
+}
+
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
@@ -125,9 +133,9 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
     std::cout.flush();
     return static_cast<int>(code);
   } catch (const std::ios_base::failure&) {
-    const std::string reason = std::strerror(errno);
+    const std::string reason = reason_against_output();
     std::cout.exceptions(std::ios::goodbit);  // what std::cerr is given flushes it once more
-    std::cerr << "dccast: standard output cannot be written: " << reason << '\n';
+    std::cerr << "dccast: standard output cannot be written" << reason << '\n';
     return static_cast<int>(ExitCode::not_found);
   } catch (const CommandFailed& failure) {
     std::cerr << "dccast: " << failure.what() << '\n';

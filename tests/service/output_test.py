@@ -188,6 +188,17 @@ class Results(Commands):
         self.assertIn("cannot write nowhere/r.html: No such file",
                       self.dccast("report", "-o", "nowhere/r.html", job, code=5).stderr)
 
+    def test_a_curl_has_its_error_in_csv_and_json(self):
+        job = self.cast_job()
+        rows = list(csv.DictReader(io.StringIO(self.dccast("curl", "--csv", job).stdout)))
+        shown = json.loads(self.dccast("curl", "--json", job).stdout)["monitors"][0]
+        self.assertGreater(float(rows[-1]["corner_curl_m"]), 0.0)
+        for row, half in zip(rows, shown["uncertainty_m"]):
+            self.assertAlmostEqual(float(row["corner_uncertainty_m"]),
+                                   0.05 * abs(float(row["corner_curl_m"])), delta=1e-12)
+            self.assertAlmostEqual(float(row["corner_uncertainty_m"]), half, delta=1e-12)
+        self.assertIn("± 5 % of each curl", self.dccast("curl", job).stderr)
+
     def test_fetch_into_a_folder(self):
         job = self.cast_job()
         os.mkdir(self.here("results"))
