@@ -197,7 +197,9 @@ class KillCheck(Fault):
     at_once = 5
     patience = 30.0
     worker = REAL
-    settings = {"workers": 1}
+    # Any worker without a job may be the one that checks; one that has just been handed a job looks the same, and
+    # three deaths of it would be a fault of the case.
+    settings = {"workers": 1, "worker_restarts": 100}
 
     def disturb(self, scene, count):
         """Kills a process that checks cases while a submission is on its way."""
