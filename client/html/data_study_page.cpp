@@ -162,20 +162,6 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
 
 }  // namespace
 
-std::string table_of(const std::vector<std::string>& headings,
-                     const std::vector<std::vector<std::string>>& rows) {
-  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
-    std::string html = "<tr>";
-    for (const std::string& cell : cells)
-      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
-    return html + "</tr>";
-  };
-  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
-                     "</thead><tbody>";
-  for (const auto& cells : rows) html += row(cells, "td");
-  return html + "</tbody></table></div>";
-}
-
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
   std::string body;

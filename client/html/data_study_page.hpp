@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "dccast/v1/study.pb.h"
 
@@ -13,18 +12,14 @@ namespace dccast::client::render {
 /// @param mesh_error  half the band of mesh and steps relative to the curl; empty: not known
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error);
 
-/// A table of figures as HTML. @param rows  texts
-std::string table_of(const std::vector<std::string>& headings,
-                     const std::vector<std::vector<std::string>>& rows);
-
 /// A sensitivity study as a page: a bar for every lever and datum.
 /// @param of_curl  as for effects_of()
 std::string sensitivity_page(const v1::StudyResult& result, int monitor,
                              std::optional<double> of_curl);
 
-/// A calibration as a page: what was measured over what is computed, with the bands of the data before
-/// and after and that of mesh and time steps, keys and curves as tables, and the runs that do not
-/// count.
+/// A calibration as a page: what was measured over what is computed, with the bands of the data
+/// before and after and that of mesh and time steps, keys and curves as tables, and the runs that
+/// do not count.
 std::string calibration_page(const v1::StudyResult& result);
 
 }  // namespace dccast::client::render

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "client/html/svg_chart.hpp"
 
 /// Building blocks of the HTML pages. `content`, `value` and notes are HTML already.
 namespace dccast::client::render {
@@ -24,6 +27,21 @@ inline std::string figure(const std::string& heading, const std::string& picture
 inline std::string row(const std::string& name, const std::string& value,
                        const std::string& note = {}) {
   return "<tr><th scope='row'>" + name + "</th><td>" + value + "</td><td>" + note + "</td></tr>";
+}
+
+/// A table of figures. @param headings, rows  texts
+inline std::string table_of(const std::vector<std::string>& headings,
+                            const std::vector<std::vector<std::string>>& rows) {
+  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
+    std::string html = "<tr>";
+    for (const std::string& cell : cells)
+      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
+    return html + "</tr>";
+  };
+  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
+                     "</thead><tbody>";
+  for (const auto& cells : rows) html += row(cells, "td");
+  return html + "</tbody></table></div>";
 }
 
 }  // namespace dccast::client::render

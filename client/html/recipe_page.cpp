@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "client/html/data_study_page.hpp"
 #include "client/html/html_parts.hpp"
 #include "client/html/study_page.hpp"
 #include "client/html/svg_chart.hpp"

@@ -16,6 +16,7 @@
 #include "client/text/plant_units.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -116,11 +117,11 @@ ChartLine water_line(const v1::QueryResultResponse& result, const std::string& n
   for (const v1::StepReport& step : result.steps()) {
     const double t = step.time_s(), length = step.cast_length_m();
     line.x.push_back(t);
-    line.y.push_back(runs(water, t)
-                         ? litres_per_min_per_m *
-                               curve_value(recipe.water_flow_factor(), t, length, 1.0) *
-                               curve_value(flow, t - recipe.water_flow_shift_s(), length, 0.0)
-                         : 0.0);
+    line.y.push_back(
+        runs(water, t) ? litres_per_min_per_m *
+                             frames::curve_value(recipe.water_flow_factor(), t, length, 1.0) *
+                             frames::curve_value(flow, t - recipe.water_flow_shift_s(), length, 0.0)
+                       : 0.0);
   }
   return line;
 }
@@ -132,10 +133,10 @@ std::string speed_chart(const v1::QueryResultResponse& result) {
     const double t = step.time_s(), length = step.cast_length_m();
     line.x.push_back(t);
     // The block does not move during the hold, whatever the table.
-    line.y.push_back(t <= 0.0
-                         ? 0.0
-                         : mm_per_min * curve_value(recipe.casting_speed_factor(), t, length, 1.0) *
-                               curve_value(recipe.casting_speed_m_per_s(),
+    line.y.push_back(
+        t <= 0.0 ? 0.0
+                 : mm_per_min * frames::curve_value(recipe.casting_speed_factor(), t, length, 1.0) *
+                       frames::curve_value(recipe.casting_speed_m_per_s(),
                                            t - recipe.casting_speed_shift_s(), length, 0.0));
   }
   return svg_chart({"Casting speed against time", "time, s", "mm/min", {line}});

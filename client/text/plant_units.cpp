@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -63,11 +62,6 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
                   : ", then to " + value(i) + " at " + place_in_words(curve, i);
   }
   return text;
-}
-
-double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise) {
-  if (curve.value_size() == 0) return otherwise;
-  return frames::curve_value(curve, curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s);
 }
 
 std::string readable_toml(const v1::Case& input) {

@@ -17,12 +17,6 @@ std::string plant_number(double value);
 /// @param factor  [`unit` per stored unit]
 std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit);
 
-/// Value of a table at a time [s] and a cast length [m], whichever is its abscissa; constant
-/// outside its range.
-/// @param otherwise  [unit of the curve] value of a table without points
-/// @return           [unit of the curve]
-double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise);
-
 /// A case as readable TOML: speeds in mm/min, numbers rounded to nine digits.
 std::string readable_toml(const v1::Case& input);
 

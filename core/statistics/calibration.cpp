@@ -9,6 +9,7 @@
 
 #include "core/statistics/gaussian_process.hpp"
 #include "core/statistics/posterior.hpp"
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::statistics {
 
@@ -58,11 +59,6 @@ double log_density(const Eigen::VectorXd& off, const Eigen::MatrixXd& covariance
          factor.matrixLLT().diagonal().array().log().sum();
 }
 
-Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& places) {
-  const Eigen::MatrixXd centred = places.rowwise() - places.colwise().mean();
-  return centred.transpose() * centred / static_cast<double>(places.rows() - 1);
-}
-
 }  // namespace
 
 CalibrationDraws calibrate(const CurveModel& model, int inputs,
@@ -109,14 +105,14 @@ CalibrationDraws calibrate(const CurveModel& model, int inputs,
 }
 
 int fixed_combinations(const Eigen::MatrixXd& inputs) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(covariance_of(inputs),
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(statistics::covariance(inputs),
                                                              Eigen::EigenvaluesOnly);
   return static_cast<int>((parts.eigenvalues().array() <= fixed_share * variance_before).count());
 }
 
 Eigen::Index central_draw(const Eigen::MatrixXd& inputs) {
   const Eigen::MatrixXd centred = inputs.rowwise() - inputs.colwise().mean();
-  Eigen::MatrixXd covariance = covariance_of(inputs);
+  Eigen::MatrixXd covariance = statistics::covariance(inputs);
   covariance.diagonal().array() += 1e-12;
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   const Eigen::MatrixXd whitened = factor.matrixL().solve(centred.transpose());
@@ -127,7 +123,7 @@ Eigen::Index central_draw(const Eigen::MatrixXd& inputs) {
 
 std::vector<Eigen::Index> draws_along_ridge(const Eigen::MatrixXd& inputs,
                                             const std::vector<double>& shares) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(covariance_of(inputs));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(statistics::covariance(inputs));
   const Eigen::VectorXd along = inputs * parts.eigenvectors().rightCols<1>();
   std::vector<Eigen::Index> order(static_cast<std::size_t>(along.size()));
   std::iota(order.begin(), order.end(), 0);
@@ -140,7 +136,7 @@ std::vector<Eigen::Index> draws_along_ridge(const Eigen::MatrixXd& inputs,
 }
 
 Eigen::MatrixXd correlations(const Eigen::MatrixXd& inputs) {
-  const Eigen::MatrixXd covariance = covariance_of(inputs);
+  const Eigen::MatrixXd covariance = statistics::covariance(inputs);
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().unaryExpr(
       [](double value) { return value > 0.0 ? 1.0 / value : 0.0; });
   return scale.asDiagonal() * covariance * scale.asDiagonal();

@@ -74,9 +74,7 @@ Population resampled(const Population& from, const Eigen::ArrayXd& weight, Rando
 
 /// Lower Cholesky factor of the covariance of the draws.
 Eigen::MatrixXd spread_of(const Eigen::MatrixXd& places) {
-  const Eigen::MatrixXd centred = places.rowwise() - places.colwise().mean();
-  Eigen::MatrixXd covariance =
-      centred.transpose() * centred / static_cast<double>(places.rows() - 1);
+  Eigen::MatrixXd covariance = statistics::covariance(places);
   covariance.diagonal().array() += 1e-12 + 1e-9 * covariance.diagonal().maxCoeff();
   return covariance.llt().matrixL();
 }

@@ -99,15 +99,6 @@ Eigen::VectorXd Classifier::probability(const Eigen::MatrixXd& places) const {
       [this](double mean) { return normal_below(mean / error_); });
 }
 
-Eigen::MatrixXd hypercube(int places, int inputs, std::uint64_t seed) {
-  Eigen::MatrixXd matrix(places, inputs);
-  const auto rows = latin_hypercube(places, inputs, seed);
-  for (int i = 0; i < places; ++i)
-    for (int j = 0; j < inputs; ++j)
-      matrix(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return matrix;
-}
-
 DesignScore score_of(const DesignProblem& problem, const Eigen::RowVectorXd& design,
                      const Eigen::MatrixXd& data) {
   const Outcomes outcomes = problem.outcomes(places_of(design, data));

@@ -62,9 +62,6 @@ struct ScoredDesign {
   DesignScore score;
 };
 
-/// (place, input) a Latin hypercube.
-Eigen::MatrixXd hypercube(int places, int inputs, std::uint64_t seed);
-
 /// @param data  (sample, data input)
 DesignScore score_of(const DesignProblem& problem, const Eigen::RowVectorXd& design,
                      const Eigen::MatrixXd& data);

@@ -94,4 +94,18 @@ Places latin_hypercube(int runs, int axes, std::uint64_t seed) {
   return best;
 }
 
+Eigen::MatrixXd hypercube(int places, int inputs, std::uint64_t seed) {
+  Eigen::MatrixXd matrix(places, inputs);
+  const auto rows = latin_hypercube(places, inputs, seed);
+  for (int i = 0; i < places; ++i)
+    for (int j = 0; j < inputs; ++j)
+      matrix(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  return matrix;
+}
+
+Eigen::MatrixXd covariance(const Eigen::MatrixXd& draws) {
+  const Eigen::MatrixXd centred = draws.rowwise() - draws.colwise().mean();
+  return centred.transpose() * centred / static_cast<double>(draws.rows() - 1);
+}
+
 }  // namespace dccast::statistics

@@ -22,5 +22,10 @@ std::vector<std::vector<int>> grid(const std::vector<int>& sizes);
 /// are farthest apart. The same on every machine.
 /// @return (run, axis), each in (0, 1)
 std::vector<std::vector<double>> latin_hypercube(int runs, int axes, std::uint64_t seed);
+/// The same as a matrix, (place, input).
+Eigen::MatrixXd hypercube(int places, int inputs, std::uint64_t seed);
+
+/// Covariance of draws. @param draws  (draw, input), two or more
+Eigen::MatrixXd covariance(const Eigen::MatrixXd& draws);
 
 }  // namespace dccast::statistics

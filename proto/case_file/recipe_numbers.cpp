@@ -7,6 +7,7 @@
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -16,24 +17,10 @@ constexpr double integration_step_s = 0.05;
 constexpr double longest_s = 36000.0;
 constexpr double mm_per_min = 60e3;  // [(mm/min)/(m/s)]
 
-double value_at(const v1::Curve& curve, double at, double otherwise) {
-  if (curve.value().empty()) return otherwise;
-  if (curve.value_size() == 1 || at <= curve.at(0)) return curve.value(0);
-  for (int i = 1; i < curve.value_size(); ++i)
-    if (at < curve.at(i))
-      return curve.value(i - 1) + (curve.value(i) - curve.value(i - 1)) * (at - curve.at(i - 1)) /
-                                      (curve.at(i) - curve.at(i - 1));
-  return curve.value(curve.value_size() - 1);
-}
-
-double at_place(const v1::Curve& curve, double time, double length, double otherwise) {
-  return value_at(curve, ramps_by_length(curve) ? length : time, otherwise);
-}
-
 double speed_at(const v1::Schedule& schedule, double time, double length) {
-  return at_place(schedule.casting_speed_factor(), time, length, 1.0) *
-         at_place(schedule.casting_speed_m_per_s(), time - schedule.casting_speed_shift_s(), length,
-                  0.0);
+  return frames::curve_value(schedule.casting_speed_factor(), time, length, 1.0) *
+         frames::curve_value(schedule.casting_speed_m_per_s(),
+                             time - schedule.casting_speed_shift_s(), length, 0.0);
 }
 
 /// Integrates the speed by the midpoint rule up to a time or a cast length, whichever comes first.

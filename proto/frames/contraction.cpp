@@ -19,6 +19,11 @@ double curve_value(const v1::Curve& curve, double at) {
   return curve.value(right - 1) + share * (curve.value(right) - curve.value(right - 1));
 }
 
+double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise) {
+  if (curve.value().empty()) return otherwise;
+  return curve_value(curve, curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s);
+}
+
 namespace {
 
 constexpr double room_temperature_c = 20.0;
@@ -46,9 +51,7 @@ Lines lines_of(const v1::Frame& frame) {
 class FaceReading {
 public:
   FaceReading(const v1::Case& solved, const v1::Frame& frame)
-      : alloy_(solved.alloy()),
-        opening_(solved.section().half_thickness_m()),
-        frame_(frame) {}
+      : alloy_(solved.alloy()), opening_(solved.section().half_thickness_m()), frame_(frame) {}
 
   Contraction all() const {
     Contraction contraction{frame_.time_s(), frame_.cast_length_m(), {}};
@@ -108,7 +111,8 @@ private:
 
   /// [kg/m3], of a card with the densities of solid and liquid weighted by their fractions.
   double density(double temperature_c) const {
-    if (alloy_.has_density_kg_per_m3()) return curve_value(alloy_.density_kg_per_m3(), temperature_c);
+    if (alloy_.has_density_kg_per_m3())
+      return curve_value(alloy_.density_kg_per_m3(), temperature_c);
     const double liquid = liquid_fraction(temperature_c);
     return (1.0 - liquid) * curve_value(alloy_.solid_density_kg_per_m3(), temperature_c) +
            liquid * alloy_.liquid_density_kg_per_m3();

@@ -14,6 +14,10 @@ namespace dccast::frames {
 /// @pre       the curve has a value; without abscissae it is constant
 double curve_value(const v1::Curve& curve, double at);
 
+/// The same at a time [s] and a cast length [m], whichever is the abscissa of the table.
+/// @param otherwise  [unit of the curve] value of a table without points
+double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise);
+
 /// Half the thickness of a quarter slab at one place along its wide face.
 struct FacePoint {
   double x_m = 0.0;      ///< in the undeformed slab [m]

@@ -167,15 +167,6 @@ v1::Calibration::Band band_of(Eigen::MatrixXd curves, const Eigen::RowVectorXd& 
   return band;
 }
 
-Eigen::MatrixXd places_before(int inputs) {
-  const auto places = statistics::latin_hypercube(drawn_before, inputs, seed);
-  Eigen::MatrixXd matrix(drawn_before, inputs);
-  for (int i = 0; i < drawn_before; ++i)
-    for (int j = 0; j < inputs; ++j)
-      matrix(i, j) = places[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return matrix;
-}
-
 /// Root mean square of what the readings are off a curve.
 double off(const Channel& channel, const Eigen::MatrixXd& at_readings) {
   const Eigen::RowVectorXd values = column_of(values_of(channel.used)).transpose();
@@ -193,8 +184,8 @@ v1::Calibration::Curve curve_of(const Channel& channel, const statistics::Calibr
   *curve.mutable_time_s() = {channel.computed.time_s.begin(), channel.computed.time_s.end()};
   *curve.mutable_cast_length_m() = {channel.computed.cast_length_m.begin(),
                                     channel.computed.cast_length_m.end()};
-  const Eigen::MatrixXd before =
-      surface.means(places_before(static_cast<int>(draws.inputs.cols())));
+  const int inputs = static_cast<int>(draws.inputs.cols());
+  const Eigen::MatrixXd before = surface.means(statistics::hypercube(drawn_before, inputs, seed));
   const Eigen::MatrixXd after = surface.means(draws.inputs);
   *curve.mutable_before() = band_of(before.rightCols(band_instants), surface.error());
   *curve.mutable_after() = band_of(after.rightCols(band_instants), surface.error());

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "server/jobs/events.hpp"
@@ -352,12 +353,8 @@ std::vector<v1::Fault> data_faults(const v1::CreateStudyRequest& request) {
   *sweep.mutable_case_() = request.recipe().draft();
   sweep.mutable_sweep()->set_design(v1::SweepPlan::LATIN_HYPERCUBE);
   sweep.mutable_sweep()->set_runs(1);
-  for (const v1::RecipePlan::Datum& datum : request.recipe().data()) {
-    v1::SweepPlan::Axis& axis = *sweep.mutable_sweep()->add_axes();
-    axis.set_key(datum.key());
-    axis.add_values(datum.low());
-    axis.add_values(datum.high());
-  }
+  for (const v1::RecipePlan::Datum& datum : request.recipe().data())
+    *sweep.mutable_sweep()->add_axes() = axis_of(datum);
   return sweep_faults(sweep);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/sweep_plan.hpp"
@@ -21,14 +22,6 @@ constexpr std::uint64_t score_seed = 20;
 // What risks a fifth of all castings more than the safest recipe is no alternative to it.
 constexpr double more_risk = 0.2;
 
-v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum) {
-  v1::SweepPlan::Axis axis;
-  axis.set_key(datum.key());
-  axis.add_values(datum.low());
-  axis.add_values(datum.high());
-  return axis;
-}
-
 /// Whether a recipe may be the cause. A run that does not converge is not known to be safe.
 bool by_the_recipe(const v1::Failure& failure) {
   return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
@@ -41,6 +34,14 @@ Eigen::MatrixXd matrix_of(const std::vector<Eigen::RowVectorXd>& rows) {
 }
 
 }  // namespace
+
+v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum) {
+  v1::SweepPlan::Axis axis;
+  axis.set_key(datum.key());
+  axis.add_values(datum.low());
+  axis.add_values(datum.high());
+  return axis;
+}
 
 RecipeSpace::RecipeSpace(const v1::Case& draft, const v1::RecipePlan& plan)
     : draft_(draft), plan_(plan) {

@@ -1,11 +1,10 @@
 #include "core/statistics/gaussian_process.hpp"
+#include "core/statistics/sampling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
-
-#include "tests/unit/statistics/places.hpp"
 
 namespace dccast::statistics {
 namespace {
@@ -28,7 +27,7 @@ TEST(Kernel, IsMatern) {
 }
 
 TEST(LogLikelihood, HasTheSlopeOfItsValue) {
-  const Eigen::MatrixXd x = spread(15, 3, 5);
+  const Eigen::MatrixXd x = hypercube(15, 3, 5);
   const Eigen::VectorXd y = smooth(x);
   Eigen::VectorXd at(4);
   at << -0.3, 0.4, 0.1, std::log(1e-3);
@@ -50,11 +49,11 @@ TEST(LogLikelihood, HasTheSlopeOfItsValue) {
 
 TEST(GaussianProcess, PredictsPlacesItHasNotSeen) {
   for (const int inputs : {1, 2, 3}) {
-    const Eigen::MatrixXd x = spread(12 * inputs, inputs, 1);
+    const Eigen::MatrixXd x = hypercube(12 * inputs, inputs, 1);
     Eigen::MatrixXd with_two = Eigen::MatrixXd::Zero(x.rows(), std::max(inputs, 2));
     with_two.leftCols(inputs) = x;
     const GaussianProcess process(x, smooth(with_two));
-    const Eigen::MatrixXd unseen = spread(200, inputs, 99);
+    const Eigen::MatrixXd unseen = hypercube(200, inputs, 99);
     Eigen::MatrixXd unseen_two = Eigen::MatrixXd::Zero(200, std::max(inputs, 2));
     unseen_two.leftCols(inputs) = unseen;
     const auto estimate = process.estimate(unseen);
@@ -74,13 +73,13 @@ TEST(GaussianProcess, PassesThroughWhatItKnowsAndDoubtsWhatItDoesNot) {
 }
 
 TEST(GaussianProcess, DoesNotFollowNoise) {
-  const Eigen::MatrixXd x = spread(60, 1, 4);
+  const Eigen::MatrixXd x = hypercube(60, 1, 4);
   std::mt19937 random(2);
   std::normal_distribution<double> noise(0.0, 0.1);
   Eigen::VectorXd y(60);
   for (Eigen::Index i = 0; i < 60; ++i) y(i) = std::sin(3.0 * x(i, 0)) + noise(random);
   const GaussianProcess process(x, y);
-  const Eigen::MatrixXd unseen = spread(100, 1, 8);
+  const Eigen::MatrixXd unseen = hypercube(100, 1, 8);
   const Eigen::VectorXd truth = (3.0 * unseen.array()).sin().matrix();
   EXPECT_LT(std::sqrt((process.estimate(unseen).mean - truth).squaredNorm() / 100.0), 0.06);
   EXPECT_GT(process.hyperparameters().nugget, 1e-4);
@@ -88,7 +87,7 @@ TEST(GaussianProcess, DoesNotFollowNoise) {
 
 /// What is off without a point is what a process of the same lengths says that never had it.
 TEST(GaussianProcess, LeavesPointsOutAsIfTheyHadNotBeenThere) {
-  const Eigen::MatrixXd x = spread(20, 2, 3);
+  const Eigen::MatrixXd x = hypercube(20, 2, 3);
   const Eigen::VectorXd y = smooth(x);
   const GaussianProcess process(x, y);
   const Eigen::VectorXd errors = process.left_out_errors();
@@ -119,7 +118,7 @@ TEST(GaussianProcess, KnowsItsErrorOnAFunctionItCannotFollow) {
       const Eigen::ArrayXd along = 11.0 * x.col(0).array() + 7.0 * x.col(1).array() + k;
       return Eigen::VectorXd(smooth(x) + (0.1 * along.sin() + 0.1 * (1.7 * along).cos()).matrix());
     };
-    const Eigen::MatrixXd x = spread(20, 2, 100 + k), asked = spread(unseen, 2, 500 + k);
+    const Eigen::MatrixXd x = hypercube(20, 2, 100 + k), asked = hypercube(unseen, 2, 500 + k);
     const auto estimate = GaussianProcess(x, rough(x)).estimate(asked);
     const Eigen::ArrayXd off = (estimate.mean - rough(asked)).array();
     square += (off.square() / estimate.variance.array()).mean() / functions;
@@ -129,7 +128,7 @@ TEST(GaussianProcess, KnowsItsErrorOnAFunctionItCannotFollow) {
 }
 
 TEST(GaussianProcess, IsConstantWhereNothingVaries) {
-  const Eigen::MatrixXd x = spread(6, 2, 3);
+  const Eigen::MatrixXd x = hypercube(6, 2, 3);
   const GaussianProcess process(x, Eigen::VectorXd::Constant(6, 2.5));
   EXPECT_NEAR(process.estimate(x).mean(3), 2.5, 1e-12);
   EXPECT_NEAR(process.estimate(x).variance(3), 0.0, 1e-12);

@@ -1,10 +1,9 @@
 #include "core/statistics/principal_components.hpp"
+#include "core/statistics/sampling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "tests/unit/statistics/places.hpp"
 
 namespace dccast::statistics {
 namespace {
@@ -25,7 +24,7 @@ Eigen::MatrixXd histories(const Eigen::MatrixXd& x) {
 /// As many inputs as a case has uncertain figures, and no more runs than a study of drafts has.
 TEST(PrincipalComponents, FindTheInputsThatMatterAmongMany) {
   constexpr int inputs = 30;
-  const Eigen::MatrixXd seen = spread(64, inputs, 1), unseen = spread(100, inputs, 2);
+  const Eigen::MatrixXd seen = hypercube(64, inputs, 1), unseen = hypercube(100, inputs, 2);
   const PrincipalComponents surface(seen, histories(seen));
   const Eigen::MatrixXd truth = histories(unseen), found = surface.means(unseen);
   const double spread_of_truth =
@@ -37,7 +36,7 @@ TEST(PrincipalComponents, FindTheInputsThatMatterAmongMany) {
 }
 
 TEST(PrincipalComponents, GiveTheSameMeansOneByOneAndTogether) {
-  const Eigen::MatrixXd seen = spread(20, 4, 3), unseen = spread(5, 4, 4);
+  const Eigen::MatrixXd seen = hypercube(20, 4, 3), unseen = hypercube(5, 4, 4);
   const PrincipalComponents surface(seen, histories(seen));
   const Eigen::MatrixXd together = surface.means(unseen);
   for (Eigen::Index i = 0; i < 5; ++i)

@@ -1,12 +1,11 @@
 #include "core/statistics/robust_search.hpp"
+#include "core/statistics/sampling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
-
-#include "places.hpp"
 
 namespace dccast::statistics {
 namespace {
@@ -43,12 +42,12 @@ DesignProblem problem() {
 }
 
 TEST(Classifier, SharesAreThoseOfTheTruth) {
-  const Eigen::MatrixXd places = spread(120, 3, 1);
+  const Eigen::MatrixXd places = hypercube(120, 3, 1);
   std::vector<bool> yes;
   for (Eigen::Index i = 0; i < places.rows(); ++i) yes.push_back(places(i, 0) > places(i, 1));
   const Classifier classifier(places, yes);
   EXPECT_LT(classifier.misjudged(), 0.12);
-  Eigen::MatrixXd over = spread(400, 3, 2);
+  Eigen::MatrixXd over = hypercube(400, 3, 2);
   for (const double first : {0.1, 0.3, 0.5, 0.7, 0.9}) {
     over.col(0).setConstant(first);
     EXPECT_NEAR(classifier.probability(over).mean(), first, 0.07);
@@ -56,15 +55,15 @@ TEST(Classifier, SharesAreThoseOfTheTruth) {
 }
 
 TEST(Classifier, AnswersThatAreAllAlikeLeaveAChanceOfTheOther) {
-  const Classifier never(spread(18, 2, 1), std::vector<bool>(18, false));
-  EXPECT_NEAR(never.probability(spread(3, 2, 2)).maxCoeff(), 0.05, 1e-12);
-  const Classifier always(spread(18, 2, 1), std::vector<bool>(18, true));
-  EXPECT_NEAR(always.probability(spread(3, 2, 2)).minCoeff(), 0.95, 1e-12);
+  const Classifier never(hypercube(18, 2, 1), std::vector<bool>(18, false));
+  EXPECT_NEAR(never.probability(hypercube(3, 2, 2)).maxCoeff(), 0.05, 1e-12);
+  const Classifier always(hypercube(18, 2, 1), std::vector<bool>(18, true));
+  EXPECT_NEAR(always.probability(hypercube(3, 2, 2)).minCoeff(), 0.95, 1e-12);
   EXPECT_EQ(never.misjudged(), 0.0);
 }
 
 TEST(RobustSearch, ScoresAreTheKnownShares) {
-  const Eigen::MatrixXd data = spread(2000, 1, 3);
+  const Eigen::MatrixXd data = hypercube(2000, 1, 3);
   for (const double x : {0.35, 0.5, 0.58}) {
     const DesignScore safe = score_of(problem(), Eigen::RowVector2d(x, 0.9), data);
     const double away = std::abs(x - 0.5);
@@ -89,7 +88,7 @@ TEST(RobustSearch, AnErrorOfTheValueIsARisk) {
     outcomes.error = 0.1;
     return outcomes;
   };
-  const DesignScore score = score_of(uncertain, Eigen::RowVector2d(0.5, 0.9), spread(10, 1, 3));
+  const DesignScore score = score_of(uncertain, Eigen::RowVector2d(0.5, 0.9), hypercube(10, 1, 3));
   EXPECT_NEAR(score.risk, 0.3173, 1e-4);  // beyond one standard deviation
   EXPECT_NEAR(score.high, 0.5 + 0.16449, 1e-4);
 }
@@ -154,7 +153,7 @@ TEST(RobustSearch, AWrongModelIsCorrectedOnTheMeanAndTheErrorCoversTheTruth) {
 
 /// From runs to the share: what surfaces make of them has to find the known figure.
 TEST(RobustSearch, SurfacesOfRunsFindTheKnownShare) {
-  const Eigen::MatrixXd runs = spread(80, 3, 7);
+  const Eigen::MatrixXd runs = hypercube(80, 3, 7);
   Eigen::VectorXd values(runs.rows());
   std::vector<bool> dangers;
   for (Eigen::Index i = 0; i < runs.rows(); ++i) {
@@ -173,12 +172,12 @@ TEST(RobustSearch, SurfacesOfRunsFindTheKnownShare) {
   EXPECT_NEAR(best.design(0), 0.5, 0.03);
   // At a design that is not safe, with some castings that are looked at.
   const Eigen::RowVector2d design(0.56, 0.9);
-  const Eigen::MatrixXd looked_at = spread(16, 1, 9);
+  const Eigen::MatrixXd looked_at = hypercube(16, 1, 9);
   Eigen::MatrixXd places(16, 3);
   places << design.replicate(16, 1), looked_at;
   std::vector<bool> lost;
   for (Eigen::Index i = 0; i < 16; ++i) lost.push_back(value_of(design(0), looked_at(i, 0)) > 0.6);
-  const Share share = corrected_share(score_of(surfaces, design, spread(256, 1, 3)).risk,
+  const Share share = corrected_share(score_of(surfaces, design, hypercube(256, 1, 3)).risk,
                                       risk_at(surfaces, places), lost);
   EXPECT_NEAR(share.value, 0.3, 2.0 * share.error);
   EXPECT_LT(share.error, 0.12);
