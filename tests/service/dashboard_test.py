@@ -248,8 +248,8 @@ class Pages(InBrowser):
         self.assertTrue(self.find("figure svg").get_attribute("aria-label").startswith("Curl of"))
         self.go("jobs")
         self.find(f"a[href='#/job/{jobs[0]}']").click()
+        WebDriverWait(self.browser, 20).until(lambda browser: browser.title == "Job · dccast")
         self.wait_for("succeeded")
-        self.assertEqual(self.browser.title, "Job · dccast")
         self.assertEqual(self.complaints(), [])
 
     def test_a_running_job_grows_and_is_cancelled(self):
