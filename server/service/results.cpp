@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
@@ -90,6 +91,8 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
                                              " cannot be read any more; " +
                                              "dccastd check says what else is damaged"};
   intake::make_printable(*response.mutable_case_());
+  if (const auto error = case_file::relative_discretisation_error(response.case_()))
+    response.set_relative_error(*error);
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
 }
 
