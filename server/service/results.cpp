@@ -43,7 +43,7 @@ grpc::Status add_steps(Context& context, const v1::QueryResultRequest& request,
   jobs::StepPlace place;
   if (!read_token(request.page_token(), place))
     return {grpc::StatusCode::INVALID_ARGUMENT,
-            "the page_token is not one of QueryResult; begin again without it"};
+            "the page_token is not one of this history; begin again without it"};
   if (request.page_size() < 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
   const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
