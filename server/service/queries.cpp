@@ -36,7 +36,7 @@ Response accepted(const intake::ExaminedCase& examined, bool from_store, const s
   response.mutable_accepted()->set_job(job);
   *response.mutable_accepted()->mutable_case_() = examined.complete;
   if (const auto error = case_file::relative_discretisation_error(examined.complete))
-    response.mutable_accepted()->set_relative_error(*error);
+    response.mutable_accepted()->set_relative_curl_error(*error);
   return response;
 }
 

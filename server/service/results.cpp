@@ -92,7 +92,7 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
                                              "dccastd check says what else is damaged"};
   intake::make_printable(*response.mutable_case_());
   if (const auto error = case_file::relative_discretisation_error(response.case_()))
-    response.set_relative_error(*error);
+    response.set_relative_curl_error(*error);
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
 }
 

@@ -160,8 +160,8 @@ class Job(Run):
         return list(self._result.steps)
 
     @property
-    def relative_error(self) -> float | None:
-        return self._result.relative_error if self._result.HasField("relative_error") else None
+    def relative_curl_error(self) -> float | None:
+        return self._result.relative_curl_error if self._result.HasField("relative_curl_error") else None
 
     @property
     def frames(self) -> Frames:

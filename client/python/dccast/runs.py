@@ -68,7 +68,7 @@ class Run:
         raise NotImplementedError
 
     @property
-    def relative_error(self) -> float | None:
+    def relative_curl_error(self) -> float | None:
         """Half of the band that mesh and time steps leave around each curl, relative to it; None: not
         measured for such a case (docs/error-bars.md)."""
         raise NotImplementedError
@@ -87,7 +87,7 @@ class Run:
     def _bands(self) -> list[Band]:
         time = np.array([step.time_s for step in self.steps])
         length = np.array([step.cast_length_m for step in self.steps])
-        relative = np.nan if self.relative_error is None else self.relative_error
+        relative = np.nan if self.relative_curl_error is None else self.relative_curl_error
         bands = []
         for name in self.monitors:
             found = [[m.displacement_m[-1] for m in step.monitors if m.name == name and
@@ -152,7 +152,7 @@ class Answer(Run):
         self._server = server
         self._case = case_pb2.Case()
         self._steps: list[job_pb2.StepReport] = []
-        self._relative_error: float | None = None
+        self._relative_curl_error: float | None = None
         self.from_store = False  #: computed before: no solver ran
         self.job = ""  #: id of the job that was kept, or found; may be empty
         self.state = ""  #: "SUCCEEDED", "FAILED"
@@ -169,8 +169,8 @@ class Answer(Run):
         return self._steps
 
     @property
-    def relative_error(self) -> float | None:
-        return self._relative_error
+    def relative_curl_error(self) -> float | None:
+        return self._relative_curl_error
 
     @property
     def valid_until_s(self) -> float:
@@ -182,8 +182,8 @@ class Answer(Run):
         if kind == "accepted":
             self._case, self.job = response.accepted.case, response.accepted.job
             self.from_store = response.accepted.from_store
-            if response.accepted.HasField("relative_error"):
-                self._relative_error = response.accepted.relative_error
+            if response.accepted.HasField("relative_curl_error"):
+                self._relative_curl_error = response.accepted.relative_curl_error
         elif kind == "step":
             self._steps.append(response.step)
         elif kind == "finding":  # of one code the last one holds

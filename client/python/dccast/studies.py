@@ -21,8 +21,9 @@ from dccast.v1 import job_pb2, study_pb2
 class Prediction:
     """The curl at values that were not run, by a response surface of the runs of a sweep."""
 
-    bands: dict[str, Band]  #: by monitor, with the standard error of the surface
+    bands: dict[str, Band]  #: by monitor, with the standard error of the surface alone
     cross_validated_error_m: float  #: root mean square over runs left out one by one, at the end
+    relative_curl_error: float  #: of the mesh and steps of the runs; NaN: not known
     runs: int  #: that the surface rests on
     next_run: dict[str, str]  #: where another run would add most
 
@@ -82,7 +83,8 @@ class Study:
     @property
     def table(self) -> Table:
         """One row for each run: job, state, of a sweep its values in SI by key, and the curl of each
-        monitor at the end, NAME_end_curl_m; NaN where there is none."""
+        monitor at the end, NAME_end_curl_m, with what mesh and steps leave uncertain of it,
+        NAME_uncertainty_m; NaN where there is none."""
         result = self.evaluate()
         runs = result.runs
         keys = [axis.key for axis in result.study.sweep.axes]
@@ -92,6 +94,8 @@ class Study:
             columns[key] = [_at(run.numbers, i) for run in runs]
         for i, monitor in enumerate(result.monitors):
             columns[f"{monitor}_end_curl_m"] = [_at(run.end_curl_m, i) for run in runs]
+            columns[f"{monitor}_uncertainty_m"] = [
+                _relative(run) * abs(_at(run.end_curl_m, i)) for run in runs]
         kinds = {"job": "U36", "state": "U24"}
         table: Table = np.zeros(len(runs), dtype=[(name, kinds.get(name, "f8")) for name in columns])
         for name, values in columns.items():
@@ -103,7 +107,7 @@ class Study:
         answer = self._transport.call("PredictStudy", study_pb2.PredictStudyRequest(
             id=self.id, values=changes_of(changes, keys)))
         return Prediction({curve.monitor: band_of(curve) for curve in answer.curves},
-                          answer.cross_validated_error_m, answer.runs,
+                          answer.cross_validated_error_m, _relative(answer), answer.runs,
                           {change.key: change.value for change in answer.next_run})
 
     def fetch(self, path: str | os.PathLike[str]) -> pathlib.Path:
@@ -130,6 +134,12 @@ class Study:
     def _became(self, message: study_pb2.Study) -> Study:
         self.message = message
         return self
+
+
+def _relative(message: Any) -> float:
+    """The error of mesh and steps, relative to a curl; NaN: not known."""
+    known = message.HasField("relative_curl_error")
+    return float(message.relative_curl_error) if known else np.nan
 
 
 def _at(values: Any, index: int) -> float:
