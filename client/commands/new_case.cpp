@@ -93,6 +93,8 @@ ExitCode run(NewOptions options) {
   const SlabRecipe& recipe = options.recipe;
   if (recipe.slab.empty() && !(recipe.alloy + recipe.speed + recipe.water).empty())
     throw CommandFailed(ExitCode::invalid, "--alloy, --speed and --water belong to --slab");
+  if (!options.name.empty() && !recipe.slab.empty())
+    throw CommandFailed(ExitCode::invalid, "give the name of a shipped case or --slab, not both");
   if (options.list || (undecided && (options.json || !on_terminal()))) {
     list_names(options.json);
     return ExitCode::done;
@@ -102,7 +104,7 @@ ExitCode run(NewOptions options) {
   const bool to_screen = options.output.empty() || options.output == "-";
   if (!to_screen) require_free(options.output, options.force);
   if (options.json) {
-    std::cout << Json{{"name", options.name}, {"text", text}}.dump() << '\n';
+    std::cout << Json{{"name", options.name + recipe.slab}, {"text", text}}.dump() << '\n';
   } else if (to_screen) {
     std::cout << text;
   } else {

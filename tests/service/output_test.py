@@ -152,6 +152,7 @@ class Output(Commands):
         xml.etree.ElementTree.parse(os.path.join(self.folder, "slab.svg"))
         self.assertIn("exists already", self.dccast("new", "--slab", "1320x570mm", "-o", path,
                                                     code=2).stderr)
+        self.assertIn("not both", self.dccast("new", "start-3d", "--slab", "1320x570mm", code=2).stderr)
         self.assertIn("belong to --slab", self.dccast("new", "--speed", "45mm/min", code=2).stderr)
 
     def test_new_asks_on_a_terminal(self):

@@ -271,7 +271,7 @@ class Packaging(unittest.TestCase):
             self.assertIn(name, names)
 
     def test_the_settings_file_names_the_server(self):
-        script = "from dccast.transport import address; print(address(None))"
+        script = "from dccast.transport import endpoint; print(endpoint(None).address)"
         environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.environ["PYTHONPATH"]}
         file = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "client.toml"
         file.write_text('server = "caster"\n[submit]\npriority = "low"\n')
@@ -280,7 +280,14 @@ class Packaging(unittest.TestCase):
             return subprocess.run([sys.executable, "-c", script], env={**environment, **more},
                                   capture_output=True, text=True, check=False)
         self.assertEqual(said(HOME="/nonexistent").stdout, "127.0.0.1:7117\n")
-        self.assertEqual(said(DCCAST_CONFIG=str(file)).stdout, "caster:7117\n")
+        self.assertIn("there is no login for caster:7117", said(DCCAST_CONFIG=str(file)).stderr)
+        logins = file.with_name("servers.toml")
+        logins.write_text('[[server]]\nname = "plant"\naddress = "caster:7118"\nca = "x"\n')
+        logins.chmod(0o644)
+        self.assertIn("other users may read", said(DCCAST_CONFIG=str(file)).stderr)
+        logins.chmod(0o600)
+        for named in ("plant", "caster", "caster:7118"):
+            self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER=named).stdout, "caster:7118\n")
         self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER="[::1]").stdout, "[::1]:7117\n")
         self.assertIn("there is no such file", said(DCCAST_CONFIG=str(file) + "x").stderr)
 

@@ -17,18 +17,18 @@ from dccast.cases import Case, Changes, Source, Value, changes_of, read_case, wr
 from dccast.jobs import Job
 from dccast.runs import Answer
 from dccast.studies import Study
-from dccast.transport import Transport, address
+from dccast.transport import Transport, endpoint
 from dccast.v1 import job_pb2, service_pb2, study_pb2
 
 
 def connect(server: str | None = None) -> Service:
-    """A server by its address, e.g. "caster:7117"; without one by $DCCAST_SERVER, else the settings file
-    of the command line client, else this machine. The first call connects.
+    """A server by its address, or the name of a login; without one by $DCCAST_SERVER, else the settings
+    file of the command line client, else its first login, else this machine. The first call connects.
 
     >>> dccast.connect().info().workers > 0
     True
     """
-    return Service(Transport(address(server)))
+    return Service(Transport(endpoint(server)))
 
 
 class Service:

@@ -6,6 +6,7 @@ import pathlib
 import time
 import tomllib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import grpc
@@ -25,54 +26,109 @@ PASSING = {"OK", "UNAVAILABLE", "DEADLINE_EXCEEDED", "CANCELLED", "UNKNOWN", "IN
 Message = TypeVar("Message")
 
 
-def configuration_file() -> pathlib.Path | None:
-    """The settings file of the command line client: $DCCAST_CONFIG, else dccast/client.toml in
+@dataclass(frozen=True)
+class Endpoint:
+    """A server, and what a call to it carries. Certificates and key are PEM."""
+
+    address: str  #: with its port
+    ca: str = ""  #: of the server; empty: no TLS
+    certificate: str = ""
+    key: str = ""
+    token: str = ""
+
+    @property
+    def is_local(self) -> bool:
+        host = self.address.rpartition(":")[0].strip("[]")
+        return self.address.startswith("unix:") or host in ("localhost", "::1") or host.startswith("127.")
+
+
+def settings_folder() -> pathlib.Path:
+    """Of the settings and logins of the command line client: beside $DCCAST_CONFIG, else dccast in
     $XDG_CONFIG_HOME or ~/.config."""
     if named := os.environ.get("DCCAST_CONFIG"):
         if not os.path.exists(named):
             raise errors.DccastError("INVALID_ARGUMENT",
                                      f"DCCAST_CONFIG names {named}, and there is no such file")
-        return pathlib.Path(named)
+        return pathlib.Path(named).parent
     folder = os.environ.get("XDG_CONFIG_HOME", "")
     root = pathlib.Path(folder) if folder.startswith("/") else pathlib.Path.home() / ".config"
-    file = root / "dccast" / "client.toml"
-    return file if file.exists() else None
+    return root / "dccast"
 
 
-def address(server: str | None) -> str:
-    """The address with its port: the argument, else $DCCAST_SERVER, else `server` of the settings
-    file, else this machine.
+def _read(file: pathlib.Path) -> dict[str, Any]:
+    """A TOML file; empty where there is none."""
+    try:
+        return tomllib.loads(file.read_text("utf-8"))
+    except FileNotFoundError:
+        return {}
+    except tomllib.TOMLDecodeError as error:
+        raise errors.DccastError("INVALID_ARGUMENT", f"{file}: not valid TOML: {error}") from None
+
+
+def stored_logins(folder: pathlib.Path) -> list[dict[str, str]]:
+    """What `dccast login` has stored; the first is the default."""
+    file = folder / "servers.toml"
+    if file.exists() and os.name == "posix" and file.stat().st_mode & 0o077:
+        raise errors.DccastError("PERMISSION_DENIED", f"other users may read the tokens in {file}",
+                                 remedy=f"chmod 600 {file}")
+    logins: list[dict[str, str]] = _read(file).get("server", [])
+    return logins
+
+
+def with_port(server: str) -> str:
+    """The address with the port of dccastd where it has none.
 
     >>> from dccast import transport
-    >>> transport.address("caster.example")
+    >>> transport.with_port("caster.example")
     'caster.example:7117'
     """
-    named = server or os.environ.get("DCCAST_SERVER")
-    if not named and (file := configuration_file()):
-        try:
-            named = tomllib.loads(file.read_text("utf-8")).get("server")
-        except tomllib.TOMLDecodeError as error:
-            raise errors.DccastError("INVALID_ARGUMENT", f"{file}: not valid TOML: {error}") from None
-    named = named or "127.0.0.1"
-    if named.startswith("unix:"):
-        return named
-    if "://" in named:
-        raise errors.DccastError("INVALID_ARGUMENT", f"server {named}: write HOST:PORT")
-    has_port = ":" in named.rsplit("]", 1)[-1]
-    return named if has_port else f"{named}:{PORT}"
+    if server.startswith("unix:"):
+        return server
+    if "://" in server:
+        raise errors.DccastError("INVALID_ARGUMENT", f"server {server}: write HOST:PORT")
+    return server if ":" in server.rsplit("]", 1)[-1] else f"{server}:{PORT}"
+
+
+def endpoint(server: str | None) -> Endpoint:
+    """The server that is meant: the argument, else $DCCAST_SERVER, else `server` of the settings file,
+    else the first login, else this machine. One that `dccast login` has stored is found by its name or
+    address."""
+    folder = settings_folder()
+    settings = pathlib.Path(os.environ.get("DCCAST_CONFIG") or folder / "client.toml")
+    named = server or os.environ.get("DCCAST_SERVER") or _read(settings).get("server", "")
+    for login in stored_logins(folder):
+        address = login.get("address", "")
+        if named in ("", login.get("name"), address, address.rpartition(":")[0].strip("[]")):
+            return Endpoint(address, *(login.get(key, "") for key in ("ca", "certificate", "key", "token")))
+    found = Endpoint(with_port(named or "127.0.0.1"))
+    if not found.is_local:
+        raise errors.DccastError("UNAUTHENTICATED", f"there is no login for {found.address}",
+                                 remedy="dccast login, with the line that the administrator gives")
+    return found
+
+
+def channel_to(to: Endpoint) -> grpc.Channel:
+    """A channel, which connects with its first call."""
+    options = [("grpc.max_receive_message_length", -1), ("grpc.enable_http_proxy", 0),
+               ("grpc.keepalive_time_ms", 30000), ("grpc.keepalive_timeout_ms", 10000),
+               ("grpc.initial_reconnect_backoff_ms", 200), ("grpc.max_reconnect_backoff_ms", 2000)]
+    if not to.ca:
+        return grpc.insecure_channel(to.address, options=options)
+    credentials = grpc.ssl_channel_credentials(
+        to.ca.encode(), to.key.encode() or None, to.certificate.encode() or None)
+    if to.token:
+        credentials = grpc.composite_channel_credentials(
+            credentials, grpc.access_token_call_credentials(to.token))
+    return grpc.secure_channel(to.address, credentials, options=options)
 
 
 class Transport:
     """Calls of one server. Those that may be repeated are, while the server does not answer."""
 
-    def __init__(self, server: str) -> None:
-        self.server = server
-        options = [("grpc.max_receive_message_length", -1), ("grpc.enable_http_proxy", 0),
-                   ("grpc.keepalive_time_ms", 30000), ("grpc.keepalive_timeout_ms", 10000),
-                   ("grpc.initial_reconnect_backoff_ms", 200), ("grpc.max_reconnect_backoff_ms", 2000)]
-        self.channel = grpc.insecure_channel(server, options=options)
+    def __init__(self, to: Endpoint) -> None:
+        self.server = to.address
         make_stub: Any = service_pb2_grpc.SimulationServiceStub
-        self.stub = make_stub(self.channel)
+        self.stub = make_stub(channel_to(to))
 
     def call(self, method: str, request: Any, repeat: bool = True) -> Any:
         """A unary call. @raises DccastError"""
