@@ -87,10 +87,9 @@ std::string labels(std::vector<Label> all) {
 }
 
 std::string section_labels(const v1::Case& c, const Start& start) {
-  std::vector<Label> all{
-      {level_y, "metal level"},
-      {start.y(start.water), "water line, " + millimetres(start.water)},
-      {start.y(start.block), "top of the block at the start, " + millimetres(start.block)}};
+  std::vector<Label> all{{level_y, "metal level"},
+                         {start.y(start.water), "water line, " + millimetres(start.water)},
+                         {start.y(start.block), "block at the start, " + millimetres(start.block)}};
   for (const v1::SideZone& zone : c.cooling().zone())
     all.push_back(
         {start.y((zone.from_m() + zone.to_m()) / 2.0),
@@ -118,7 +117,10 @@ std::string section_part(const v1::Case& c) {
   svg +=
       words((axis_x + right) / 2, (level_y + block) / 2 + 4, "metal", " text-anchor='middle'") +
       words((axis_x + right) / 2, (block + end) / 2 + 4, "bottom block", " text-anchor='middle'");
-  svg += words((axis_x + right) / 2, end + 24, millimetres(start.half) + " to the symmetry plane",
+  svg += words((axis_x + right) / 2, end + 24,
+               millimetres(start.half) + (c.section().kind() == v1::Section::AXISYMMETRIC
+                                              ? " to the axis"
+                                              : " to the symmetry plane"),
                " text-anchor='middle'");
   return "<g transform='translate(" + fixed(wall_x - right, 1) + " 0)'>" + svg + "</g>" +
          section_labels(c, start);
