@@ -39,6 +39,9 @@ export function cut(frame, axis, at) {
     }
   };
   for (let e = 0; e < element.length; e += perElement) {
+    let below = 0;
+    for (let k = e; k < e + perElement; k++) if (place[3 * element[k] + axis] < at) below++;
+    if (below === 0 || below === perElement) continue;
     const node = k => element[e + k];
     if (perElement === 4) tetrahedron(node(0), node(1), node(2), node(3));
     else if (perElement === 8) for (const [a, b, c, d] of parts) tetrahedron(node(a), node(b), node(c), node(d));
