@@ -88,8 +88,9 @@ void remove_request(const std::filesystem::path& folder) {
 }
 
 void remove_run_files(const std::filesystem::path& folder) {
-  for (const char* name : {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin",
-                           "journal.bin", "results.h5.part", "worker.lock", request_file}) {
+  for (const char* name :
+       {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin", "journal.bin",
+        "results.h5.part", claim_file, order_file, rank_file, request_file}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) log::warn("cannot remove {}: {}", (folder / name).string(), error.message());

@@ -51,7 +51,8 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
     };
   };
   executor_.set_calls({.not_started = noted(&Attempts::worker_not_started),
-                       .ended = noted(&Attempts::worker_ended)});
+                       .ended = noted(&Attempts::worker_ended),
+                       .waits = noted(&Attempts::worker_waits)});
 }
 
 Scheduler::~Scheduler() {
@@ -73,6 +74,7 @@ void Scheduler::recover() {
 }
 
 void Scheduler::start() {
+  executor_.end_adoption();
   expected_wake_ = Clock::now();
   thread_ = std::thread([this] { run(); });
 }

@@ -132,6 +132,7 @@ v1::Job Scheduler::view(JobRecord record) const {
 v1::Job Scheduler::view(const Attempt& attempt) const {
   v1::Job job = attempt.record.job;
   attempt.log->complete(job);
+  job.set_held(attempt.waits);
   return job;
 }
 
