@@ -224,7 +224,7 @@ class Nightly(SlurmTest):
                 study=study.id, page_size=1000), timeout=20).jobs)
             if len(jobs) == 50 and all(job.state in support.TERMINAL for job in jobs):
                 break
-            time.sleep(chance.uniform(1, 6))
+            time.sleep(chance.uniform(0.5, 3))
             if kills < 40:
                 kills += 1
                 self.kill_something(chance)
