@@ -18,6 +18,9 @@ struct ListOptions {
   std::vector<std::string> columns;
   std::string study;
   std::string owner;
+  std::string since;
+  std::string name;
+  bool mine = false;
   int limit = 50;
   bool ids = false;
   bool json = false;
@@ -32,7 +35,9 @@ v1::ListJobsRequest request_of(Connection& connection, const ListOptions& option
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   if (!options.study.empty()) request.set_study(resolve_study(connection, options.study));
-  request.set_owner(options.owner);
+  request.set_owner(options.mine ? user_name() : options.owner);
+  if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
+  request.set_title(options.name);
   return request;
 }
 
@@ -69,6 +74,7 @@ ExitCode run(const ListOptions& options, Program& program) {
 
 constexpr const char* list_examples =
     "dccast list --state running,queued\n"
+    "  dccast list --mine --since yesterday --name 'line 3*'\n"
     "  dccast list --label trial-7 --columns job,curl,changes\n"
     "  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'\n"
     "\n"
@@ -221,6 +227,10 @@ void add_list(cli::CommandLine& line, Program& program) {
       .comma_separated()
       .one_value_each();
   command.option("--owner", options->owner, "Only the jobs of this user");
+  command.flag("--mine", options->mine, "Only your own jobs");
+  command.option("--since", options->since,
+                 "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
+  command.option("--name", options->name, "Only jobs with this title; * and ? as in a shell");
   command.option("--study", options->study, "Only the jobs of this study");
   command.option("-c,--columns", options->columns, "Columns to show")
       .comma_separated()

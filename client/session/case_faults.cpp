@@ -1,6 +1,7 @@
 #include "client/session/case_faults.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <iterator>
 
@@ -54,23 +55,38 @@ bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
   return faults.size() == 1 && faults.front().field().empty();
 }
 
-case_file::ReadOutcome read_standard_input(v1::Case& description) {
-  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  return case_file::read_text(text, "standard input", description);
+/// The bytes of a file; empty where it cannot be read, which its reader reports.
+std::string text_of(const std::string& file) {
+  if (file == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-}  // namespace
-
-CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
-  CaseUnderCheck checked;
-  checked.read = file == "-" ? read_standard_input(checked.description)
-                             : case_file::read_file(file, checked.description);
+CaseUnderCheck with_changes(CaseUnderCheck checked, const std::vector<v1::CaseChange>& changes) {
   checked.changes = changes;
   // Changes cannot be applied to a file that could not be parsed.
   if (!cannot_be_judged(checked.read.faults))
     case_file::apply_changes(checked.description, changes, checked.read);
   checked.faults = checked.read.faults;
   return checked;
+}
+
+}  // namespace
+
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
+  if (file == "-") return read_case_text(text_of(file), "standard input", changes);
+  CaseUnderCheck checked;
+  checked.read = case_file::read_file(file, checked.description);
+  checked.text = text_of(file);
+  return with_changes(std::move(checked), changes);
+}
+
+CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
+                              const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked;
+  checked.read = case_file::read_text(text, name, checked.description);
+  checked.text = text;
+  return with_changes(std::move(checked), changes);
 }
 
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,

@@ -25,10 +25,15 @@ struct CaseUnderCheck {
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
   std::vector<case_file::UncertainKey> uncertain;            ///< data with a range; without faults
   std::vector<v1::CaseChange> changes;                       ///< changes applied to `description`
+  std::string text;                                          ///< of the file, byte by byte
 };
 
 /// Reads a case file ("-" is standard input) and applies the changes; reports local faults only.
 CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes = {});
+
+/// The same of a text. @param name  stands in positions
+CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
+                              const std::vector<v1::CaseChange>& changes = {});
 
 /// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
 /// server cannot be reached, local faults are reported alone, with a message on standard error;

@@ -125,7 +125,8 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .first_threads = query_threads(config)},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
-          .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
+          .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
+          .share_half_life = whole_seconds(config.share_half_life_s())};
 }
 
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
