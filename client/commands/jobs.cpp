@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <set>
@@ -82,6 +83,7 @@ constexpr const char* list_examples =
 
 struct WaitOptions {
   std::vector<std::string> ids;
+  std::string notify;
   bool json = false;
 };
 
@@ -99,6 +101,15 @@ v1::Job ended_job(Connection& connection, const std::string& id) {
   return connection.call(&Stub::GetJob, request);
 }
 
+/// Runs a command of the user for a job that has ended; what the job is stands in its environment.
+void notify(const std::string& command, const v1::Job& job) {
+  ::setenv("DCCAST_JOB", job.id().c_str(), 1);
+  ::setenv("DCCAST_TITLE", job.title().c_str(), 1);
+  ::setenv("DCCAST_STATE", render::state_text(job.state()).c_str(), 1);
+  if (const int status = std::system(command.c_str()); status != 0)
+    std::cerr << "dccast: the command of --notify ended with status " << status << '\n';
+}
+
 ExitCode run(const WaitOptions& options, Program& program) {
   Connection connection = program.connect();
   ExitCode code = ExitCode::done;
@@ -107,6 +118,7 @@ ExitCode run(const WaitOptions& options, Program& program) {
     std::cout << (options.json ? to_json(job).dump()
                                : job.id() + " " + render::full_state_text(job))
               << std::endl;
+    if (!options.notify.empty()) notify(options.notify, job);
     if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
   }
   return code;
@@ -247,8 +259,14 @@ void add_wait(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<WaitOptions>();
   const cli::Command command = line.command(
       "wait", "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
-      "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait");
+      "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
+      "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
   command.option("JOB", options->ids, job_help).required();
+  command
+      .option("--notify", options->notify,
+              "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
+              "DCCAST_STATE in its environment")
+      .placeholder("COMMAND");
   command.json(options->json, "Each job as JSON on a line");
   command.action([options, &program] { return run(*options, program); });
 }

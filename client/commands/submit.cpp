@@ -4,7 +4,6 @@
 #include "client/commands/commands.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/session/case_faults.hpp"
-#include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
@@ -45,17 +44,6 @@ void require_source(const SubmitOptions& options) {
                                                std::to_string(options.files.size()) + " are given");
 }
 
-/// The case of a job as it was submitted, with the changes made then and those of now.
-CaseUnderCheck case_of_job(const SubmitOptions& options, Connection& connection) {
-  v1::GetJobRequest request;
-  request.set_id(resolve_job(connection, options.from));
-  const v1::Job job = connection.call(&Stub::GetJob, request);
-  std::vector<v1::CaseChange> changes{job.changes().begin(), job.changes().end()};
-  for (const v1::CaseChange& change : changes_of(options.set)) changes.push_back(change);
-  return read_case_text(read_file_of_job(connection, job.id(), "case.toml"),
-                        "the case of job " + job.id(), changes);
-}
-
 /// Checks all cases: if one has faults, none is submitted.
 /// @return  empty if one has faults, which have then been printed
 std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& options,
@@ -63,7 +51,9 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   std::vector<CaseUnderCheck> cases;
   for (const std::string& file : options.files)
     cases.push_back(read_case(file, changes_of(options.set)));
-  if (!options.from.empty()) cases.push_back(case_of_job(options, connection));
+  if (!options.from.empty())
+    cases.push_back(read_case_of_job(connection, resolve_job(connection, options.from),
+                                     changes_of(options.set)));
   bool sound = true;
   for (CaseUnderCheck& checked : cases) {
     check_with_server(checked, connection);

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 
+#include "client/session/download.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::client {
@@ -87,6 +88,17 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
   checked.read = case_file::read_text(text, name, checked.description);
   checked.text = text;
   return with_changes(std::move(checked), changes);
+}
+
+CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
+                                const std::vector<v1::CaseChange>& changes) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  std::vector<v1::CaseChange> all{job.changes().begin(), job.changes().end()};
+  all.insert(all.end(), changes.begin(), changes.end());
+  return read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id,
+                        all);
 }
 
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,

@@ -35,6 +35,11 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
 CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
                               const std::vector<v1::CaseChange>& changes = {});
 
+/// The case of a job as it was submitted, with the changes made then and further ones. Throws
+/// CommandFailed for a job that was submitted without its file, and Interrupted.
+CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
+                                const std::vector<v1::CaseChange>& changes);
+
 /// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
 /// server cannot be reached, local faults are reported alone, with a message on standard error;
 /// without local faults CommandFailed is thrown. Throws Interrupted.

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -43,36 +42,6 @@ std::vector<std::string> environment_for_slurm() {
       if (text.starts_with(name)) variables.emplace_back(text);
   }
   return variables;
-}
-
-std::vector<char*> pointers_to(std::vector<std::string>& texts) {
-  std::vector<char*> pointers;
-  for (std::string& text : texts) pointers.push_back(text.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
-/// posix_spawnp with default signals. @return 0 or an error number
-int spawn(std::vector<std::string> words, const std::array<int, 3>& files, pid_t* process) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  for (int i = 0; i < 3; ++i) posix_spawn_file_actions_adddup2(&actions, files[i], i);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::vector<std::string> variables = environment_for_slurm();
-  const int error = ::posix_spawnp(process, words[0].c_str(), &actions, &attributes,
-                                   pointers_to(words).data(), pointers_to(variables).data());
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
 }
 
 /// @return the status of waitpid(); nothing: it took too long and was killed
@@ -116,7 +85,8 @@ std::string run_command(const std::vector<std::string>& words, std::string_view 
   if (::pwrite(files[0].get(), input.data(), input.size(), 0) != static_cast<ssize_t>(input.size()))
     throw SlurmError(words[0] + ": " + ::strerror(errno), false);
   pid_t process = 0;
-  if (const int error = spawn(words, {files[0].get(), files[1].get(), files[2].get()}, &process))
+  if (const int error = spawn(words, environment_for_slurm(),
+                              {files[0].get(), files[1].get(), files[2].get()}, &process))
     throw SlurmError("cannot start " + words[0] + ": " + ::strerror(error), true);
   const auto status = wait_for(process);
   if (!status) throw SlurmError(words[0] + " gave no answer in time", false);

@@ -171,7 +171,8 @@ int serve_daemon() {
     if (!google::protobuf::util::ParseDelimitedFromZeroCopyStream(&request, &input, nullptr))
       return 0;
     ::prctl(PR_SET_NAME, name_of(request));
-    if (v1::SolveCase& order = *request.mutable_solve(); !order.job_id().empty()) {
+    if (!request.solve().job_id().empty()) {
+      v1::SolveCase& order = *request.mutable_solve();
       if (!order.goes_first()) step_back_behind_queries();
       return run_whole_job(order, rank_of(order));
     }

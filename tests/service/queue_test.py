@@ -124,6 +124,12 @@ class Cases(QueueTest):
         with open(path, encoding="utf-8") as file:
             self.assertEqual(self.dccast("case", first), file.read())
 
+    def test_a_job_is_compared_with_itself_changed(self):
+        first = self.dccast("submit", self.case_file("a.toml", "steps=5")).strip()
+        self.client.until_state(first, SUCCEEDED)
+        compared = json.loads(self.dccast("compare", first, "--set", "schedule.hold=4 s", "--json"))
+        self.assertTrue(compared)
+
     def test_a_job_without_a_file_has_none(self):
         job = self.client.submit(fake_case("steps=5"))
         self.assertIn("without the file", self.dccast("case", job.id, code=5))
@@ -157,6 +163,15 @@ class Lists(QueueTest):
         self.assertEqual(self.listed("--since", "2099-01-01"), [])
         self.dccast("list", "--since", "long ago", code=2)
         self.dccast("list", "--name", "*a*a*a*a*a*a*", code=2)
+
+    def test_a_command_is_run_for_each_job_that_has_ended(self):
+        jobs = [self.client.submit(fake_case(title)).id for title in ("steps=5", "steps=5 fail_at=2")]
+        told = os.path.join(self.folder, "told")
+        self.dccast("wait", "--notify", f'echo "$DCCAST_JOB $DCCAST_STATE $DCCAST_TITLE" >> {told}',
+                    *jobs, code=3)
+        with open(told, encoding="utf-8") as file:
+            self.assertEqual(file.read().splitlines(), [f"{jobs[0]} succeeded steps=5",
+                                                        f"{jobs[1]} failed steps=5 fail_at=2"])
 
     def test_usage(self):
         for title in ("steps=5", "steps=5", "steps=5 fail_at=3"):
