@@ -68,23 +68,17 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
 }
 
 /// @param number  of the case, from 1: several of one request id have its name and their number
-v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const SubmitOptions& options,
+v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
                                 std::size_t number) {
-  constexpr std::size_t longest_file = 1 << 20;  // service.proto
-  v1::SubmitJobRequest request;
+  v1::SubmitJobRequest request = submission_of(checked);
   if (options.request_id.empty())
     request.set_request_id(values::random_uuid());
   else
     request.set_request_id(options.request_id +
                            (options.files.size() > 1 ? "." + std::to_string(number) : ""));
-  if (checked.text.size() <= longest_file) request.set_case_file(checked.text);
   request.mutable_after()->Assign(options.after.begin(), options.after.end());
   request.set_priority(static_cast<v1::Priority>(options.priority));
-  *request.mutable_case_() = checked.description;
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
-  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
-  for (v1::Attachment& attachment : checked.read.attachments)
-    request.add_attachments()->Swap(&attachment);
   return request;
 }
 

@@ -56,30 +56,27 @@ bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
   return faults.size() == 1 && faults.front().field().empty();
 }
 
-/// The bytes of a file; empty where it cannot be read, which its reader reports.
-std::string text_of(const std::string& file) {
-  if (file == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-CaseUnderCheck with_changes(CaseUnderCheck checked, const std::vector<v1::CaseChange>& changes) {
+/// With the changes made, where the file could be parsed.
+void apply(const std::vector<v1::CaseChange>& changes, CaseUnderCheck& checked) {
   checked.changes = changes;
   // Changes cannot be applied to a file that could not be parsed.
   if (!cannot_be_judged(checked.read.faults))
     case_file::apply_changes(checked.description, changes, checked.read);
   checked.faults = checked.read.faults;
-  return checked;
 }
 
 }  // namespace
 
 CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
-  if (file == "-") return read_case_text(text_of(file), "standard input", changes);
+  if (file == "-")
+    return read_case_text({std::istreambuf_iterator<char>(std::cin), {}}, "standard input",
+                          changes);
   CaseUnderCheck checked;
   checked.read = case_file::read_file(file, checked.description);
-  checked.text = text_of(file);
-  return with_changes(std::move(checked), changes);
+  std::ifstream stream(file, std::ios::binary);
+  checked.text.assign(std::istreambuf_iterator<char>(stream), {});
+  apply(changes, checked);
+  return checked;
 }
 
 CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
@@ -87,7 +84,8 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
   CaseUnderCheck checked;
   checked.read = case_file::read_text(text, name, checked.description);
   checked.text = text;
-  return with_changes(std::move(checked), changes);
+  apply(changes, checked);
+  return checked;
 }
 
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
@@ -99,6 +97,17 @@ CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
   all.insert(all.end(), changes.begin(), changes.end());
   return read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id,
                         all);
+}
+
+v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked) {
+  constexpr std::size_t longest_file = 1 << 20;  // service.proto
+  v1::SubmitJobRequest request;
+  if (checked.text.size() <= longest_file) request.set_case_file(checked.text);
+  *request.mutable_case_() = checked.description;
+  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
+  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
+                                        checked.read.attachments.end());
+  return request;
 }
 
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,

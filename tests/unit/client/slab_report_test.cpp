@@ -329,6 +329,17 @@ TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
   }
 }
 
+TEST(ReportPage, DangersAndFailuresStandAtTheTop) {
+  v1::Job job;
+  job.add_findings()->set_severity(v1::Finding::DANGER);
+  job.mutable_failure()->set_kind(v1::Failure::WORKER_HUNG);
+  job.mutable_failure()->set_message("no step <for> an hour");
+  const std::string page = report_page(job, run_with(35, 45));
+  const auto answer = page.find("has risen");
+  EXPECT_LT(page.find("<span class='state failed'>1 danger</span>"), answer);
+  EXPECT_LT(page.find("The run failed: worker hung: no step &lt;for&gt; an hour"), answer);
+}
+
 TEST(ReportPage, WhatHasNotCurledHasNoCause) {
   v1::QueryResultResponse result = run_with(35, 45);
   for (v1::StepReport& step : *result.mutable_steps())
