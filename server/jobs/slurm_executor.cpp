@@ -276,7 +276,9 @@ std::optional<SlurmExecutor::End> SlurmExecutor::submit(Start& start, const Slur
 std::optional<SlurmExecutor::End> SlurmExecutor::follow_listed(Start& start, const SlurmJob& job) {
   if (is_silent(start) && shows_end(start)) return End{left_in_order};  // Slurm sees it later
   start.ended.reset();
-  const bool held = is_held_after_failure(job);
+  // Slurm would start it again, after two minutes.
+  const bool again = job.state == "PENDING" && has_begun(start.launch.folder, start.launch.attempt);
+  const bool held = again || is_held_after_failure(job);
   const bool runs = job.runs() || (held && !is_silent(start));
   report_waiting(start, runs ? "" : "waits in Slurm: " + job.state + ", " + job.reason);
   start.of_machine |= held && !runs;
@@ -297,7 +299,9 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, cons
     if (now - *start.ended < options_.visibility) return std::nullopt;
     return End{{.how = "exit code 0, and no end of its run can be seen", .code = 0}};
   }
-  if (!start.of_machine && !is_of_machine(job.state)) return End{exit_of(job)};
+  const WorkerExit exit = exit_of(job);
+  if (!start.of_machine && !is_of_machine(job.state) && exit.code != exit_begun_before)
+    return End{exit};
   if (!is_silent(start)) return std::nullopt;
   return End{{.how = "its machine was lost or taken away (" + job.state + " in Slurm)",
               .of_machine = true}};

@@ -62,6 +62,10 @@ bool is_superseded(const std::filesystem::path& folder, const StartRank& rank) {
   return highest && *highest > rank;
 }
 
+bool has_begun(const std::filesystem::path& folder, int attempt) {
+  return is_superseded(folder, {.attempt = attempt, .restart = -1});
+}
+
 FolderSigns signs_in(const std::filesystem::path& folder) {
   FolderSigns signs;
   if (const auto claim = status_of(folder / claim_file))

@@ -23,7 +23,7 @@ std::optional<v1::SolveCase> read_order(const std::filesystem::path& folder);
 /// Place of a worker among all starts of its job: the later one ranks higher.
 struct StartRank {
   int attempt = 0;  ///< of the daemon
-  int restart = 0;  ///< of this attempt by Slurm, after the loss of a node
+  int restart = 0;  ///< of this attempt by Slurm
   auto operator<=>(const StartRank&) const = default;
 };
 
@@ -32,6 +32,11 @@ struct StartRank {
 bool announce_rank(const std::filesystem::path& folder, const StartRank& rank);
 /// Whether a later start of the job has announced itself.
 bool is_superseded(const std::filesystem::path& folder, const StartRank& rank);
+/// Whether a worker of this attempt, or of a later one, has announced itself. An attempt begins
+/// once: what follows the loss of its worker is the next one, so that the log says where.
+bool has_begun(const std::filesystem::path& folder, int attempt);
+/// Exit code of a worker whose attempt has begun before.
+inline constexpr int exit_begun_before = 75;
 
 /// What a folder shows of a worker in it, wherever that runs: two looks that differ are a sign of
 /// life. Files are opened for it, which makes a network file system ask its server.

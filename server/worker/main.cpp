@@ -143,10 +143,12 @@ int run_ordered(const std::string& folder, int attempt) {
     return exit_not_begun;
   }
   ::prctl(PR_SET_NAME, "dccast-job");
-  const int restart = std::atoi(take_variable("SLURM_RESTART_COUNT").c_str());
-  if (restart > 0) order->set_resume(true);
+  if (jobs::has_begun(folder, attempt)) {
+    std::cerr << "dccast-worker: attempt " << attempt << " has begun before\n";
+    return jobs::exit_begun_before;
+  }
   order->set_directory(folder);
-  return run_whole_job(*order, jobs::StartRank{attempt, restart});
+  return run_whole_job(*order, jobs::StartRank{.attempt = attempt});
 }
 
 /// What lists of processes show of a process at work.

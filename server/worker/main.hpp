@@ -11,6 +11,7 @@ namespace dccast::worker {
 ///   1  it could not begin: another worker writes into the folder of the job, for example
 ///  70  the folder of the job is gone, a later start of the job has it, or no daemon
 ///     came in time and the run did not stop
+///  75  the attempt has begun before
 ///  71, 74  jobs::exit_out_of_memory, jobs::exit_storage
 /// Once it has claimed the folder of a job it outlives the daemon, as long as the order permits.
 int main(int argc, char** argv);

@@ -137,7 +137,8 @@ class Cluster:
         state = self.run("sinfo", "--noheader", "--format=%T").strip()
         if state.startswith(("down", "drain")):  # of a slurmd that was away; what an admin does
             self.resume_node()
-        return state in ("idle", "mixed", "allocated")
+        # "*": slurmctld, just started, has not reached it yet; its jobs wait as long.
+        return state.rstrip("*") in ("idle", "mixed", "allocated", "completing")
 
     def resume_node(self):
         self.run("scontrol", "update", f"NodeName={self.host}", "State=RESUME")

@@ -244,6 +244,23 @@ TEST_F(SlurmExecutorTest, WhatHasEndedAndRunsAgainInSlurmIsCancelled) {
   EXPECT_THAT(asked(), Not(HasSubstr("dccast-foreign")));
 }
 
+// An attempt begins once: the next one says in the log where it goes on.
+TEST_F(SlurmExecutorTest, AnAttemptThatSlurmWouldStartAgainIsFollowedByTheNext) {
+  begin();
+  ASSERT_TRUE(is_asked("sbatch"));
+  announce_rank(job_, {.attempt = 1});
+  shows_start("PENDING", "BeginTime");
+  EXPECT_TRUE(is_asked("scancel --name=dccast-a-job.1"));
+  shows_start("CANCELLED");
+  EXPECT_THAT(reported(), HasSubstr("of the machine"));
+}
+
+TEST_F(SlurmExecutorTest, AStartThatFoundItsAttemptBegunIsNoLossOfTheJob) {
+  begin();
+  shows("dccast-a-job.1|FAILED|NonZeroExitCode|19200|\n");
+  EXPECT_THAT(reported(), HasSubstr("of the machine"));
+}
+
 TEST_F(SlurmExecutorTest, SaysHowAWorkerHasEnded) {
   begin();
   shows("dccast-a-job.1|FAILED|NonZeroExitCode|18944|\n");
