@@ -105,7 +105,8 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_calibrate,   commands::add_design_mould, commands::add_design_recipe,
         commands::add_studies,     commands::add_cancel,       commands::add_pause,
         commands::add_resume,      commands::add_delete,       commands::add_schema,
-        commands::add_alloys,      commands::add_info,         commands::add_completion})
+        commands::add_alloys,      commands::add_info,         commands::add_completion,
+        commands::add_usage,       commands::add_case,         commands::add_logs})
     add(line, program);
 }
 
