@@ -5,6 +5,7 @@
 #include <exception>
 #include <iostream>
 
+#include "server/access/users.hpp"
 #include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
@@ -39,6 +40,9 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
   switch (line.command) {
     case Command::serve:
       return dccast::daemon::serve(config, line.workers);
+    case Command::administrate:
+      dccast::daemon::administrate(line.administration, config, std::cout);
+      break;
     case Command::check:
       damages = dccast::state::check(
           folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);
@@ -66,6 +70,9 @@ int main(int argc, char** argv) {
     return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {
     std::cerr << error.what() << '\n';
+    return exit_invalid;
+  } catch (const dccast::access::Refused& refused) {
+    std::cerr << refused.what() << '\n';
     return exit_invalid;
   } catch (const std::exception& error) {
     dccast::log::error("{}", error.what());
