@@ -7,6 +7,7 @@
 #include "client/cli/configuration.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
+#include "client/session/servers.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::commands {
@@ -53,6 +54,13 @@ constexpr const char* completion_examples =
     "  dccast completion fish > ~/.config/fish/completions/dccast.fish";
 
 }  // namespace
+
+Connection Program::connect() const {
+  const StoredServers stored(servers);
+  if (const StoredServer* server = stored.find(this->server))
+    return {server->endpoint, interruption};
+  return {endpoint_of(server.empty() ? "127.0.0.1" : server), interruption};
+}
 
 void add_info(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<InfoOptions>();
@@ -105,7 +113,9 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_calibrate,   commands::add_design_mould, commands::add_design_recipe,
         commands::add_studies,     commands::add_cancel,       commands::add_pause,
         commands::add_resume,      commands::add_delete,       commands::add_schema,
-        commands::add_alloys,      commands::add_info,         commands::add_completion})
+        commands::add_login,       commands::add_logout,       commands::add_whoami,
+        commands::add_doctor,      commands::add_alloys,       commands::add_info,
+        commands::add_completion})
     add(line, program);
 }
 
@@ -119,7 +129,6 @@ std::string reason_against_output() {
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
-  if (program.server.empty()) program.server = std::string("127.0.0.1") + default_port;
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
   add_commands(line, program);
@@ -127,8 +136,10 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
   std::cout.exceptions(std::ios::badbit);
   try {
     apply_configuration(program.configuration, line, program.server);
-    line.global_option("--server", program.server,
-                       "Address of dccastd; also before or after a command", "DCCAST_SERVER");
+    line.global_option(
+        "--server", program.server,
+        "Name of a login, or address of dccastd on this machine; also after a command",
+        "DCCAST_SERVER");
     const ExitCode code = line.run(arguments);
     std::cout.flush();
     return static_cast<int>(code);
