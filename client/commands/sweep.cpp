@@ -156,13 +156,21 @@ std::string millimetres(double metres) {
 }
 
 void print(const v1::Prediction& prediction) {
-  render::Table table({"monitor", ">curl mm", ">+- mm", ">at s", ">cast mm"});
+  std::vector<std::string> headings{"monitor", ">curl mm", ">surface \u00b1 mm"};
+  const bool has_error = prediction.has_relative_curl_error();
+  if (has_error) headings.push_back(">mesh and steps \u00b1 mm");
+  headings.insert(headings.end(), {">at s", ">cast mm"});
+  render::Table table(headings);
   for (const v1::CurlCurve& curve : prediction.curves()) {
     const int last = curve.time_s_size() - 1;
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
-    table.add({curve.monitor(), millimetres(curve.curl_m(last)),
-               millimetres(curve.uncertainty_m(last)), render::fixed(curve.time_s(last), 2),
-               render::fixed(1e3 * curve.cast_length_m(last), 1)});
+    std::vector<std::string> row{curve.monitor(), millimetres(curve.curl_m(last)),
+                                 millimetres(curve.uncertainty_m(last))};
+    if (has_error)
+      row.push_back(millimetres(prediction.relative_curl_error() * std::abs(curve.curl_m(last))));
+    row.push_back(render::fixed(curve.time_s(last), 2));
+    row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
+    table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
   std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
@@ -200,9 +208,8 @@ void add_predict(cli::CommandLine& line, Program& program) {
   const cli::Command command = line.command(
       "predict",
       "The curl at values that a sweep has not run, from a response surface over its runs. It "
-      "covers "
-      "the range of the sweep and nothing outside; the +- is its own standard error, without "
-      "the mesh error of the runs",
+      "covers the range of the sweep and nothing outside. The standard error of the surface and "
+      "what mesh and time steps of the runs leave uncertain are given apart",
       "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
       "schedule.water_flow.scale=0.9");
   command.option("STUDY", options->id, study_help).required();

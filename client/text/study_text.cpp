@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <ostream>
 
 #include "client/text/findings.hpp"
@@ -203,7 +204,7 @@ std::string csv_head(const v1::StudyResult& result) {
   for (const auto& axis : result.study().sweep().axes())
     head += "," + csv_text(axis.key()) + "," + csv_text(axis.key() + si_suffix(axis.key()));
   for (const std::string& monitor : result.monitors())
-    head += "," + csv_text(monitor + "_end_curl_m");
+    head += "," + csv_text(monitor + "_end_curl_m") + "," + csv_text(monitor + "_uncertainty_m");
   return head + ",solver_s,beyond_validity,findings,failure\n";
 }
 
@@ -214,11 +215,18 @@ std::string finding_codes(const v1::StudyRun& run) {
   return codes;
 }
 
+/// What mesh and time steps leave uncertain of a curl of the run; NaN: not known.
+double mesh_error_m(const v1::StudyRun& run, double curl_m) {
+  return run.has_relative_curl_error() ? run.relative_curl_error() * std::abs(curl_m)
+                                       : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string csv_row(const v1::StudyRun& run, int number) {
   std::string row = std::to_string(number) + "," + run.job() + "," + v1::JobState_Name(run.state());
   for (int i = 0; i < run.values_size(); ++i)
     row += "," + csv_text(run.values(i)) + "," + csv_number(run.numbers(i));
-  for (const double curl : run.end_curl_m()) row += "," + csv_number(curl);
+  for (const double curl : run.end_curl_m())
+    row += "," + csv_number(curl) + "," + csv_number(mesh_error_m(run, curl));
   return row + "," + csv_number(run.solver_s()) + "," + (run.beyond_validity() ? "1" : "0") + "," +
          finding_codes(run) + "," + csv_text(run.failure().message()) + "\n";
 }
@@ -241,14 +249,23 @@ std::string run_text(const v1::StudyRun& run) {
 std::string sweep_table(const v1::StudyResult& result) {
   std::vector<std::string> headings{">run"};
   for (const auto& axis : result.study().sweep().axes()) headings.push_back(">" + axis.key());
-  for (const std::string& monitor : result.monitors()) headings.push_back(">" + monitor + " mm");
+  const bool has_errors =
+      std::ranges::any_of(result.runs(), &v1::StudyRun::has_relative_curl_error);
+  for (const std::string& monitor : result.monitors()) {
+    headings.push_back(">" + monitor + " mm");
+    if (has_errors) headings.push_back(">\u00b1 mm");
+  }
   headings.push_back("state");
   Table table(headings);
   for (int i = 0; i < result.runs_size(); ++i) {
     const v1::StudyRun& run = result.runs(i);
     std::vector<std::string> row{std::to_string(i + 1)};
     for (const std::string& value : run.values()) row.push_back(value);
-    for (const double curl : run.end_curl_m()) row.push_back(fixed(1e3 * curl, 3));
+    for (const double curl : run.end_curl_m()) {
+      row.push_back(fixed(1e3 * curl, 3));
+      const double error_m = mesh_error_m(run, curl);
+      if (has_errors) row.push_back(std::isfinite(error_m) ? fixed(1e3 * error_m, 2) : "-");
+    }
     row.push_back(run_text(run));
     table.add(std::move(row));
   }

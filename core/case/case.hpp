@@ -141,6 +141,9 @@ struct Case {
   Limits limits;
   /// The case in the form it was submitted (JSON), kept in the result file for provenance.
   std::string source_json;
+  /// What mesh and time steps leave uncertain of a curl, relative to it [1]; kept in the result
+  /// file. Core does not know it: it comes with the case. Absent: not known.
+  std::optional<double> relative_curl_error = std::nullopt;
 };
 
 }  // namespace dccast::casting

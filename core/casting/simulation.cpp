@@ -69,7 +69,7 @@ std::vector<results::Finding> forecast(const Case& c) {
   }
   std::vector<results::Finding> found;
   for (results::Finding finding : run.findings()) {
-    if (!finding.time) continue;  // of the coarse case itself
+    if (!finding.time) continue;        // of the coarse case itself
     if (finding.key.empty()) continue;  // a check of the coarse run, not of the casting
     finding.message = "Forecast by heat alone on a coarse mesh: " + finding.message;
     found.push_back(std::move(finding));
@@ -89,6 +89,7 @@ results::RunHeader header_of(const Case& c) {
   header.build = "g++ " __VERSION__;
   header.title = c.title;
   header.case_json = c.source_json;
+  header.relative_curl_error = c.relative_curl_error;
   header.section = mesh::name_of(c.section.kind);
   header.dimension = mesh::dimension_of(c.section.kind);
   header.liquidus = c.alloy.liquidus;

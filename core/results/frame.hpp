@@ -78,6 +78,8 @@ struct RunHeader {
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
   double shell = 0.0;     ///< [°C] below it metal counts as a shell
+  /// half width of the error of mesh and time steps, over the curl [1]; absent: not known
+  std::optional<double> relative_curl_error = std::nullopt;
   std::vector<std::string> monitor_name;
   int dimension = 2;  ///< number of coordinates; the last one points upwards
   std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]

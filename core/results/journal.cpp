@@ -125,6 +125,8 @@ Sections to_sections(const RunHeader& header) {
   content.set_real("liquidus", header.liquidus);
   content.set_real("solidus", header.solidus);
   content.set_real("shell", header.shell);
+  if (header.relative_curl_error)
+    content.set_real("relative_curl_error", *header.relative_curl_error);
   content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
     content.set("monitor_name." + std::to_string(i), header.monitor_name[i]);
@@ -143,6 +145,8 @@ RunHeader header_of(const Sections& content) {
   header.liquidus = content.real("liquidus");
   header.solidus = content.real("solidus");
   header.shell = content.has("shell") ? content.real("shell") : header.solidus;
+  if (content.has("relative_curl_error"))
+    header.relative_curl_error = content.real("relative_curl_error");
   for (std::int64_t i = 0; i < content.integer("monitors"); ++i)
     header.monitor_name.push_back(content.text("monitor_name." + std::to_string(i)));
   header.dimension = static_cast<int>(content.integer("dimension"));

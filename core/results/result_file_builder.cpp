@@ -177,6 +177,8 @@ void write_header(File& file, const RunHeader& header) {
   file.write_attribute("/", "liquidus_c", header.liquidus);
   file.write_attribute("/", "solidus_c", header.solidus);
   file.write_attribute("/", "shell_c", header.shell);
+  if (header.relative_curl_error)
+    file.write_attribute("/", "relative_curl_error", *header.relative_curl_error);
   file.write_text("/case", header.case_json, "the case as it was submitted, JSON");
   file.create_group("/frames");
   file.create_group("/history");

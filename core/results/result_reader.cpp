@@ -104,8 +104,10 @@ RunHeader ResultReader::header() const {
   header.section = file_->text_attribute("/", "section");
   header.liquidus = file_->real_attribute("/", "liquidus_c");
   header.solidus = file_->real_attribute("/", "solidus_c");
-  header.shell = file_->has_attribute("/", "shell_c") ? file_->real_attribute("/", "shell_c")
-                                                      : header.solidus;
+  header.shell =
+      file_->has_attribute("/", "shell_c") ? file_->real_attribute("/", "shell_c") : header.solidus;
+  if (file_->has_attribute("/", "relative_curl_error"))
+    header.relative_curl_error = file_->real_attribute("/", "relative_curl_error");
   const auto texts = file_->read_texts("/case");
   header.case_json = texts.empty() ? "" : texts.front();
   header.monitor_name = file_->read_texts("/monitors/name");

@@ -30,6 +30,8 @@ void write_runs(File& file, const StudyTable& table) {
   file.write_texts("/runs/value", by_key, table.value, "value of each key, as written");
   file.write("/runs/number", by_key, table.number.data(), "SI", "the same as numbers");
   file.write("/runs/end_curl_m", by_monitor, table.end_curl.data(), "m", "curl at the end");
+  file.write("/runs/relative_curl_error", run, table.relative_curl_error.data(), "1",
+             "what mesh and time steps leave uncertain of a curl, over the curl");
   file.write("/runs/solver_s", run, table.solver_seconds.data(), "s", "processor of the solver");
   file.write("/runs/refinement", run, table.refinement.data(), "1", "of a refinement study");
   file.write("/runs/beyond_validity", run, table.beyond_validity.data(), "1",

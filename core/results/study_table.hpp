@@ -17,13 +17,14 @@ struct StudyTable {
   std::vector<std::string> key;      ///< (axis) of a sweep; empty for other studies
   std::vector<std::string> monitor;  ///< (monitor) names
 
-  std::vector<std::string> job;          ///< (run) UUID; empty while a run has none
-  std::vector<std::string> run_state;    ///< (run)
-  std::vector<std::string> value;        ///< (run, axis) as written in the sweep
-  std::vector<double> number;            ///< (run, axis) [SI unit of the key]; NaN if not a number
-  std::vector<double> end_curl;          ///< (run, monitor) [m]; NaN if unknown
-  std::vector<double> solver_seconds;    ///< (run) [s]
-  std::vector<std::int32_t> refinement;  ///< (run) for a refinement study; else 0
+  std::vector<std::string> job;        ///< (run) UUID; empty while a run has none
+  std::vector<std::string> run_state;  ///< (run)
+  std::vector<std::string> value;      ///< (run, axis) as written in the sweep
+  std::vector<double> number;          ///< (run, axis) [SI unit of the key]; NaN if not a number
+  std::vector<double> end_curl;        ///< (run, monitor) [m]; NaN if unknown
+  std::vector<double> relative_curl_error;    ///< (run) [1] of mesh and time steps; NaN if unknown
+  std::vector<double> solver_seconds;         ///< (run) [s]
+  std::vector<std::int32_t> refinement;       ///< (run) for a refinement study; else 0
   std::vector<std::int32_t> beyond_validity;  ///< (run) 1: its curl is not valid
   std::vector<std::string> failure;           ///< (run) empty if there is none
 

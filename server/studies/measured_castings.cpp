@@ -95,14 +95,6 @@ void keep_valid(MeasuredCasting& casting, std::size_t inputs) {
                         std::to_string(casting.runs.size()) + " have");
 }
 
-/// Half the band of mesh and steps relative to the curl.
-std::optional<double> mesh_error_of(const MeasuredCasting& casting) {
-  v1::Case complete = casting.request.case_();
-  case_file::apply_quality(complete);
-  case_file::apply_defaults(complete);
-  return case_file::relative_discretisation_error(complete);
-}
-
 /// The unit of noise and misfit: root mean square of curls, or of temperatures about their mean.
 double scale_of(const std::vector<Channel>& channels, bool curl) {
   double sum = 0.0, count = 0.0;
@@ -259,7 +251,7 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   double mesh_error = 0.0;
   for (MeasuredCasting& casting : castings) {
     keep_valid(casting, static_cast<std::size_t>(axes.count()));
-    const auto error = mesh_error_of(casting);
+    const auto error = relative_curl_error(casting.request.case_());
     known = known && error;
     mesh_error = std::max(mesh_error, error.value_or(0.0));
     calibration.add_runs(static_cast<int>(casting.runs.size()));

@@ -165,8 +165,7 @@ public:
       : keys_(keys) {
     std::vector<SurfaceRun> chosen;
     for (const EvaluatedRun& run : runs)
-      if (run.counts() && kind_of(keys_, run) == kind)
-        chosen.push_back({inputs_of(run), run.history});
+      if (run.counts() && kind_of(keys_, run) == kind) add(run, chosen);
     std::vector<InputRange> domain;
     for (const SweptKey& key : keys_)
       if (key.numeric) domain.push_back(key.range);
@@ -190,6 +189,7 @@ public:
     prediction.set_cross_validated_error_m(surface_->cross_validated_error_m());
     prediction.set_runs(surface_->runs());
     *prediction.mutable_next_run() = {next_run_.begin(), next_run_.end()};
+    if (std::isfinite(curl_error_)) prediction.set_relative_curl_error(curl_error_);
     return prediction;
   }
 
@@ -197,11 +197,14 @@ public:
   std::size_t bytes() const { return surface_->bytes(); }
 
 private:
-  std::vector<double> inputs_of(const EvaluatedRun& run) const {
+  void add(const EvaluatedRun& run, std::vector<SurfaceRun>& chosen) {
     std::vector<double> inputs;
     for (std::size_t i = 0; i < keys_.size(); ++i)
       if (keys_[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
-    return inputs;
+    chosen.push_back({std::move(inputs), run.history});
+    curl_error_ = std::max(curl_error_, run.run.has_relative_curl_error()
+                                            ? run.run.relative_curl_error()
+                                            : std::numeric_limits<double>::infinity());
   }
 
   void name_next_run(const v1::Case& base) {
@@ -217,6 +220,7 @@ private:
   std::vector<SweptKey> keys_;
   std::unique_ptr<const CurlSurface> surface_;
   std::vector<v1::CaseChange> next_run_;
+  double curl_error_ = 0.0;  ///< largest of the runs, relative; infinite: not known of one of them
 };
 
 Predictions::Predictions() = default;

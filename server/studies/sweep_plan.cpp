@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "core/statistics/sampling.hpp"
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/printable.hpp"
 #include "server/studies/study_plan.hpp"
@@ -217,10 +219,20 @@ std::vector<v1::Fault> measurement_faults(const v1::CreateStudyRequest& request)
   return faults;
 }
 
+/// Whether an axis may change what is known of the error of mesh and time steps.
+bool changes_mesh(const Axis& axis) {
+  const std::string table = axis.key().substr(0, axis.key().find('.'));
+  return table == "quality" || table == "mesh" || table == "time" || table == "section";
+}
+
 class Sweep final : public StudyPlan {
 public:
   explicit Sweep(const v1::CreateStudyRequest& request)
-      : base_(request.case_()), sweep_(request.sweep()), values_(sweep_values(request)) {
+      : base_(request.case_()),
+        sweep_(request.sweep()),
+        values_(sweep_values(request)),
+        one_error_(std::ranges::none_of(sweep_.axes(), changes_mesh)),
+        base_error_(relative_curl_error(base_)) {
     for (int run = 0; run < runs(); ++run)
       for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
         const auto known = numbers_.try_emplace({axis, value(run, axis)});
@@ -249,6 +261,9 @@ public:
       run.add_values(value(number, axis));
       run.add_numbers(numbers_.at({axis, value(number, axis)}));
     }
+    const auto error =
+        one_error_ ? base_error_ : relative_curl_error(this->run(number).description);
+    if (error) run.set_relative_curl_error(*error);
   }
 
 private:
@@ -260,6 +275,8 @@ private:
   v1::SweepPlan sweep_;
   std::vector<std::vector<std::string>> values_;
   std::map<std::pair<int, std::string>, double> numbers_;  ///< by axis and value
+  bool one_error_;  ///< of mesh and time steps, for all runs: base_error_
+  std::optional<double> base_error_;
 };
 
 std::vector<std::vector<int>> indices_of(const v1::SweepPlan& sweep) {
@@ -324,6 +341,12 @@ double number_of(const v1::Case& base, const std::string& key, const std::string
     if (const auto change = written(value))
       return change->unit.starts_with("%") ? 0.01 * change->number : change->number;
   return case_file::number_at(changed, key).value_or(none);
+}
+
+std::optional<double> relative_curl_error(v1::Case description) {
+  case_file::apply_quality(description);
+  case_file::apply_defaults(description);
+  return case_file::relative_discretisation_error(description);
 }
 
 std::string value_between(const v1::Case& base, const Axis& ends, double place) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ std::vector<std::vector<std::string>> sweep_values(const v1::CreateStudyRequest&
 
 /// The number that a value of a key stands for, in the unit of the schema; NaN for what is none.
 double number_of(const v1::Case& base, const std::string& key, const std::string& value);
+
+/// What mesh and time steps leave uncertain of a curl, relative to it; nothing where it is not
+/// known.
+/// @param description  case as submitted
+std::optional<double> relative_curl_error(v1::Case description);
 
 /// A value between two, as in a case file, in the unit of the first one.
 /// @param ends   a key with two numbers  @param place  0 to 1

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "core/material/thermal_properties.hpp"
+#include "proto/case_file/quality.hpp"
 #include "server/translate/case_parts.hpp"
 
 namespace dccast::translate {
@@ -122,9 +123,8 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   to.liquid_fraction = to_core(from.liquid_fraction());
   to.density = of_metal(to, from.density_kg_per_m3(), from.solid_density_kg_per_m3(),
                         from.liquid_density_kg_per_m3());
-  to.conductivity =
-      of_metal(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
-               from.liquid_conductivity_w_per_m_k());
+  to.conductivity = of_metal(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
+                             from.liquid_conductivity_w_per_m_k());
   coherency(from, to);
   to.shell = material::coherency_at(to, from.shell_solid_fraction());
   to.young_modulus = to_core(from.young_modulus_pa());
@@ -216,6 +216,7 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.validity = validity(complete.validity());
   to.plausibility = plausibility(complete.plausibility());
   small_tables(complete, to);
+  to.relative_curl_error = case_file::relative_discretisation_error(complete);
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
   const auto status =

@@ -320,6 +320,8 @@ void add_run(const v1::StudyRun& run, results::StudyTable& table) {
   add_curve(run, table);
   table.job.push_back(run.job());
   table.run_state.push_back(lower(v1::JobState_Name(run.state())));
+  table.relative_curl_error.push_back(run.has_relative_curl_error() ? run.relative_curl_error()
+                                                                    : unknown);
   table.solver_seconds.push_back(run.solver_s());
   table.refinement.push_back(run.refinement());
   table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);

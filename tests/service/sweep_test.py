@@ -13,6 +13,7 @@ import time
 
 import grpc
 import h5py
+import numpy
 
 from dccast.v1 import job_pb2, service_pb2, study_pb2
 from support import BIN, TERMINAL, ServiceTest, fake_case, main, until
@@ -336,6 +337,7 @@ class Command(StudyTest):
                 self.assertEqual(own[-1, 0], table["runs/end_curl_m"][number, 0])
             self.assertEqual(list(table["curves/time_s"][:3]), [1, 2, 3])
             self.assertEqual(list(table["findings/run"]), [0, 1, 2, 3])
+            self.assertTrue(all(numpy.isnan(table["runs/relative_curl_error"])))  # a mesh of its own
             self.assertEqual(set(table["findings/code"].asstr()), {"bleed_out_at_exit"})
             self.assertEqual(set(table["findings/severity"].asstr()), {"danger"})
         self.dccast("studies", "fetch", study, "-o", "again.h5")
@@ -465,6 +467,29 @@ class Predicted(StudyTest):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.predict, study, **{"mesh.rows": "20"})
         single = truth["study"]["id"]
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.predict, single, **unseen)
+
+    def test_the_error_of_mesh_and_steps_is_the_same_in_every_answer(self):
+        """At a built-in mesh it is known: in sweep, prediction, results file and curl alike."""
+        axis = "cooling.bottom_block.temperature=50 degC,110 degC"
+        result = json.loads(self.dccast("sweep", CASE, "--set", "quality=draft", "--set",
+                                        "time.end=15 s", "--grid", axis, "--lhs", "5", "--json"))
+        study, run = result["study"]["id"], result["runs"][2]
+        error = run["relative_curl_error"]
+        self.assertGreater(error, 0.0)
+        self.assertEqual({r["relative_curl_error"] for r in result["runs"]}, {error})
+        rows = list(csv.DictReader(
+            self.dccast("sweep", "--study", study, "--csv", "-").splitlines()))
+        self.assertAlmostEqual(float(rows[2]["corner_uncertainty_m"]),
+                               error * abs(run["end_curl_m"][0]), delta=1e-12)
+        self.assertEqual(json.loads(self.dccast("predict", study, "--json"))["relative_curl_error"],
+                         error)
+        self.assertIn("mesh and steps \u00b1 mm", self.dccast("predict", study))
+        path = os.path.join(self.folder, "run.h5")
+        self.dccast("fetch", run["job"], "-o", path)
+        with h5py.File(path) as file:
+            self.assertEqual(file.attrs["relative_curl_error"], error)
+        curl = json.loads(self.dccast("curl", run["job"], "--json"))["monitors"][0]
+        self.assertEqual(curl["uncertainty_m"], [error * abs(value) for value in curl["curl_m"]])
 
 
 if __name__ == "__main__":

@@ -34,8 +34,9 @@ CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage", "statistics"}
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}
 CLIENT_ROOMS["text"] = CLIENT_ROOMS["html"] = {"model", "session", "text", "html"}
+CLIENT_ROOMS["web"] = CLIENT_ROOMS["text"] | {"web"}
 CLIENT_ROOMS["cli"] = CLIENT_ROOMS["text"] | {"cli"}
-CLIENT_ROOMS["commands"] = CLIENT_ROOMS["cli"] | {"commands"}
+CLIENT_ROOMS["commands"] = CLIENT_ROOMS["cli"] | {"web", "commands"}
 
 # Headers that only one place may include; tests of that place may too, and others named below.
 ONLY_IN = {
@@ -44,7 +45,8 @@ ONLY_IN = {
     "sqlite3.h": "server/jobs",
 }
 # Libraries whose headers take seconds to compile stay behind one source of the client.
-CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp"}
+CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp",
+                    "httplib.h": "client/web/web_server.cpp"}
 TESTS_THAT_LOOK_INTO_FILES = {"tests/unit/results": "hdf5.h"}
 NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
 NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
@@ -66,6 +68,7 @@ DEBIAN_PACKAGES = {
     "Eigen3": ["libeigen3-dev"],
     "OpenSSL": ["libssl-dev"],
     "Udunits2": ["libudunits2-dev"],
+    "Httplib": ["libcpp-httplib-dev"],
     "Cholmod": ["libsuitesparse-dev", "libopenblas-pthread-dev", "libmetis-dev"],
     "GTest": ["libgtest-dev", "libgmock-dev"],
     "benchmark": ["libbenchmark-dev"],

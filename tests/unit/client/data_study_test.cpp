@@ -7,6 +7,7 @@
 #include "client/html/data_study_page.hpp"
 #include "client/model/effects.hpp"
 #include "client/text/data_study_text.hpp"
+#include "client/text/study_text.hpp"
 
 namespace dccast::client {
 namespace {
@@ -55,6 +56,27 @@ v1::StudyResult sensitivity() {
   lost.set_end_curl_m(0, std::numeric_limits<double>::quiet_NaN());
   add_run(result, 3, 1, 38.0);
   return result;
+}
+
+TEST(Sweep, TableAndCsvHaveTheErrorOfMeshAndStepsWhereItIsKnown) {
+  v1::StudyResult result;
+  result.add_monitors("corner");
+  add_axis(result, "mesh.rows", "10", "20");
+  add_run(result, 0, 0, -40.0).set_relative_curl_error(0.05);
+  add_run(result, 0, 1, 41.0);
+  for (v1::StudyRun& run : *result.mutable_runs()) {
+    run.mutable_end_curl_m()->Truncate(1);
+    run.add_numbers(10.0);
+  }
+  const std::string table = render::sweep_table(result), csv = render::sweep_csv(result);
+  EXPECT_THAT(table, testing::ContainsRegex("corner mm +\u00b1 mm"));
+  EXPECT_THAT(table, testing::ContainsRegex("-40.000 +2.00 +succeeded"));
+  EXPECT_THAT(table, testing::ContainsRegex("41.000 +- +succeeded"));
+  EXPECT_THAT(csv, HasSubstr("corner_end_curl_m,corner_uncertainty_m,"));
+  EXPECT_THAT(csv, HasSubstr(",-0.04,0.002,"));
+  EXPECT_THAT(csv, HasSubstr(",0.041,,"));
+  result.mutable_runs(0)->clear_relative_curl_error();
+  EXPECT_THAT(render::sweep_table(result), Not(HasSubstr("\u00b1")));
 }
 
 std::size_t widest_line(const std::string& text) {

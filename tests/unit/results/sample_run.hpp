@@ -20,6 +20,7 @@ inline RunHeader sample_header() {
   header.section = "plane_strain";
   header.liquidus = 649.0;
   header.solidus = 620.0;
+  header.relative_curl_error = 0.02;
   header.monitor_name = {"corner", "centre \xC2\xB5"};
   header.monitor_position = {{0.28, 0.0}, {0.0, 0.0}};
   return header;
@@ -130,6 +131,7 @@ inline RunHeader sample_solid_header() {
   RunHeader header = sample_header();
   header.section = "quarter_slab";
   header.dimension = 3;
+  header.relative_curl_error.reset();
   header.monitor_position = {{0.28, 0.1, 0.0}, {0.0, 0.0, 0.0}};
   return header;
 }

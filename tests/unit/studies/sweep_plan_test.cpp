@@ -48,6 +48,30 @@ TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
   EXPECT_THAT(run.numbers(), ElementsAre(testing::DoubleEq(40e-3 / 60.0), 20.0));
 }
 
+/// What mesh and steps leave uncertain is known at the built-in meshes of the qualities.
+TEST(SweepPlan, EveryRunHasTheErrorOfItsOwnMeshAndSteps) {
+  const auto errors = [](const v1::CreateStudyRequest& request) {
+    std::vector<double> all;
+    const auto plan = study_plan(request);
+    for (int number = 0; number < plan->runs(); ++number) {
+      v1::StudyRun run;
+      plan->describe(number, run);
+      all.push_back(run.has_relative_curl_error() ? run.relative_curl_error() : 0.0);
+    }
+    return all;
+  };
+  const auto speeds =
+      errors(sweep_of(v1::SweepPlan::GRID, {{"schedule.casting_speed", "40 mm/min", "60 mm/min"}}));
+  EXPECT_GT(speeds[0], 0.0);
+  EXPECT_EQ(speeds[1], speeds[0]);
+  const auto qualities =
+      errors(sweep_of(v1::SweepPlan::LIST, {{"quality", "draft", "engineering"}}));
+  EXPECT_GT(qualities[0], qualities[1]);
+  EXPECT_GT(qualities[1], 0.0);
+  EXPECT_THAT(errors(sweep_of(v1::SweepPlan::LIST, {{"mesh.rows", "10", "20"}})),
+              ElementsAre(0.0, 0.0));
+}
+
 TEST(SweepPlan, AListTakesValuesTogetherAndTextsHaveNoNumber) {
   const auto request =
       sweep_of(v1::SweepPlan::LIST, {{"alloy.card", "paper", "al6cu"}, {"mesh.rows", "10", "20"}});
