@@ -1,6 +1,7 @@
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <exception>
 #include <iostream>
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
   const auto line = dccast::daemon::read_command_line(argc, argv);
   if (line.exit_code >= 0) return line.exit_code;
   prepare_signals();
+  ::umask(0077);  // what daemon and workers write is the owner's alone
   spdlog::set_default_logger(spdlog::stderr_color_mt("dccastd"));
   try {
     const auto config = dccast::daemon::read_config(line.config_file, line.overrides);

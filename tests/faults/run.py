@@ -15,7 +15,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 BUILD = os.path.join(ROOT, "build", "release")
-FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies")
+FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies", "access")
 
 
 def arguments():

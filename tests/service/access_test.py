@@ -23,7 +23,8 @@ class Remote:
     """A client over TLS as python3-grpc makes one: with a token, a certificate, or neither."""
 
     def __init__(self, daemon, token="", certificate=None):
-        with open(os.path.join(daemon.settings["data_directory"], "pki", "ca.pem"), "rb") as file:
+        own = os.path.join(daemon.settings["data_directory"], "pki", "ca.pem")
+        with open(daemon.settings.get("certificate_ca", own), "rb") as file:
             ca = file.read()
         key, chain = certificate or (None, None)
         credentials = grpc.ssl_channel_credentials(ca, key, chain)
@@ -53,8 +54,6 @@ class AccessTest(ServiceTest):
         settings.setdefault("listen_tls", "127.0.0.2:0")
         settings.setdefault("public_address", "127.0.0.2:7118")
         self.daemon = Daemon(self.folder, **settings).start()
-        self.daemon.tls_address = self.daemon.address.splitlines()[1]
-        self.daemon.address = self.daemon.address.splitlines()[0]
         return self.daemon
 
     def admin(self, *words, code=0):
@@ -397,8 +396,10 @@ class Audit(AccessTest):
                                   timeout=10).HasField("end_time"), 20)
         data = self.daemon.settings["data_directory"]
         self.assertEqual(stat.S_IMODE(os.stat(data).st_mode), 0o700)
-        for name in ("users.toml", "users.lock", "audit.log", "pki/ca.key", "pki/server.key"):
-            self.assertEqual(stat.S_IMODE(os.stat(os.path.join(data, name)).st_mode), 0o600, name)
+        for folder, folders, files in os.walk(data):
+            for name in folders + files:
+                mode = os.stat(os.path.join(folder, name)).st_mode
+                self.assertEqual(mode & 0o077, 0, os.path.join(folder, name))
 
 
 class Silence(AccessTest):

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import unittest
 
+from certificates import TestCa
 from support import BIN, Daemon, ServiceTest, until
 
 
@@ -25,7 +26,6 @@ class ClientTest(ServiceTest):
     def start(self, **settings):
         self.daemon.settings.update(settings)
         self.daemon.start()
-        self.daemon.address, self.daemon.tls_address = self.daemon.address.splitlines()
 
     def dccast(self, *words, given="", **environment):
         return subprocess.run(
@@ -191,7 +191,7 @@ class Doctor(ClientTest):
         self.doctor(cause="CA that is unknown", remedy="new line")
 
     def test_names_and_dates_of_certificates(self):
-        self.make_ca()
+        self.ca = TestCa(self.folder)
         self.write_login("127.0.0.1:1")
         for what, cause, remedy in (
                 (dict(name="DNS:casthouse"), "not for 127.0.0.1, but for casthouse", "renew --name"),
@@ -199,7 +199,7 @@ class Doctor(ClientTest):
                  "renew"),
                 (dict(begins="20700101000000Z", ends="20710101000000Z"), "not yet valid", "clock"),
                 ({}, "not HTTP/2", "listen_tls")):
-            with self.subTest(cause=cause), self.serving_tls(self.issue(**what)) as address:
+            with self.subTest(cause=cause), self.serving_tls(self.ca.issue(**what)) as address:
                 self.edit("address", address)
                 self.doctor(cause=cause, remedy=remedy)
 
@@ -234,39 +234,16 @@ class Doctor(ClientTest):
 
     def serving_tls(self, certificate):
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        context.load_cert_chain(certificate, os.path.join(self.folder, "ca.key"))
+        context.load_cert_chain(certificate, self.ca.key)
 
         def answer(connection):
             with context.wrap_socket(connection, server_side=True) as session:
                 session.recv(1)
         return self.serving(answer)
 
-    def openssl(self, *words):
-        subprocess.run(["openssl", *words], cwd=self.folder, capture_output=True, check=True,
-                       timeout=30)
-
-    def make_ca(self):
-        self.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
-                     "-nodes", "-subj", "/CN=test CA", "-days", "30", "-keyout", "ca.key", "-out",
-                     "ca.pem")
-        with open(os.path.join(self.folder, "ca.conf"), "w", encoding="ascii") as file:
-            file.write("[ca]\ndefault_ca=own\n[own]\ndatabase=index\nserial=serial\nnew_certs_dir=.\n"
-                       "certificate=ca.pem\nprivate_key=ca.key\ndefault_md=sha256\npolicy=any\n"
-                       "unique_subject=no\ncopy_extensions=copy\n[any]\ncommonName=supplied\n")
-        for name, text in (("index", ""), ("serial", "01\n")):
-            with open(os.path.join(self.folder, name), "w", encoding="ascii") as file:
-                file.write(text)
-
-    def issue(self, name="IP:127.0.0.1", begins="20200101000000Z", ends="20700101000000Z"):
-        self.openssl("req", "-new", "-key", "ca.key", "-subj", "/CN=x", "-addext",
-                     "subjectAltName=" + name, "-out", "x.csr")
-        self.openssl("ca", "-batch", "-config", "ca.conf", "-startdate", begins, "-enddate", ends,
-                     "-in", "x.csr", "-out", "x.pem", "-notext")
-        return os.path.join(self.folder, "x.pem")
-
     def write_login(self, address):
         os.makedirs(os.path.dirname(self.servers_file()))
-        with open(os.path.join(self.folder, "ca.pem"), encoding="ascii") as file:
+        with open(self.ca.certificate, encoding="ascii") as file:
             ca = file.read()
         descriptor = os.open(self.servers_file(), os.O_WRONLY | os.O_CREAT, 0o600)
         with open(descriptor, "w", encoding="ascii") as file:
