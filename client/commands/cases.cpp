@@ -3,9 +3,11 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/html/casting_drawing.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
+#include "client/text/casting_text.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
@@ -13,56 +15,9 @@
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/shipped.hpp"
-#include "proto/case_file/text_checks.hpp"
 
 namespace dccast::client::commands {
 namespace {
-
-struct NewOptions {
-  std::string name;
-  std::string output;
-  bool force = false;
-  bool list = false;
-  bool json = false;
-};
-
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto& shipped : shipped::case_templates()) all.push_back(shipped.name);
-  return all;
-}
-
-const std::string& text_of(const std::string& name) {
-  for (const auto& shipped : shipped::case_templates())
-    if (shipped.name == name) return shipped.text;
-  const std::string near = case_file::nearest(name, names());
-  std::string known;
-  for (const std::string& one : names()) known += " " + one;
-  throw CommandFailed(ExitCode::not_found, "no case named '" + name + "'; " +
-                                               (near.empty() ? "" : "did you mean " + near + "? ") +
-                                               "there are:" + known);
-}
-
-ExitCode run(const NewOptions& options) {
-  if (options.list || options.name.empty()) {
-    if (options.json)
-      std::cout << Json(names()).dump() << '\n';
-    else
-      for (const std::string& name : names()) std::cout << name << '\n';
-    return ExitCode::done;
-  }
-  const std::string& text = text_of(options.name);
-  if (!options.output.empty()) require_free(options.output, options.force);
-  if (options.json) {
-    std::cout << Json{{"name", options.name}, {"text", text}}.dump() << '\n';
-  } else if (options.output.empty()) {
-    std::cout << text;
-  } else {
-    write_file(options.output, text);
-  }
-  return ExitCode::done;
-}
 
 struct ValidateOptions {
   std::string file;
@@ -71,6 +26,8 @@ struct ValidateOptions {
   bool json = false;
   bool strict = false;
   bool ranges = false;
+  std::string drawing;  ///< SVG file
+  bool force = false;
 };
 
 /// "no faults, 1 danger, 2 warnings".
@@ -82,6 +39,19 @@ std::string verdict_of(const CaseUnderCheck& checked) {
     if (count > 0) text += ", " + std::to_string(count) + name + (count == 1 ? "" : "s");
   }
   return text;
+}
+
+/// The case with the defaults that the server would fill in.
+v1::Case complete_case(const CaseUnderCheck& checked) {
+  v1::Case complete = checked.description;
+  case_file::apply_defaults(complete);
+  return complete;
+}
+
+/// Of a case whose keys could all be read.
+void write_drawing(const ValidateOptions& options, const CaseUnderCheck& checked) {
+  if (options.drawing.empty() || !checked.read.ok()) return;
+  write_output(options.drawing, render::casting_drawing(complete_case(checked)));
 }
 
 void print_verdict(const CaseUnderCheck& checked, bool local) {
@@ -106,19 +76,24 @@ void print_ranges(const CaseUnderCheck& checked) {
 
 ExitCode run(const ValidateOptions& options, Program& program) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
+  if (!options.drawing.empty()) require_free(options.drawing, options.force);
   if (!options.local) {
     Connection connection = program.connect();
     check_with_server(checked, connection);
   }
   if (options.json) {
-    std::cout << faults_json(checked).dump() << '\n';
+    Json json = faults_json(checked);
+    if (checked.read.ok()) json["casting"] = render::casting_in_words(complete_case(checked));
+    std::cout << json.dump() << '\n';
   } else {
+    if (checked.read.ok()) std::cout << render::casting_in_words(complete_case(checked)) << '\n';
     print_faults(checked, std::cout);
     for (const v1::Finding& finding : checked.findings)
       std::cout << render::finding_line(finding) << '\n';
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
   }
+  write_drawing(options, checked);
   const bool implausible = options.strict && render::more_than_notes(checked.findings);
   return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }
@@ -245,18 +220,6 @@ ExitCode run(const AlloysOptions& options, Program& program) {
 
 }  // namespace
 
-void add_new(cli::CommandLine& line, Program&) {
-  const auto options = std::make_shared<NewOptions>();
-  const cli::Command command = line.command("new", "Write a case file to begin with",
-                                            "dccast new start-2d-thickness > my.toml");
-  command.option("NAME", options->name, "Name of a shipped case; without it the names are listed");
-  command.option("-o,--output", options->output, "File to write instead of standard output");
-  add_force_flag(command, options->force);
-  command.flag("--list", options->list, "List the names");
-  command.json(options->json);
-  command.action([options] { return run(*options); });
-}
-
 void add_validate(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<ValidateOptions>();
   const cli::Command command =
@@ -269,6 +232,9 @@ void add_validate(cli::CommandLine& line, Program& program) {
   command.flag("--local", options->local,
                "Do not ask the server: check keys, units and ranges only");
   command.flag("--ranges", options->ranges, "List the data with a range (docs/uncertainty.md)");
+  command.option("--drawing", options->drawing,
+                 "Also write this SVG file: mould, water line, block, and the ramps");
+  add_force_flag(command, options->force);
   command.flag("--strict", options->strict,
                "Exit code 2 for findings beyond notes too (docs/findings.md)");
   command.json(options->json);

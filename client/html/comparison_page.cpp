@@ -59,6 +59,31 @@ std::string sentences_list(const std::vector<Answer>& answers,
   return html.empty() ? "" : card("What changed", "<ul>" + html + "</ul>");
 }
 
+/// The differences of a monitor along their courses, over the size that would be within the error.
+/// Their axis is that of the differences: beside whole curls an effect of a millimetre is not seen.
+std::string difference_chart(const std::vector<Answer>& answers,
+                             const std::vector<CurlDifference>& differences,
+                             const std::string& monitor) {
+  Chart chart{"Differences of " + monitor, "time, s", "less run 1, mm", {}};
+  double error_mm = 0.0;
+  for (const CurlDifference& row : differences) {
+    if (row.monitor != monitor || row.none()) continue;
+    ChartLine line{run_name(answers, row.answer), row.course.at, row.apart_m};
+    if (row.course.by_length) {
+      chart.x_label = "cast length, mm";
+      for (double& at : line.x) at *= 1e3;
+    }
+    for (double& value : line.y) value *= 1e3;
+    error_mm = std::max(error_mm, 1e3 * row.error_m.value_or(0.0));
+    chart.lines.push_back(std::move(line));
+  }
+  if (chart.lines.empty()) return {};
+  if (error_mm > 0.0)
+    chart.wanted =
+        Chart::Wanted{-error_mm, error_mm, "within the error of a difference at the end"};
+  return card(chart.title, svg_chart(chart));
+}
+
 /// The figures that differed before the curl, in both runs.
 std::string cause_charts(const std::vector<Answer>& answers,
                          const std::vector<Explained>& explained) {
@@ -136,6 +161,8 @@ std::string comparison_page(const std::vector<Answer>& answers,
   for (const std::string& monitor : monitors_of(answers))
     if (const Chart chart = comparison_chart(answers, monitor); has_curl(chart))
       charts += card("Curl of " + monitor, svg_chart(chart));
+  for (const std::string& monitor : monitors_of(answers))
+    charts += difference_chart(answers, differences, monitor);
   const std::vector<Explained> explained = explanations(answers, differences);
   return std::string(
              "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' ") +

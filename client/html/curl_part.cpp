@@ -121,6 +121,58 @@ std::string curl_sentence(const CurlHistory& history, const v1::QueryResultRespo
   return "<p class='answer'>" + text + "</p>";
 }
 
+namespace {
+
+/// The last step at which a curl is below this share of its end.
+std::size_t last_below(const std::vector<double>& curl, double share) {
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < curl.size(); ++i)
+    if (curl[i] / curl.back() < share) last = i;
+  return last;
+}
+
+/// Heat that left through faces and bottom in steps after `first` up to `last` [J, or J/m].
+struct Heat {
+  double faces = 0.0, bottom = 0.0;
+};
+Heat heat_between(const std::vector<v1::StepReport>& steps, std::size_t first, std::size_t last) {
+  Heat heat;
+  for (std::size_t i = first + 1; i <= last; ++i) {
+    const v1::StepReport& step = steps[i];
+    heat.faces += step.time_step_s() * (step.side_heat_w() + step.side_heat_w_per_m() +
+                                        step.narrow_heat_w() + step.narrow_heat_w_per_m());
+    heat.bottom += step.time_step_s() * (step.bottom_heat_w() + step.bottom_heat_w_per_m());
+  }
+  return heat;
+}
+
+}  // namespace
+
+std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResponse& result) {
+  constexpr double nothing = 1e-4;  // [m]
+  const CurlHistory::Series* const largest = history.largest();
+  if (largest == nullptr || !last_step_mark(history).empty() ||
+      std::abs(largest->curl_m.back()) < nothing)
+    return {};
+  const std::size_t first = last_below(largest->curl_m, 0.25),
+                    last = last_below(largest->curl_m, 0.75);
+  std::string text = "Half of it came between " + fixed(history.time_s[first], 0) + " s and " +
+                     fixed(history.time_s[last], 0) + " s, at " +
+                     fixed(1e3 * history.cast_length_m[first], 0) + " to " +
+                     fixed(1e3 * history.cast_length_m[last], 0) + " mm of casting. ";
+  const Heat heat = heat_between(history.reports, first, last);
+  if (const double all = heat.faces + heat.bottom; heat.faces > 0.0 && heat.bottom > 0.0)
+    text += "Meanwhile " + fixed(100.0 * heat.faces / all, 0) +
+            " % of the heat left through the faces, to mould and water, and " +
+            fixed(100.0 * heat.bottom / all, 0) + " % through the bottom, to the block. ";
+  const v1::Water& water = result.case_().cooling().water();
+  if (water.enabled() && history.reports[last].wetted_share() > 0.0)
+    text += "Water wetted " + fixed(100.0 * history.reports[first].wetted_share(), 0) + " to " +
+            fixed(100.0 * history.reports[last].wetted_share(), 0) +
+            " % of the side under the water line.";
+  return "<p class='cause'>" + text + "</p>";
+}
+
 std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
                      const Study& study) {
   if (history.time_s.empty()) return "<p>The job has no step yet.</p>";
@@ -138,18 +190,20 @@ std::string headline(const CurlHistory& history, const v1::QueryResultResponse& 
   return "<div class='tiles'>" + tiles + "</div>";
 }
 
-std::string curl_figures(const CurlHistory& history, const v1::QueryResultResponse& result,
-                         const Study& study) {
+std::string curl_figure(const CurlHistory& history, const v1::QueryResultResponse& result,
+                        const Study& study, bool against_length) {
   if (history.monitors.empty()) return {};
   const std::string of_the_band =
       study.monitors.empty() ? "" : " Dashed: the limit of finer meshes; shaded: its uncertainty.";
   const std::string of_the_plant = plant_band(result.case_()) ? " Green: the plant's band." : "";
   const std::string of_the_region = history.first_beyond() ? " Shaded red: beyond validity." : "";
-  return figure("Curl against time", curl_chart(history, result, study, false),
+  const std::string picture = curl_chart(history, result, study, against_length);
+  if (against_length)
+    return figure("Curl against cast length", picture,
+                  "Against the travel of the bottom block." + of_the_plant + of_the_region);
+  return figure("Curl against time", picture,
                 "Upward displacement of each monitor; time zero is when the bottom block starts." +
-                    of_the_band + of_the_plant + of_the_region) +
-         figure("Curl against cast length", curl_chart(history, result, study, true),
-                "The same against the travel of the bottom block." + of_the_plant + of_the_region);
+                    of_the_band + of_the_plant + of_the_region);
 }
 
 namespace {

@@ -13,13 +13,17 @@ namespace dccast::client::render {
 std::string curl_sentence(const CurlHistory& history, const v1::QueryResultResponse& result,
                           const Study& study);
 
+/// When half of the largest curl came, and through which faces the heat left meanwhile. Empty where
+/// nothing has curled.
+std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResponse& result);
+
 /// The figures of the last step in boxes, curls with their error if known.
 std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
                      const Study& study);
 
-/// The charts of the curl against time and cast length, with the plant's range.
-std::string curl_figures(const CurlHistory& history, const v1::QueryResultResponse& result,
-                         const Study& study);
+/// The chart of the curl against time or cast length, with the plant's range.
+std::string curl_figure(const CurlHistory& history, const v1::QueryResultResponse& result,
+                        const Study& study, bool against_length);
 
 /// The remark beside a figure of the last step; empty while the model is valid.
 std::string last_step_mark(const CurlHistory& history);

@@ -129,10 +129,14 @@ std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory&
                        const FrameSeries& series) {
   if (!result.has_frame())
     return absent("Last frame", "No stored frame: the run has not ended with a result.");
+  return deformed_figure(result.frame(), history, series);
+}
+
+std::string bottom_part(const v1::QueryResultResponse& result, const CurlHistory& history) {
+  if (!result.has_frame()) return {};
   const v1::Frame& frame = result.frame();
-  return deformed_figure(frame, history, series) +
-         (frame.dimension() == 3 ? gap_figure(frame, history) + pull_in_figure(frame, history)
-                                 : contact_figures(frame, history));
+  if (frame.dimension() != 3) return contact_figures(frame, history);
+  return gap_figure(frame, history) + pull_in_figure(frame, history);
 }
 
 }  // namespace dccast::client::render

@@ -7,10 +7,13 @@
 
 namespace dccast::client::render {
 
-/// The last stored frame: for a 2D section its picture, and gap and pressure along the bottom; for
-/// a quarter slab three views, the gap map and the pull-in of the wide face. A line reports that
-/// there is no frame. With several frames a slider shows the earlier ones.
+/// The last stored frame: the picture of a 2D section, or three views of a quarter slab. A line
+/// reports that there is no frame. With several frames a slider shows the earlier ones.
 std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
                        const FrameSeries& series = {});
+
+/// Of the last stored frame, gap and pressure along the bottom of a 2D section; of a quarter slab
+/// the gap map and the pull-in of the wide face. Empty without a frame.
+std::string bottom_part(const v1::QueryResultResponse& result, const CurlHistory& history);
 
 }  // namespace dccast::client::render

@@ -157,10 +157,12 @@ std::string water_chart(const v1::QueryResultResponse& result) {
 
 std::string recipe_part(const v1::QueryResultResponse& result) {
   if (!result.has_case_()) return {};
-  std::string html = card("Recipe", recipe_table(result.case_()));
-  if (result.steps_size() < 2) return html;
-  return html +
-         figure("Casting speed", speed_chart(result), "As this run had it, factors included.") +
+  return card("Recipe", recipe_table(result.case_()));
+}
+
+std::string recipe_charts(const v1::QueryResultResponse& result) {
+  if (!result.has_case_() || result.steps_size() < 2) return {};
+  return figure("Casting speed", speed_chart(result), "As this run had it, factors included.") +
          figure("Water", water_chart(result),
                 "Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
@@ -306,10 +308,19 @@ std::string page_header(const v1::Job& job, const std::string& title) {
 /// The part for the plant, on one sheet of paper.
 std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
                         const CurlHistory& history, const Study& study, const FrameSeries& series) {
-  return findings_part(job.findings()) + validity_banner(job, history) +
-         curl_sentence(history, result, study) + headline(history, result, study) +
-         "<div class='cards'>" + curl_figures(history, result, study) + recipe_part(result) +
-         history_part(result) + frame_part(result, history, series) + "</div>";
+  return "<div class='first'>" + validity_banner(job, history) +
+         curl_sentence(history, result, study) + cause_sentence(history, result) +
+         findings_part(job.findings()) + headline(history, result, study) + "<div class='cards'>" +
+         curl_figure(history, result, study, false) + recipe_part(result) +
+         frame_part(result, history, series) + "</div></div>";
+}
+
+/// The histories of the run.
+std::string details(const v1::QueryResultResponse& result, const CurlHistory& history,
+                    const Study& study) {
+  return "<div class='sheet'><div class='cards'>" + curl_figure(history, result, study, true) +
+         recipe_charts(result) + history_part(result) + bottom_part(result, history) +
+         "</div></div>";
 }
 
 /// What is known of the discretisation: of the study, else of the quality that the case follows.
@@ -322,11 +333,11 @@ std::string discretisation_part(const v1::Job& job, const v1::QueryResultRespons
 }
 
 /// The evidence behind the figures.
-std::string second_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
-                         const CurlHistory& history, const Study& study) {
+std::string evidence(const v1::Job& job, const v1::QueryResultResponse& result,
+                     const CurlHistory& history, const Study& study) {
   const std::string of_the_study =
       history.monitors.empty() ? "" : discretisation_part(job, result, study);
-  return "<div class='sheet'>" + of_the_study + "<div class='cards'>" +
+  return "<div class='evidence'>" + of_the_study + "<div class='cards'>" +
          run_part(job, result, history) + "</div></div>";
 }
 
@@ -338,7 +349,7 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
   const std::string body = page_header(job, title) +
                            first_sheet(job, result, history, study, series) +
-                           second_sheet(job, result, history, study);
+                           details(result, history, study) + evidence(job, result, history, study);
   return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
          "content='width=device-width, initial-scale=1'><title>" +
          title + "</title><style>" + report_style + "</style></head><body><main>" + body +

@@ -23,7 +23,7 @@ table.figures thead th{color:var(--soft);font-size:13px}table.figures tr.this td
 .card{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:16px 18px;margin:0 0 16px;min-width:0;break-inside:avoid}
 .pair,.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(430px,100%),1fr));gap:0 16px}.wide{grid-column:1/-1}
 .views{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(300px,100%),1fr));gap:10px 16px}h3{margin:0;font-size:13px;font-weight:500;color:var(--soft)}
-p.answer{font-size:18px;line-height:1.45;margin:0 0 16px;max-width:62em}.wanted{fill:var(--good);opacity:.12}.edge{stroke:var(--good);stroke-dasharray:6 4}
+p.answer{font-size:18px;line-height:1.45;margin:0 0 8px;max-width:62em}p.cause{margin:0 0 16px;max-width:62em}.wanted{fill:var(--good);opacity:.12}.edge{stroke:var(--good);stroke-dasharray:6 4}
 .contact{fill:#fff;stroke:#10151c;stroke-width:1.4}svg.map{max-width:680px;margin:0 auto}table.pull-in{margin-top:10px;font-size:12.5px}table.figures.pull-in th,table.figures.pull-in td{padding-left:7px}table.pull-in thead th{font-size:11.5px;vertical-align:bottom}
 table.figures.pull-in tr+tr th:first-child{padding-left:7px;text-align:right}
 .slider{margin:10px auto 0;max-width:900px}.slider input{width:100%;margin:0;accent-color:var(--line-0)}.slider p{margin:0;color:var(--ink);font-variant-numeric:tabular-nums}.slider small{color:var(--soft)}.beyond-now{font-weight:650;color:var(--ink)}
@@ -47,7 +47,11 @@ h1{font-size:15px;margin:0}h2{font-size:9.5px;margin:0 0 3px}h3,.kicker,figcapti
 .tick{font-size:13px}.label{font-size:14px}code{font-size:7px}.scroll{overflow:visible}.views{grid-template-columns:repeat(3,1fr)}
 .tiles{grid-template-columns:repeat(8,1fr);gap:4px;margin-bottom:5px}.tile{padding:3px 5px;border-radius:3px}.tile strong{font-size:12px}.tile em{font-size:8.5px}
 p.answer{font-size:10.5px;margin:0 0 5px;max-width:none}p.invalid{padding:3px 6px;margin:0 0 5px}figcaption{margin-top:2px}table,table.figures thead th{font-size:7.5px}
-th,td{padding:1px 4px 1px 0}table.figures th,table.figures td,table.figures.pull-in th,table.figures.pull-in td{padding:1px 0 1px 2px}table.pull-in,table.pull-in thead th{font-size:6px}th{width:26%}.cards td small{font-size:6.5px}details,.slider{display:none}.sheet{break-before:page}.sheet .cards{grid-template-columns:repeat(2,1fr)}}
+th,td{padding:1px 4px 1px 0}table.figures th,table.figures td,table.figures.pull-in th,table.figures.pull-in td{padding:1px 0 1px 2px}table.pull-in,table.pull-in thead th{font-size:6px}th{width:26%}.cards td small{font-size:6.5px}details,.slider{display:none}.sheet{break-before:page}.evidence .cards{grid-template-columns:repeat(2,1fr)}
+.first{font-size:11px;line-height:1.4}.first h2{font-size:12px}.first p.answer{font-size:17px;margin:6px 0}.first p.cause{font-size:12.5px;margin:0 0 8px}
+.first figcaption,.first .card p,.first h3,.first td:last-child:not(:nth-child(2)),.first td small{font-size:9px}.first table{font-size:10.5px}.first th,.first td{padding:2.5px 6px 2.5px 0}
+.first .card{padding:7px 10px}.first .cards{grid-template-columns:1fr 1fr;gap:0 8px}.first svg.chart{max-height:none}.first svg.slab{max-height:220px}
+.first .tiles{grid-template-columns:repeat(auto-fit,minmax(76px,1fr))}.first .tile span,.first .tile small{font-size:8.5px}.first .tile strong{font-size:15px}.first .tile em{font-size:11px}}
 )css";
 
 }  // namespace dccast::client::render

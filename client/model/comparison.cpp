@@ -114,7 +114,8 @@ std::optional<CurlDifference> difference_of(const Answer& first, const Answer& o
   CurlDifference d;
   d.monitor = monitor;
   d.course = course_of(first.history, other.history);
-  const std::vector<double> apart = apart_along(d.course, first, other, monitor);
+  d.apart_m = apart_along(d.course, first, other, monitor);
+  const std::vector<double>& apart = d.apart_m;
   if (apart.empty() || std::isnan(apart.back())) return std::nullopt;
   d.first_m = along(d.course, first.history, series_of(first.history, monitor)->curl_m).back();
   d.other_m = d.first_m + apart.back();

@@ -47,6 +47,7 @@ struct CurlDifference {
   std::string monitor;
   std::size_t answer = 0;  ///< index of the answer compared to the first
   Course course;
+  std::vector<double> apart_m;          ///< other less first, along the course [m]
   double first_m = 0.0, other_m = 0.0;  ///< the two curls [m]
   double end_m = 0.0;                   ///< other less first [m]
   double largest_m = 0.0;               ///< the difference largest in magnitude [m]

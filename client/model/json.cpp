@@ -76,13 +76,20 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
+/// States of studies are spelt as those of jobs: a prefix keeps them apart in the schema only.
+std::string enum_name(const google::protobuf::EnumValueDescriptor& value) {
+  constexpr std::string_view prefix = "STUDY_";
+  const bool prefixed = value.type()->name() == "StudyState" && value.name().starts_with(prefix);
+  return prefixed ? value.name().substr(prefix.size()) : value.name();
+}
+
 Json single(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_MESSAGE:
       return to_json(reflection.GetMessage(message, &field));
     case FieldDescriptor::CPPTYPE_ENUM:
-      return reflection.GetEnum(message, &field)->name();
+      return enum_name(*reflection.GetEnum(message, &field));
     case FieldDescriptor::CPPTYPE_BOOL:
       return reflection.GetBool(message, &field);
     case FieldDescriptor::CPPTYPE_DOUBLE:

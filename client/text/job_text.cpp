@@ -201,6 +201,7 @@ std::string failure_text(const v1::Failure& failure) {
 std::string job_sheet(const v1::Job& job) {
   std::string text =
       row("job", job.id()) + row("title", job.title()) + row("state", state_text(job.state()));
+  if (!job.cause().empty()) text += row("cause", job.cause());
   if (job.queue_position() > 0)
     text += row("queue", "position " + std::to_string(job.queue_position()));
   if (!job.held().empty()) text += row("held", job.held());

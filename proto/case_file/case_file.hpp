@@ -29,6 +29,7 @@ inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
 struct ReadOutcome {
   std::vector<v1::Fault> faults;            ///< empty: the message is complete and in range
   std::vector<v1::Attachment> attachments;  ///< files named by attachment fields
+  std::vector<std::string> files;           ///< the same of a text read elsewhere: their names only
   SourceMap source;
 
   bool ok() const { return faults.empty(); }
@@ -44,6 +45,11 @@ ReadOutcome read_file(const std::filesystem::path& file, google::protobuf::Messa
 /// The same from a text. `name` stands in positions; attachments are looked for in `folder`.
 ReadOutcome read_text(std::string_view text, const std::string& name,
                       google::protobuf::Message& message, const std::filesystem::path& folder = {});
+
+/// The same from a text whose files stand on another machine: nothing is read from this one. The
+/// files are listed as the text names them, and a field's value becomes the base name.
+ReadOutcome read_elsewhere(std::string_view text, const std::string& name,
+                           google::protobuf::Message& message);
 
 /// Fills every absent key that has a default. In an Alloy *inside* another message only `card` is
 /// filled: a default must not hide what the card says, see `complete_alloy`.

@@ -190,7 +190,7 @@ public:
     ReadOutcome outcome;
     outcome.attachments = std::move(read_.attachments);
     // What the value is to be read as follows from the key, which may have faults of its own.
-    Walk walk{folder_ == nullptr ? std::filesystem::path() : *folder_, outcome};
+    Walk walk{folder_, outcome};
     const ChangeValue untyped = change_value(change.value(), nullptr);
     const auto target = find(walk, untyped.node(), change);
     const ChangeValue value = change_value(change.value(), target ? target->field : nullptr);
@@ -362,6 +362,11 @@ std::vector<v1::Fault> apply_changes(v1::Case& description,
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder) {
   apply_all(Changes(description, read, &folder), changes, description);
+}
+
+void apply_changes_elsewhere(v1::Case& description, const std::vector<v1::CaseChange>& changes,
+                             ReadOutcome& read) {
+  apply_all(Changes(description, read, nullptr), changes, description);
 }
 
 }  // namespace dccast::case_file

@@ -40,4 +40,8 @@ std::vector<v1::Fault> apply_changes(v1::Case& description,
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder = {});
 
+/// The same for a text of another machine (read_elsewhere): a change that names a file is refused.
+void apply_changes_elsewhere(v1::Case& description, const std::vector<v1::CaseChange>& changes,
+                             ReadOutcome& read);
+
 }  // namespace dccast::case_file

@@ -159,8 +159,11 @@ void sort_by_place(ReadOutcome& outcome) {
 
 }  // namespace
 
-ReadOutcome read_text(std::string_view text, const std::string& name, Message& message,
-                      const std::filesystem::path& folder) {
+namespace {
+
+/// @param folder  of attachments; null: they are listed, not read
+ReadOutcome read(std::string_view text, const std::string& name, Message& message,
+                 const std::filesystem::path* folder) {
   if (const auto fault = check_text(text))
     return refused(name, fault->position, fault->message, fault->remedy);
   toml::table table;
@@ -185,6 +188,23 @@ ReadOutcome read_text(std::string_view text, const std::string& name, Message& m
   return outcome;
 }
 
+ReadOutcome too_large(const std::string& name) {
+  return refused(name, {1, 1}, "larger than " + std::to_string(maximum_file_bytes >> 20) + " MiB",
+                 "a case file is a page or two; is this the right file?");
+}
+
+}  // namespace
+
+ReadOutcome read_text(std::string_view text, const std::string& name, Message& message,
+                      const std::filesystem::path& folder) {
+  return read(text, name, message, &folder);
+}
+
+ReadOutcome read_elsewhere(std::string_view text, const std::string& name, Message& message) {
+  if (text.size() > maximum_file_bytes) return too_large(name);
+  return read(text, name, message, nullptr);
+}
+
 ReadOutcome read_file(const std::filesystem::path& file, Message& message) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return refused(file.string(), {}, "no such file");
@@ -192,10 +212,7 @@ ReadOutcome read_file(const std::filesystem::path& file, Message& message) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return refused(file.string(), {}, "cannot be read");
   const std::string text = beginning_of(stream);
-  if (text.size() > maximum_file_bytes)
-    return refused(file.string(), {1, 1},
-                   "larger than " + std::to_string(maximum_file_bytes >> 20) + " MiB",
-                   "a case file is a page or two; is this the right file?");
+  if (text.size() > maximum_file_bytes) return too_large(file.string());
   return read_text(text, file.string(), message, file.parent_path());
 }
 

@@ -1,5 +1,6 @@
 #include "proto/case_file/toml_walker.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -59,10 +60,29 @@ void read_integer(Walk& walk, const toml::node& node, const FieldDescriptor& fie
   message.GetReflection()->SetInt32(&message, &field, static_cast<std::int32_t>(number));
 }
 
+/// Of a file that stands elsewhere. Returns its base name.
+std::optional<std::string> list_file(Walk& walk, const toml::node& node, const std::string& name,
+                                     const std::string& path) {
+  const auto base_of = [](const std::string& file) {
+    return std::filesystem::path(file).filename().string();
+  };
+  std::vector<std::string>& files = walk.outcome.files;
+  for (const std::string& other : files)
+    if (other != name && base_of(other) == base_of(name)) {
+      walk.add(make_fault(path, written(node), "another attachment is also called " + base_of(name),
+                          "files of different names"),
+               node);
+      return std::nullopt;
+    }
+  if (std::find(files.begin(), files.end(), name) == files.end()) files.push_back(name);
+  return base_of(name);
+}
+
 /// Reads the file that `name` points to into the attachments; returns its base name.
 std::optional<std::string> attach(Walk& walk, const toml::node& node, const std::string& name,
                                   const std::string& path) {
-  const std::filesystem::path file = walk.folder / name;
+  if (walk.folder == nullptr) return list_file(walk, node, name, path);
+  const std::filesystem::path file = *walk.folder / name;
   std::error_code error;
   const auto refuse = [&](const std::string& why) {
     walk.add(make_fault(path, written(node), values::shortened(why, longest_path_echo),

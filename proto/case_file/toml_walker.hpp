@@ -13,7 +13,7 @@ namespace dccast::case_file {
 
 /// Context of the traversal, passed from table to table.
 struct Walk {
-  std::filesystem::path folder;  ///< folder of attachments
+  const std::filesystem::path* folder;  ///< of attachments; null: they are listed, not read
   ReadOutcome& outcome;
 
   /// Adds a fault with its position. Faults beyond a maximum number are dropped.

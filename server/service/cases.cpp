@@ -2,6 +2,9 @@
 #include <google/protobuf/stubs/common.h>
 #include <grpcpp/grpcpp.h>
 
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/values/printable.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/service/simulation_service.hpp"
 
@@ -21,6 +24,50 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, work}});
+}
+
+namespace {
+
+/// The text that a request gives or names. NOT_FOUND for a name that is not shipped.
+grpc::Status find_text(const v1::ReadCaseRequest& request, std::string& text) {
+  if (request.source_case() != v1::ReadCaseRequest::kShipped) {
+    text = request.text();
+    return grpc::Status::OK;
+  }
+  std::string names;
+  for (const shipped::ShippedText& known : shipped::case_templates()) {
+    if (known.name == request.shipped()) {
+      text = known.text;
+      return grpc::Status::OK;
+    }
+    names += (names.empty() ? "" : ", ") + known.name;
+  }
+  return {grpc::StatusCode::NOT_FOUND, "no case called \"" +
+                                           values::escaped(values::shortened(request.shipped())) +
+                                           "\" is built in; there are " + names};
+}
+
+}  // namespace
+
+Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
+                                   v1::ReadCaseResponse* response) {
+  const auto work = [=](const Call&) {
+    std::string text;
+    if (auto status = find_text(*request, text); !status.ok()) return status;
+    auto read = case_file::read_elsewhere(text, "case", *response->mutable_case_());
+    const bool parsed = read.faults.size() != 1 || !read.faults.front().field().empty();
+    if (parsed)
+      case_file::apply_changes_elsewhere(
+          *response->mutable_case_(), {request->changes().begin(), request->changes().end()}, read);
+    for (const v1::Fault& fault : read.faults) {
+      *response->add_faults() = fault;
+      response->add_lines(read.source.find(fault.field()).line);
+    }
+    response->mutable_files()->Assign(read.files.begin(), read.files.end());
+    for (v1::Fault& fault : *response->mutable_faults()) intake::make_printable(fault);
+    return grpc::Status::OK;
+  };
+  return answer(wire, *request, {{lanes_.histories, work}});
 }
 
 Unary* SimulationService::ListAlloys(Wire* wire, const v1::ListAlloysRequest* request,

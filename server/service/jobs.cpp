@@ -186,6 +186,10 @@ Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v
     auto found = context_.scheduler.find(request->id());
     if (!found) return job_not_found(request->id());
     *job = std::move(*found);
+    if (job->state() != v1::CANCELLED) return grpc::Status::OK;
+    if (const auto end = context_.scheduler.log(request->id())->terminal_event())
+      job->set_cause(end->state_change().cause());
+    intake::make_printable(*job);
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.status, work}});
@@ -198,7 +202,7 @@ Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* reques
     if (const auto status = check_study_of_job(request->study()); !status.ok()) return status;
     if (const auto status = check_labels(request->labels()); !status.ok()) return status;
     if (const auto status =
-            read_page("ListJobs", request->page_token(), request->page_size(), page);
+            read_page("the list of jobs", request->page_token(), request->page_size(), page);
         !status.ok())
       return status;
     jobs::JobStore::Page wanted;

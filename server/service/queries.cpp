@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
@@ -34,6 +35,8 @@ Response accepted(const intake::ExaminedCase& examined, bool from_store, const s
   response.mutable_accepted()->set_from_store(from_store);
   response.mutable_accepted()->set_job(job);
   *response.mutable_accepted()->mutable_case_() = examined.complete;
+  if (const auto error = case_file::relative_discretisation_error(examined.complete))
+    response.mutable_accepted()->set_relative_curl_error(*error);
   return response;
 }
 

@@ -87,9 +87,9 @@ grpc::Status check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChan
                  std::to_string(most_bytes_of_changes) + " are kept: write them into the case");
 }
 
-grpc::Status read_page(const std::string& call, const std::string& token, int size, AgePage& page) {
+grpc::Status read_page(const std::string& list, const std::string& token, int size, AgePage& page) {
   if (!read_age_token(token, page))
-    return refused("the page_token is not one of " + call + "; begin again without it");
+    return refused("the page_token is not one of " + list + "; begin again without it");
   if (size < 0) return refused("page_size must not be negative");
   if (size > 0) page.size = std::min(size, largest_page);
   return grpc::Status::OK;

@@ -39,10 +39,10 @@ struct AgePage {
   int size = 50;  ///< 1 to 1000
 };
 
-/// @param call   for messages
+/// @param list   for messages, e.g. "the list of jobs"
 /// @param token  "<creation time in ms>.<id>" of the last entry of the page before, or empty
 /// @param size   0: the default
-grpc::Status read_page(const std::string& call, const std::string& token, int size, AgePage& page);
+grpc::Status read_page(const std::string& list, const std::string& token, int size, AgePage& page);
 std::string age_token(std::int64_t created_ms, const std::string& id);
 
 }  // namespace dccast::service

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
@@ -42,7 +43,7 @@ grpc::Status add_steps(Context& context, const v1::QueryResultRequest& request,
   jobs::StepPlace place;
   if (!read_token(request.page_token(), place))
     return {grpc::StatusCode::INVALID_ARGUMENT,
-            "the page_token is not one of QueryResult; begin again without it"};
+            "the page_token is not one of this history; begin again without it"};
   if (request.page_size() < 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
   const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
@@ -90,6 +91,8 @@ grpc::Status add_case_and_frame(Context& context, const Call& call,
                                              " cannot be read any more; " +
                                              "dccastd check says what else is damaged"};
   intake::make_printable(*response.mutable_case_());
+  if (const auto error = case_file::relative_discretisation_error(response.case_()))
+    response.set_relative_curl_error(*error);
   return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
 }
 

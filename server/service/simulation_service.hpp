@@ -26,6 +26,7 @@ public:
   using Stream = grpc::ServerWriteReactor<Message>;
 
   // cases.cpp
+  Unary* ReadCase(Wire*, const v1::ReadCaseRequest*, v1::ReadCaseResponse*) override;
   Unary* ValidateCase(Wire*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
   Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
   Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;

@@ -163,7 +163,7 @@ Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* 
   const auto work = [=, this](const Call& call) {
     AgePage page;
     if (const auto status =
-            read_page("ListStudies", request->page_token(), request->page_size(), page);
+            read_page("the list of studies", request->page_token(), request->page_size(), page);
         !status.ok())
       return status;
     // One more shows whether there is a next page.

@@ -39,8 +39,8 @@ def arguments():
 def set_up_imports(programs):
     """What tests/service shares, and Python's code of the .proto files beside the programs."""
     os.environ["DCCAST_BIN"] = os.path.abspath(programs)
-    beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "tests", "service", "python")
-    built = beside if os.path.isdir(beside) else os.path.join(BUILD, "tests", "service", "python")
+    beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "python")
+    built = beside if os.path.isdir(beside) else os.path.join(BUILD, "python")
     sys.path += [os.path.join(ROOT, "tests", "service"), built]
 
 

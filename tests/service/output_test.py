@@ -5,12 +5,14 @@ import csv
 import io
 import json
 import os
+import pty
 import re
 import shutil
 import subprocess
 import threading
+import xml.etree.ElementTree
 
-from dccast.v1 import job_pb2
+from dccast.v1 import job_pb2, service_pb2
 from support import BIN, ServiceTest, fake_case, main
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
@@ -116,6 +118,56 @@ class Output(Commands):
         self.dccast("resume", job.id)
         self.client.until_step(job.id, 6)
         self.assertEqual(self.dccast("cancel", job.id).stdout, f"{job.id} cancelled\n")
+
+    def test_why_a_job_was_cancelled_is_shown(self):
+        for reason, cause in (("wrong alloy", "cancelled: wrong alloy"), ("", "cancelled by request")):
+            job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
+            self.client.until_step(job.id, 3)
+            self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=job.id, reason=reason))
+            self.dccast("wait", job.id, code=3)
+            self.assertRegex(self.dccast("show", job.id).stdout, f"cause +{cause}\n")
+            self.assertEqual(json.loads(self.dccast("show", "--json", job.id).stdout)["cause"], cause)
+
+    def test_states_of_studies_and_jobs_are_spelt_alike(self):
+        case = self.write_case("case.toml", title='"steps=3"')
+        self.dccast("sweep", case, "--grid", "schedule.casting_speed=50 mm/min,60 mm/min")
+        for words in (("studies", "--json"), ("list", "--json")):
+            for entry in json.loads(self.dccast(*words).stdout):
+                self.assertEqual(entry["state"], "SUCCEEDED")
+
+    # -- cases
+
+    def test_a_slab_becomes_a_case(self):
+        path = os.path.join(self.folder, "slab.toml")
+        made = self.dccast("new", "--slab", "1320x570mm", "--alloy", "aa5182", "--speed",
+                           "45..55mm/min", "--water", "25..45m3/h", "--out", path)
+        self.assertIn("25 -> 45 m3/h = 110.2 -> 198.4 l/min/m", made.stderr)
+        said = self.dccast("validate", "--local", path, "--drawing",
+                           os.path.join(self.folder, "slab.svg"))
+        words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 60 s to 200 s (over "
+                 "116.7 mm), water 110.2 -> 198.4 l/min/m = 25 -> 45 m3/h")
+        self.assertEqual(said.stdout.splitlines()[0], words)
+        self.assertEqual(json.loads(self.dccast("validate", "--local", "--json", path).stdout)["casting"],
+                         words)
+        xml.etree.ElementTree.parse(os.path.join(self.folder, "slab.svg"))
+        self.assertIn("exists already", self.dccast("new", "--slab", "1320x570mm", "-o", path,
+                                                    code=2).stderr)
+        self.assertIn("not both", self.dccast("new", "start-3d", "--slab", "1320x570mm", code=2).stderr)
+        self.assertIn("belong to --slab", self.dccast("new", "--speed", "45mm/min", code=2).stderr)
+
+    def test_new_asks_on_a_terminal(self):
+        answers = b"1320\n\n\n\n" + b"1500x600mm\naa3104\n50mm/min\n30m3/h\nasked.toml\n"
+        main_end, terminal = pty.openpty()
+        asking = subprocess.Popen([os.path.join(BIN, "dccast"), "new"], stdin=terminal,
+                                  stdout=terminal, stderr=terminal, cwd=self.folder)
+        os.close(terminal)
+        os.write(main_end, answers)
+        self.assertEqual(asking.wait(20), 0)
+        screen = os.read(main_end, 65536).decode()
+        os.close(main_end)
+        self.assertIn("width x thickness with a unit is expected", screen)
+        with open(os.path.join(self.folder, "asked.toml"), encoding="utf-8") as file:
+            self.assertIn('card = "aa3104" # [G]', file.read())
 
     def test_a_study_has_short_names(self):
         case = self.write_case("case.toml", title='"steps=3"')

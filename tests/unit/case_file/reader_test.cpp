@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -191,4 +192,31 @@ TEST(EditDistance, CountsSwapsOnce) {
 }
 
 }  // namespace
+TEST(ReadElsewhere, ListsFilesAndReadsNone) {
+  v1::Case description;
+  const std::string text = R"([mesh]
+file = "/etc/passwd"
+[thermal]
+file = "beside/heat.h5"
+)";
+  const ReadOutcome outcome = read_elsewhere(text, "case", description);
+  EXPECT_EQ(description.mesh().file(), "passwd");
+  EXPECT_EQ(description.thermal().file(), "heat.h5");
+  EXPECT_TRUE(outcome.attachments.empty());
+  EXPECT_EQ(outcome.files, (std::vector<std::string>{"/etc/passwd", "beside/heat.h5"}));
+}
+
+TEST(ReadElsewhere, RefusesTwoFilesOfOneName) {
+  v1::Case description;
+  const std::string text = R"([mesh]
+file = "one/same"
+[thermal]
+file = "other/same"
+)";
+  const auto faults = read_elsewhere(text, "case", description).faults;
+  const auto refused = std::ranges::find(faults, "thermal.file", &v1::Fault::field);
+  ASSERT_NE(refused, faults.end());
+  EXPECT_NE(refused->message().find("also called same"), std::string::npos);
+}
+
 }  // namespace dccast::case_file

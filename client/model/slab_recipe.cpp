@@ -1,0 +1,256 @@
+#include "client/model/slab_recipe.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/case_file/text_checks.hpp"
+
+namespace dccast::client {
+namespace {
+
+constexpr const char* standard = "start-3d";
+constexpr double per_minute = 60.0;            // [s/min]
+constexpr double litres_per_min_per_m = 60e3;  // [(l/(min m))/(m2/s)]
+constexpr double m3_per_hour = 3600.0;         // [(m3/h)/(m3/s)]
+
+/// Without trailing zeros, "0.285".
+std::string short_number(double value, int digits = 4) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+/// Two values; the same twice where one was given.
+struct Range {
+  double first = 0.0, last = 0.0;
+
+  std::string text(double factor) const {
+    const std::string begin = short_number(factor * first), end = short_number(factor * last);
+    return begin == end ? begin : begin + " -> " + end;
+  }
+};
+
+/// "45..55mm/min" as two texts with the unit; of "1320x570mm" the separator is "x".
+std::pair<std::string, std::string> parts(const std::string& text, const std::string& separator) {
+  const auto at = text.find(separator);
+  if (at == std::string::npos) return {text, text};
+  std::string first = text.substr(0, at), last = text.substr(at + separator.size());
+  const auto has_unit = [](char c) {
+    return std::string("0123456789.+- ").find(c) == std::string::npos;
+  };
+  const auto unit = std::find_if(last.begin(), last.end(), has_unit);
+  if (std::none_of(first.begin(), first.end(), has_unit)) first.append(unit, last.end());
+  return {std::move(first), std::move(last)};
+}
+
+/// In this unit; empty if the text is no such quantity.
+std::optional<Range> range_of(const std::string& text, const std::string& separator,
+                              const std::string& unit) {
+  const auto [first, last] = parts(text, separator);
+  const auto begin = case_file::parse_quantity(first, unit).value;
+  const auto end = case_file::parse_quantity(last, unit).value;
+  if (!begin || !end || *begin <= 0.0 || *end <= 0.0) return std::nullopt;
+  return Range{*begin, *end};
+}
+
+/// What a recipe says, in SI.
+struct Slab {
+  Range size;  ///< width and thickness [m]
+  std::string alloy;
+  std::optional<Range> speed;  ///< [m/s]
+  std::optional<Range> flow;   ///< per metre of perimeter [m2/s]
+  std::optional<Range> total;  ///< of the whole perimeter, where it was given so [m3/s]
+
+  double perimeter() const { return 2.0 * (size.first + size.last); }
+};
+
+void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
+  std::string text = recipe.slab;
+  if (const auto sign = text.find("×"); sign != std::string::npos)
+    text.replace(sign, std::string("×").size(), "x");
+  const auto size = range_of(text, "x", "m");
+  if (!size || text.find('x') == std::string::npos)
+    faults.push_back("--slab \"" + recipe.slab +
+                     "\": width x thickness with a unit is expected, e.g. 1320x570mm");
+  else if (size->last > size->first)
+    faults.push_back("--slab \"" + recipe.slab + "\": the width comes first, then the thickness");
+  else
+    slab.size = *size;
+}
+
+void read_water(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
+  if (recipe.water.empty()) return;
+  slab.flow = range_of(recipe.water, "..", "m2/s");
+  if (slab.flow) return;
+  slab.total = range_of(recipe.water, "..", "m3/s");
+  if (slab.total && slab.perimeter() > 0.0)
+    slab.flow = Range{slab.total->first / slab.perimeter(), slab.total->last / slab.perimeter()};
+  else if (!slab.total)
+    faults.push_back("--water \"" + recipe.water +
+                     "\": a flow in all or per metre of perimeter is expected, e.g. 25..45m3/h or "
+                     "90..180l/min/m");
+}
+
+Slab read_recipe(const SlabRecipe& recipe, std::vector<std::string>& faults) {
+  Slab slab;
+  slab.alloy = recipe.alloy;
+  read_size(recipe, slab, faults);
+  const auto alloys = case_file::alloy_names();
+  if (!recipe.alloy.empty() && std::ranges::find(alloys, recipe.alloy) == alloys.end()) {
+    const std::string near = case_file::nearest(recipe.alloy, alloys);
+    faults.push_back("--alloy " + recipe.alloy + ": no such card; " +
+                     (near.empty() ? "see `dccast alloys`" : "did you mean " + near + "?"));
+  }
+  if (!recipe.speed.empty() && !(slab.speed = range_of(recipe.speed, "..", "m/s")))
+    faults.push_back("--speed \"" + recipe.speed + "\": a speed is expected, e.g. 45..55mm/min");
+  read_water(recipe, slab, faults);
+  return slab;
+}
+
+/// The lines of a shipped case, some of which are replaced.
+class CaseText {
+public:
+  explicit CaseText(const std::string& text) {
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines_.push_back(line);
+  }
+
+  /// The value of a key as the file has it, quotes included.
+  std::string value(const std::string& key) const {
+    for (const std::string& line : lines_)
+      if (line.starts_with(key + " = ")) {
+        const auto begin = key.size() + 3;
+        return std::string(case_file::trimmed(
+            std::string_view(line).substr(begin, line.find(" #", begin) - begin)));
+      }
+    return {};
+  }
+
+  /// In every line `key = from`; an empty `from` is any value.
+  void replace(const std::string& key, const std::string& from, const std::string& to,
+               const std::string& comment = {}) {
+    for (std::string& line : lines_)
+      if (line.starts_with(key + " = " + from))
+        line = key + " = " + to + (comment.empty() ? "" : " # " + comment);
+  }
+
+  /// The comment at the top.
+  void replace_head(const std::string& head) {
+    const auto end =
+        std::ranges::find_if(lines_, [](const auto& line) { return !line.starts_with('#'); });
+    lines_.erase(lines_.begin(), end);
+    lines_.insert(lines_.begin(), head);
+  }
+
+  std::string text() const {
+    std::string text;
+    for (const std::string& line : lines_) text += line + "\n";
+    return text;
+  }
+
+private:
+  std::vector<std::string> lines_;
+};
+
+/// The table of a shipped case with other values: the first until the ramp begins, the last from
+/// its end.
+std::string ramp_of(std::string table, const Range& range, double factor, const std::string& unit) {
+  constexpr int digits = 6;  // the sum over the perimeter is the one given
+  const std::string first = "\"" + short_number(factor * range.first, digits) + " " + unit + "\"";
+  const std::string last = "\"" + short_number(factor * range.last, digits) + " " + unit + "\"";
+  if (first == last || !table.starts_with("[[")) return last;
+  const auto place = [&table](std::size_t from) {
+    const auto at = table.find('"', from);
+    return table.substr(at, table.find('"', at + 1) + 1 - at);
+  };
+  const std::string begin = place(0), end = place(table.rfind('['));
+  return "[[" + begin + ", " + first + "], [" + end + ", " + last + "]]";
+}
+
+const shipped::ShippedText& nearest_case(const std::string& alloy) {
+  const auto& cases = shipped::case_templates();
+  const auto named = [&cases](const std::string& name) {
+    return std::ranges::find(cases, name, &shipped::ShippedText::name);
+  };
+  const auto own = named(std::string(standard) + "-" + alloy);
+  return own != cases.end() ? *own : *named(standard);
+}
+
+std::string metres(double value) {
+  return "\"" + short_number(value) + " m\"";
+}
+
+void set_size(const Slab& slab, CaseText& text) {
+  const std::string width = text.value("half_width"), thickness = text.value("half_thickness");
+  const std::string half_width = metres(slab.size.first / 2.0);
+  const std::string half_thickness = metres(slab.size.last / 2.0);
+  for (const char* key : {"x", "y"}) {
+    text.replace(key, width, half_width);
+    text.replace(key, thickness, half_thickness);
+  }
+  text.replace("half_width", "", half_width, "[G] half the length of the wide face");
+  text.replace("half_thickness", "", half_thickness, "[G]");
+}
+
+std::string head_of(const SlabRecipe& recipe, const Slab& slab, const std::string& base) {
+  std::string command = "dccast new --slab " + recipe.slab;
+  for (const auto& [option, value] : {std::pair(" --alloy ", recipe.alloy),
+                                      {" --speed ", recipe.speed},
+                                      {" --water ", recipe.water}})
+    if (!value.empty()) command += option + value;
+  return "# Start of casting of a slab " + short_number(1e3 * slab.size.first) + " x " +
+         short_number(1e3 * slab.size.last) + " mm, a quarter of it. Written by\n#   " + command +
+         "\n#\n# Marks: [G] given there. Everything else is that of " + base +
+         ".toml: [P] printed in the paper, [C] computed, [L] public\n# literature, [A] assumption. "
+         "What differs most between plants: hold, filling, casting_temperature, block_above_water, "
+         "the water\n# line (cooling.water.from) with the zones above it, and the bottom block. "
+         "Every key, its unit, range and default: `dccast schema`.";
+}
+
+}  // namespace
+
+NewCase new_case(const SlabRecipe& recipe) {
+  NewCase made;
+  const Slab slab = read_recipe(recipe, made.faults);
+  if (!made.faults.empty()) return made;
+  const shipped::ShippedText& base = nearest_case(slab.alloy);
+  CaseText text(base.text);
+  const std::string name =
+      short_number(1e3 * slab.size.first) + " x " + short_number(1e3 * slab.size.last);
+  const std::string alloy = slab.alloy.empty() ? text.value("card") : "\"" + slab.alloy + "\"";
+  const std::string card = alloy.substr(1, alloy.size() - 2);
+  text.replace_head(head_of(recipe, slab, base.name));
+  text.replace("title", "", "\"Start of a slab " + name + " mm of " + card + "\"");
+  if (!slab.alloy.empty())
+    text.replace(
+        "card", "", alloy,
+        base.name == standard ? "[G]; temperatures of the metal are those of " + base.name : "[G]");
+  set_size(slab, text);
+  const std::string places = "; when the ramp begins and ends: " + base.name;
+  if (slab.speed)
+    text.replace("casting_speed", "",
+                 ramp_of(text.value("casting_speed"), *slab.speed, 1e3 * per_minute, "mm/min"),
+                 "[G]" + places);
+  made.summary =
+      "slab " + name + " mm of " + card + ", perimeter " + short_number(slab.perimeter()) + " m";
+  if (slab.flow) {
+    const Range total{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()};
+    const std::string sum = total.text(m3_per_hour) + " m3/h over a perimeter of " +
+                            short_number(slab.perimeter()) + " m";
+    text.replace("water_flow", "",
+                 ramp_of(text.value("water_flow"), *slab.flow, litres_per_min_per_m, "l/min/m"),
+                 "[G] " + sum + places);
+    made.summary += "; water " + total.text(m3_per_hour) +
+                    " m3/h = " + slab.flow->text(litres_per_min_per_m) + " l/min/m";
+  }
+  made.text = text.text();
+  return made;
+}
+
+}  // namespace dccast::client

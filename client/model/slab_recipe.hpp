@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dccast::client {
+
+/// The start of a slab as a plant names it. Of a range "a..b" the first value holds until the ramp
+/// begins, the second one when it has ended.
+struct SlabRecipe {
+  std::string slab;   ///< width x thickness, "1320x570mm"
+  std::string alloy;  ///< name of a card; empty: that of start-3d
+  std::string speed;  ///< "45..55mm/min"; empty: that of the shipped case
+  std::string water;  ///< "25..45m3/h" in all, or "90..180l/min/m" of perimeter; empty: likewise
+};
+
+/// A case file made of the shipped case that is nearest.
+struct NewCase {
+  std::string text;
+  std::string summary;              ///< slab, perimeter, and water in all and per metre
+  std::vector<std::string> faults;  ///< of the recipe; then there is no text
+};
+
+/// Everything that the recipe does not give is that of the shipped case of the alloy, or of
+/// start-3d where the alloy has none. Comments in the text say where each figure comes from.
+NewCase new_case(const SlabRecipe& recipe);
+
+}  // namespace dccast::client

@@ -1,0 +1,26 @@
+"""Cases, runs and results of a dccast server.
+
+>>> import dccast
+>>> service = dccast.connect()
+>>> job = service.submit("start-2d-thickness", quality="draft", time__end="20 s").wait()
+>>> job.state
+'SUCCEEDED'
+>>> job.curl["corner_curl_m"].shape == job.curl["time_s"].shape
+True
+
+Units are read and checked by the server, as in a case file; figures that come back are SI and degrees
+Celsius, with the unit in the name. docs/python.md is the guide.
+"""
+from dccast.cases import Case
+from dccast.errors import DccastError, Fault
+from dccast.frames import Frame, Frames
+from dccast.jobs import Event, Job, Watch
+from dccast.plots import plot_curl
+from dccast.runs import Answer, Band, Run
+from dccast.service import Service, connect
+from dccast.studies import Prediction, Study
+
+__all__ = [
+    "Answer", "Band", "Case", "DccastError", "Event", "Fault", "Frame", "Frames", "Job", "Prediction",
+    "Run", "Service", "Study", "Watch", "connect", "plot_curl",
+]

@@ -1,0 +1,79 @@
+"""Cases: from a file, a text or a shipped name to what the calls of the server take."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Union
+
+from dccast import errors
+from dccast.transport import Transport
+from dccast.v1 import case_pb2, job_pb2, service_pb2
+
+#: As in a case file: "55 mm/min", 12, True, [["0 s", "40 mm/min"], ["60 s", "60 mm/min"]].
+Value = Union[str, int, float, bool, Sequence["Value"]]
+Changes = Mapping[str, Value]
+
+
+@dataclass
+class Case:
+    """A case that was read by the server, with the changes that were made to it."""
+
+    message: case_pb2.Case
+    attachments: list[job_pb2.Attachment] = field(default_factory=list)
+    changes: list[job_pb2.CaseChange] = field(default_factory=list)
+
+
+Source = Union[str, "os.PathLike[str]", Case]
+
+
+def written(value: Value) -> str:
+    """A value as a case file has it.
+
+    >>> from dccast import cases
+    >>> cases.written([["0 s", "40 mm/min"], ["60 s", "60 mm/min"]])
+    '[["0 s", "40 mm/min"], ["60 s", "60 mm/min"]]'
+    """
+    if isinstance(value, str):
+        return value
+    return json.dumps(value)
+
+
+def changes_of(changes: Changes | None, keys: Changes) -> list[job_pb2.CaseChange]:
+    """Changes by path, and those given as keywords with two underscores for each dot."""
+    merged = {**(changes or {}), **{key.replace("__", "."): value for key, value in keys.items()}}
+    return [job_pb2.CaseChange(key=key, value=written(value)) for key, value in merged.items()]
+
+
+def read_case(transport: Transport, source: Source, changes: list[job_pb2.CaseChange]) -> Case:
+    """@raises DccastError  all faults of the text and of the changes, with their lines"""
+    if isinstance(source, Case):
+        return _changed(source, changes)
+    request = service_pb2.ReadCaseRequest(changes=changes)
+    folder = pathlib.Path()
+    text = os.fspath(source)
+    if "\n" in text or "=" in text:
+        request.text = text
+    elif os.path.isfile(text):
+        folder = pathlib.Path(text).parent
+        request.text = pathlib.Path(text).read_text("utf-8")
+    elif os.path.dirname(text) or text.endswith(".toml"):
+        raise errors.DccastError("NOT_FOUND", f"{text}: no such file",
+                                 remedy="give the path of a case, its text, or the name of a shipped case")
+    else:
+        request.shipped = text
+    read = transport.call("ReadCase", request)
+    if read.faults:
+        raise errors.invalid_case(read.faults, read.lines)
+    attachments = [job_pb2.Attachment(name=os.path.basename(name), content=(folder / name).read_bytes())
+                   for name in read.files]
+    return Case(read.case, attachments, changes)
+
+
+def _changed(case: Case, changes: list[job_pb2.CaseChange]) -> Case:
+    if not changes:
+        return case
+    raise errors.DccastError("INVALID_ARGUMENT", "a case that was read takes no more changes",
+                             remedy="give the changes to Service.read, or the file to this call")

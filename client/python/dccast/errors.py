@@ -1,0 +1,75 @@
+"""What went wrong, in the words of the server."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import grpc
+
+from dccast.v1 import job_pb2, service_pb2
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong with a case, or with a change to it."""
+
+    field: str  #: path of the key, e.g. "schedule.casting_speed"
+    value: str  #: what was given
+    message: str
+    permitted: str  #: with its unit
+    remedy: str
+    line: int = 0  #: in the text of the case; 0: in a change, or not known
+
+    def __str__(self) -> str:
+        place = f"line {self.line}: " if self.line else ""
+        value = f" = {self.value}" if self.value else ""
+        rest = [part for part in (self.permitted and f"permitted: {self.permitted}", self.remedy) if part]
+        return place + "; ".join([f"{self.field}{value}: {self.message}", *rest])
+
+
+class DccastError(Exception):
+    """A call or a run that failed.
+
+    >>> try:
+    ...     dccast.connect().submit("start-3d", schedule__casting_speed="55 m")
+    ... except dccast.DccastError as error:
+    ...     print(error.code, error.field)
+    INVALID_ARGUMENT schedule.casting_speed
+    """
+
+    def __init__(self, code: str, message: str, faults: Iterable[Fault] = (), field: str = "",
+                 remedy: str = "") -> None:
+        super().__init__(message)
+        self.code = code  #: of a call its status, e.g. "NOT_FOUND"; of a run, e.g. "SOLVE_FAILED"
+        self.faults = tuple(faults)  #: all that is wrong with the case
+        first = self.faults[0] if self.faults else None
+        self.field = field or (first.field if first else "")  #: key of the first fault; else empty
+        self.remedy = remedy or (first.remedy if first else "")  #: what to do instead; may be empty
+
+
+def invalid_case(faults: Iterable[job_pb2.Fault], lines: Iterable[int] = ()) -> DccastError:
+    """All faults of a case as one error."""
+    places = list(lines)
+    found = [Fault(f.field, f.value, f.message, f.permitted, f.remedy,
+                   places[i] if i < len(places) else 0) for i, f in enumerate(faults)]
+    return DccastError("INVALID_ARGUMENT", "\n".join(map(str, found)), found)
+
+
+def missing(module: str, package: str) -> DccastError:
+    """For a module that is imported only when asked for."""
+    return DccastError("MISSING_PACKAGE", f"{module} is not installed: {package}", remedy=package)
+
+
+def of_call(error: grpc.RpcError, server: str) -> DccastError:
+    """The failure of a call."""
+    code: str = error.code().name
+    for key, value in error.trailing_metadata() or ():
+        if key == "grpc-status-details-bin":
+            verdict = service_pb2.ValidateCaseResponse()
+            verdict.ParseFromString(value)
+            if verdict.faults:
+                return invalid_case(verdict.faults)
+    if code == "UNAVAILABLE":
+        return DccastError(code, f"no answer from {server}: {error.details()}",
+                           remedy="is dccastd running there? Another address: connect(...) or DCCAST_SERVER")
+    return DccastError(code, error.details() or f"{server} could not answer: {code}")

@@ -1,0 +1,245 @@
+"""Jobs: what was submitted, what it reports, what it leaves."""
+from __future__ import annotations
+
+import asyncio
+import functools
+import hashlib
+import os
+import pathlib
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dccast import errors
+from dccast.frames import Frames
+from dccast.runs import Run
+from dccast.transport import Transport
+from dccast.v1 import case_pb2, job_pb2, service_pb2
+
+READINGS = 5  # of a history, while its job goes back to a checkpoint
+
+
+@dataclass(frozen=True)
+class Event:
+    """One record of a job. `body` is the message of its kind in job.proto."""
+
+    sequence: int  #: from 1, without holes
+    kind: str  #: state_change, step, message, resumed, validity_lost, finding, run_ended
+    body: Any
+
+    @property
+    def state(self) -> str:
+        """Of a change of state, e.g. "RUNNING"; else empty."""
+        return str(job_pb2.JobState.Name(self.body.state)) if self.kind == "state_change" else ""
+
+
+class Watch:
+    """The events of a job until it has ended, past ones first; for `for` and `async for`."""
+
+    def __init__(self, transport: Transport, job: str, from_sequence: int) -> None:
+        self._transport, self._job, self._next = transport, job, max(from_sequence, 1)
+        self._stream: Any = None
+
+    def __iter__(self) -> Iterator[Event]:
+        def opened() -> Any:
+            return self._transport.stream(
+                "WatchJob", service_pb2.WatchJobRequest(id=self._job, from_sequence=self._next))
+
+        def is_last(event: job_pb2.JobEvent) -> bool:
+            return event.HasField("state_change") and event.state_change.terminal
+
+        def on_stream(stream: Any) -> None:
+            self._stream = stream
+
+        for event in self._transport.resumed(opened, is_last, on_stream):
+            if event.sequence < self._next:
+                continue
+            self._next = event.sequence + 1
+            kind = event.WhichOneof("what") or ""
+            yield Event(event.sequence, kind, getattr(event, kind) if kind else None)
+
+    async def __aiter__(self) -> AsyncIterator[Event]:
+        events = iter(self)
+        try:
+            while (event := await asyncio.to_thread(lambda: next(events, None))) is not None:
+                yield event
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Ends the watch. The job goes on."""
+        if self._stream is not None:
+            self._stream.cancel()
+
+
+class Job(Run):
+    """A job on the server. Its attributes are those of the last look: `refresh` looks again."""
+
+    def __init__(self, transport: Transport, message: job_pb2.Job) -> None:
+        self._transport, self.message = transport, message
+
+    def __repr__(self) -> str:
+        return f"<dccast.Job {self.id[:8]} {self.state} {self.message.title!r}>"
+
+    @property
+    def id(self) -> str:
+        return str(self.message.id)
+
+    @property
+    def state(self) -> str:
+        """QUEUED, RUNNING, PAUSED, SUCCEEDED, FAILED or CANCELLED."""
+        return str(job_pb2.JobState.Name(self.message.state))
+
+    @property
+    def ended(self) -> bool:
+        return self.state in ("SUCCEEDED", "FAILED", "CANCELLED")
+
+    @property
+    def findings(self) -> list[job_pb2.Finding]:
+        """What an engineer should know of this casting (docs/findings.md)."""
+        return list(self.message.findings)
+
+    @property
+    def valid_until_s(self) -> float:
+        return self.message.validity_loss.time_s if self.message.HasField("validity_loss") else np.inf
+
+    def refresh(self) -> Job:
+        """Looks at the job again; forgets steps that were read."""
+        return self._became(self._transport.call("GetJob", service_pb2.GetJobRequest(id=self.id)))
+
+    def watch(self, from_sequence: int = 1) -> Watch:
+        """Its events from a sequence number on, until it has ended.
+
+        >>> job = dccast.connect().submit("start-2d-thickness", quality="draft", time__end="20 s")
+        >>> [event.state for event in job.watch() if event.state]
+        ['QUEUED', 'RUNNING', 'SUCCEEDED']
+        """
+        return Watch(self._transport, self.id, from_sequence)
+
+    def wait(self, check: bool = True) -> Job:
+        """Waits until it has ended.
+
+        @param check  raise DccastError for a job that did not succeed; its `code` is the cause, e.g.
+                      "SHELL_MELTED_THROUGH" or "CANCELLED"
+        """
+        for _ in self.watch():
+            pass
+        self.refresh()
+        if check and self.state != "SUCCEEDED":
+            failure = self.message.failure
+            code = job_pb2.Failure.Kind.Name(failure.kind) if failure.kind else self.state
+            raise errors.DccastError(code, f"job {self.id} is {self.state}: {failure.message}",
+                                     field=failure.finding)
+        return self
+
+    def cancel(self, reason: str = "") -> Job:
+        """Asks it to stop; `wait` waits for that."""
+        return self._became(self._transport.call(
+            "CancelJob", service_pb2.CancelJobRequest(id=self.id, reason=reason)))
+
+    def pause(self) -> Job:
+        """Stops it at a checkpoint and keeps it out of the queue."""
+        return self._once("PauseJob", service_pb2.PauseJobRequest(id=self.id))
+
+    def resume(self) -> Job:
+        """Queues it again; it goes on from its checkpoint."""
+        return self._once("ResumeJob", service_pb2.ResumeJobRequest(id=self.id))
+
+    def delete(self) -> None:
+        """Removes an ended job and its files."""
+        self._transport.call("DeleteJob", service_pb2.DeleteJobRequest(id=self.id), repeat=False)
+
+    @property
+    def case(self) -> case_pb2.Case:
+        return self._result.case
+
+    @property
+    def steps(self) -> Sequence[job_pb2.StepReport]:
+        return list(self._result.steps)
+
+    @property
+    def relative_curl_error(self) -> float | None:
+        return self._result.relative_curl_error if self._result.HasField("relative_curl_error") else None
+
+    @property
+    def frames(self) -> Frames:
+        """The stored fields of a job that has ended, by time."""
+        return Frames(self._transport, self.id)
+
+    def fetch(self, path: str | os.PathLike[str], artifact: str = "results.h5") -> pathlib.Path:
+        """Downloads a result file and checks its SHA-256. A cut stream is taken up again.
+
+        @param path      a file, or a folder for a file of the artifact's name
+        @param artifact  "results.h5", or "results.xdmf" for ParaView beside it
+        """
+        def opened(offset: int, _: str) -> Any:
+            return self._transport.stream("FetchResult", service_pb2.FetchResultRequest(
+                id=self.id, artifact=artifact, offset=offset))
+        return download(self._transport, opened, path, artifact)
+
+    def _once(self, method: str, request: Any) -> Job:
+        return self._became(self._transport.call(method, request, repeat=False))
+
+    def _became(self, message: job_pb2.Job) -> Job:
+        self.message = message
+        for name in ("_result", "_bands"):
+            self.__dict__.pop(name, None)
+        return self
+
+    @functools.cached_property
+    def _result(self) -> service_pb2.QueryResultResponse:
+        """All pages. A job that goes back to a checkpoint meanwhile is read again."""
+        for reading in range(1, READINGS + 1):
+            result, request = service_pb2.QueryResultResponse(), service_pb2.QueryResultRequest(id=self.id)
+            try:
+                while True:
+                    page = self._transport.call("QueryResult", request)
+                    result.MergeFrom(page)
+                    request.page_token = page.next_page_token
+                    if not page.next_page_token:
+                        return result
+            except errors.DccastError as error:
+                if error.code != "ABORTED" or reading == READINGS:
+                    raise
+        raise AssertionError("not reached")
+
+
+def download(transport: Transport, open_stream: Callable[[int, str], Any],
+             path: str | os.PathLike[str], name: str) -> pathlib.Path:
+    """Writes chunks to PATH.part, and names it PATH when its SHA-256 is right.
+
+    @param open_stream  (offset, SHA-256 of the chunks so far)
+    """
+    target = pathlib.Path(path)
+    target = target / name if target.is_dir() else target
+    part = target.with_name(target.name + ".part")
+    digest, total, sha256 = hashlib.sha256(), -1, ""
+    written = 0
+
+    def opened() -> Any:
+        return open_stream(written, sha256)
+
+    def is_last(chunk: Any) -> bool:
+        return bool(chunk.offset + len(chunk.data) >= chunk.total_size_bytes)
+
+    try:
+        with open(part, "wb", opener=_without_links) as file:
+            for chunk in transport.resumed(opened, is_last):
+                file.write(chunk.data)
+                digest.update(chunk.data)
+                written += len(chunk.data)
+                total, sha256 = chunk.total_size_bytes, chunk.sha256
+        if written != total or digest.hexdigest() != sha256:
+            raise errors.DccastError("DATA_LOSS", f"{name} did not arrive as the server has it",
+                                     remedy="fetch it again")
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+    return target
+
+
+def _without_links(path: str, flags: int) -> int:
+    """A link in the place of the part file could lead anywhere."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)

@@ -1,0 +1,196 @@
+"""What a run computed: its curl with the error of mesh and time steps, and its history."""
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dccast import errors
+from dccast.v1 import case_pb2, job_pb2
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Floats = npt.NDArray[np.float64]
+Table = npt.NDArray[np.void]  # structured: columns by name, one row for each step
+
+
+@dataclass(frozen=True)
+class Band:
+    """The curl of one monitor, and half of the band around it; NaN where nothing is known."""
+
+    monitor: str
+    time_s: Floats
+    cast_length_m: Floats
+    curl_m: Floats
+    error_m: Floats
+
+
+def band_of(curve: Any) -> Band:
+    """A CurlCurve of the server."""
+    curl = np.array(curve.curl_m)
+    error = np.array(curve.uncertainty_m) if curve.uncertainty_m else np.full(len(curl), np.nan)
+    return Band(curve.monitor, np.array(curve.time_s), np.array(curve.cast_length_m), curl, error)
+
+
+def _structured(columns: Mapping[str, Iterable[Any]], kinds: Mapping[str, type]) -> Table:
+    arrays: dict[str, npt.NDArray[Any]] = {name: np.asarray(list(values), dtype=kinds.get(name, np.float64))
+                                           for name, values in columns.items()}
+    rows = len(next(iter(arrays.values()))) if arrays else 0
+    table: Table = np.zeros(rows, dtype=[(name, array.dtype) for name, array in arrays.items()])
+    for name, array in arrays.items():
+        table[name] = array
+    return table
+
+
+def _numbers() -> dict[str, type]:
+    """The plain figures of a step, by name."""
+    field = job_pb2.StepReport.DESCRIPTOR.fields
+    kinds: dict[int, type] = {1: np.float64, 3: np.int64, 5: np.int64, 8: np.bool_}
+    return {f.name: kinds[f.type] for f in field if f.type in kinds and f.label != f.LABEL_REPEATED}
+
+
+class Run:
+    """The figures of a run that has steps."""
+
+    @property
+    def case(self) -> case_pb2.Case:
+        """As it was run, with all defaults and the alloy card. SI and degrees Celsius."""
+        raise NotImplementedError
+
+    @property
+    def steps(self) -> Sequence[job_pb2.StepReport]:
+        """The accepted steps so far, each once."""
+        raise NotImplementedError
+
+    @property
+    def relative_curl_error(self) -> float | None:
+        """Half of the band that mesh and time steps leave around each curl, relative to it; None: not
+        measured for such a case (docs/error-bars.md)."""
+        raise NotImplementedError
+
+    @property
+    def valid_until_s(self) -> float:
+        """The time from which the figures are no answer any more; infinite for a valid run."""
+        raise NotImplementedError
+
+    @property
+    def monitors(self) -> list[str]:
+        """The names of the points whose curl was computed."""
+        return [monitor.name for monitor in self.steps[0].monitors] if self.steps else []
+
+    @functools.cached_property
+    def _bands(self) -> list[Band]:
+        time = np.array([step.time_s for step in self.steps])
+        length = np.array([step.cast_length_m for step in self.steps])
+        relative = np.nan if self.relative_curl_error is None else self.relative_curl_error
+        bands = []
+        for name in self.monitors:
+            found = [[m.displacement_m[-1] for m in step.monitors if m.name == name and
+                      len(m.displacement_m) > 1] for step in self.steps]
+            curl = np.array([values[0] if values else np.nan for values in found])
+            bands.append(Band(name, time, length, curl, relative * np.abs(curl)))
+        return bands
+
+    def band(self, monitor: str = "") -> Band:
+        """The curl of a monitor with its error; without a name, of the one that has curled most.
+
+        >>> job = dccast.connect().submit("start-2d-thickness", quality="draft", time__end="20 s").wait()
+        >>> job.band().monitor
+        'corner'
+        """
+        bands = self._bands
+        if not monitor and bands:
+            return max(bands, key=lambda band: float(abs(np.nan_to_num(band.curl_m[-1]))))
+        for band in bands:
+            if band.monitor == monitor:
+                return band
+        raise errors.DccastError("NOT_FOUND", f"no monitor {monitor!r}; there are {self.monitors}")
+
+    @property
+    def curl(self) -> Table:
+        """One row for each step; the columns are those of `dccast curl --csv`: time_s, cast_length_m, of
+        each monitor NAME_curl_m and NAME_uncertainty_m, and beyond_validity."""
+        columns: dict[str, Iterable[Any]] = {
+            "time_s": [step.time_s for step in self.steps],
+            "cast_length_m": [step.cast_length_m for step in self.steps]}
+        for band in self._bands:
+            columns[f"{band.monitor}_curl_m"] = band.curl_m
+            columns[f"{band.monitor}_uncertainty_m"] = band.error_m
+        columns["beyond_validity"] = [step.beyond_validity or step.time_s >= self.valid_until_s - 1e-9
+                                      for step in self.steps]
+        return _structured(columns, {"beyond_validity": np.bool_})
+
+    def curl_frame(self) -> Any:
+        """`curl` as a pandas.DataFrame, by time."""
+        try:
+            import pandas
+        except ImportError:
+            raise errors.missing("pandas", "apt install python3-pandas") from None
+        return pandas.DataFrame(self.curl).set_index("time_s")
+
+    @property
+    def history(self) -> Table:
+        """Every figure of every step, e.g. history["sump_depth_m"]; named and explained in job.proto."""
+        kinds = _numbers()
+        return _structured({name: [getattr(step, name) for step in self.steps] for name in kinds}, kinds)
+
+    def plot(self, monitor: str = "", axes: Any = None, label: str = "") -> Any:
+        """Draws the curl with its band, and returns the matplotlib axes. See plot_curl."""
+        from dccast.plots import plot_curl
+        return plot_curl({label or self.case.title: self.band(monitor)}, axes)
+
+
+class Answer(Run):
+    """What a query computed. Nothing of it stays on the server, unless it was kept as a job."""
+
+    def __init__(self, server: str) -> None:
+        self._server = server
+        self._case = case_pb2.Case()
+        self._steps: list[job_pb2.StepReport] = []
+        self._relative_curl_error: float | None = None
+        self.from_store = False  #: computed before: no solver ran
+        self.job = ""  #: id of the job that was kept, or found; may be empty
+        self.state = ""  #: "SUCCEEDED", "FAILED"
+        self.findings: list[job_pb2.Finding] = []
+        self.validity_loss: job_pb2.ValidityLoss | None = None
+        self.failure: job_pb2.Failure | None = None
+
+    @property
+    def case(self) -> case_pb2.Case:
+        return self._case
+
+    @property
+    def steps(self) -> Sequence[job_pb2.StepReport]:
+        return self._steps
+
+    @property
+    def relative_curl_error(self) -> float | None:
+        return self._relative_curl_error
+
+    @property
+    def valid_until_s(self) -> float:
+        return self.validity_loss.time_s if self.validity_loss else np.inf
+
+    def take(self, response: Any) -> None:
+        """One message of the stream."""
+        kind = response.WhichOneof("what")
+        if kind == "accepted":
+            self._case, self.job = response.accepted.case, response.accepted.job
+            self.from_store = response.accepted.from_store
+            if response.accepted.HasField("relative_curl_error"):
+                self._relative_curl_error = response.accepted.relative_curl_error
+        elif kind == "step":
+            self._steps.append(response.step)
+        elif kind == "finding":  # of one code the last one holds
+            self.findings = [f for f in self.findings if f.code != response.finding.code]
+            self.findings.append(response.finding)
+        elif kind == "validity_lost":
+            self.validity_loss = response.validity_lost
+        elif kind == "ended":
+            self.state = job_pb2.JobState.Name(response.ended.state)
+            self.failure = response.ended.failure if response.ended.HasField("failure") else None

@@ -1,0 +1,178 @@
+"""The connection to a server, and where its address comes from."""
+from __future__ import annotations
+
+import os
+import pathlib
+import time
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import grpc
+
+from dccast import errors
+from dccast.v1 import service_pb2_grpc
+
+PORT = 7117
+ATTEMPTS = 4  # of a call that may be repeated
+FIRST_PAUSE_S = 0.2  # doubled after every attempt
+DEADLINE_S = 60.0
+STREAM_ATTEMPTS = 12  # without progress, before a stream is given up
+LONGEST_PAUSE_S = 5.0
+PASSING = {"OK", "UNAVAILABLE", "DEADLINE_EXCEEDED", "CANCELLED", "UNKNOWN", "INTERNAL",
+           "RESOURCE_EXHAUSTED"}  # a stream that ended so is taken up again
+
+Message = TypeVar("Message")
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A server, and what a call to it carries. Certificates and key are PEM."""
+
+    address: str  #: with its port
+    ca: str = ""  #: of the server; empty: no TLS
+    certificate: str = ""
+    key: str = ""
+    token: str = ""
+
+    @property
+    def is_local(self) -> bool:
+        host = self.address.rpartition(":")[0].strip("[]")
+        return self.address.startswith("unix:") or host in ("localhost", "::1") or host.startswith("127.")
+
+
+def settings_folder() -> pathlib.Path:
+    """Of the settings and logins of the command line client: beside $DCCAST_CONFIG, else dccast in
+    $XDG_CONFIG_HOME or ~/.config."""
+    if named := os.environ.get("DCCAST_CONFIG"):
+        if not os.path.exists(named):
+            raise errors.DccastError("INVALID_ARGUMENT",
+                                     f"DCCAST_CONFIG names {named}, and there is no such file")
+        return pathlib.Path(named).parent
+    folder = os.environ.get("XDG_CONFIG_HOME", "")
+    root = pathlib.Path(folder) if folder.startswith("/") else pathlib.Path.home() / ".config"
+    return root / "dccast"
+
+
+def _read(file: pathlib.Path) -> dict[str, Any]:
+    """A TOML file; empty where there is none."""
+    try:
+        return tomllib.loads(file.read_text("utf-8"))
+    except FileNotFoundError:
+        return {}
+    except tomllib.TOMLDecodeError as error:
+        raise errors.DccastError("INVALID_ARGUMENT", f"{file}: not valid TOML: {error}") from None
+
+
+def stored_logins(folder: pathlib.Path) -> list[dict[str, str]]:
+    """What `dccast login` has stored; the first is the default."""
+    file = folder / "servers.toml"
+    if file.exists() and os.name == "posix" and file.stat().st_mode & 0o077:
+        raise errors.DccastError("PERMISSION_DENIED", f"other users may read the tokens in {file}",
+                                 remedy=f"chmod 600 {file}")
+    logins: list[dict[str, str]] = _read(file).get("server", [])
+    return logins
+
+
+def with_port(server: str) -> str:
+    """The address with the port of dccastd where it has none.
+
+    >>> from dccast import transport
+    >>> transport.with_port("caster.example")
+    'caster.example:7117'
+    """
+    if server.startswith("unix:"):
+        return server
+    if "://" in server:
+        raise errors.DccastError("INVALID_ARGUMENT", f"server {server}: write HOST:PORT")
+    return server if ":" in server.rsplit("]", 1)[-1] else f"{server}:{PORT}"
+
+
+def endpoint(server: str | None) -> Endpoint:
+    """The server that is meant: the argument, else $DCCAST_SERVER, else `server` of the settings file,
+    else the first login, else this machine. One that `dccast login` has stored is found by its name or
+    address."""
+    folder = settings_folder()
+    settings = pathlib.Path(os.environ.get("DCCAST_CONFIG") or folder / "client.toml")
+    named = server or os.environ.get("DCCAST_SERVER") or _read(settings).get("server", "")
+    for login in stored_logins(folder):
+        address = login.get("address", "")
+        if named in ("", login.get("name"), address, address.rpartition(":")[0].strip("[]")):
+            return Endpoint(address, *(login.get(key, "") for key in ("ca", "certificate", "key", "token")))
+    found = Endpoint(with_port(named or "127.0.0.1"))
+    if not found.is_local:
+        raise errors.DccastError("UNAUTHENTICATED", f"there is no login for {found.address}",
+                                 remedy="dccast login, with the line that the administrator gives")
+    return found
+
+
+def channel_to(to: Endpoint) -> grpc.Channel:
+    """A channel, which connects with its first call."""
+    options = [("grpc.max_receive_message_length", -1), ("grpc.enable_http_proxy", 0),
+               ("grpc.keepalive_time_ms", 30000), ("grpc.keepalive_timeout_ms", 10000),
+               ("grpc.initial_reconnect_backoff_ms", 200), ("grpc.max_reconnect_backoff_ms", 2000)]
+    if not to.ca:
+        return grpc.insecure_channel(to.address, options=options)
+    credentials = grpc.ssl_channel_credentials(
+        to.ca.encode(), to.key.encode() or None, to.certificate.encode() or None)
+    if to.token:
+        credentials = grpc.composite_channel_credentials(
+            credentials, grpc.access_token_call_credentials(to.token))
+    return grpc.secure_channel(to.address, credentials, options=options)
+
+
+class Transport:
+    """Calls of one server. Those that may be repeated are, while the server does not answer."""
+
+    def __init__(self, to: Endpoint) -> None:
+        self.server = to.address
+        make_stub: Any = service_pb2_grpc.SimulationServiceStub
+        self.stub = make_stub(channel_to(to))
+
+    def call(self, method: str, request: Any, repeat: bool = True) -> Any:
+        """A unary call. @raises DccastError"""
+        pause = FIRST_PAUSE_S
+        for attempt in range(1, ATTEMPTS + 1):
+            try:
+                return getattr(self.stub, method)(request, timeout=DEADLINE_S)
+            except grpc.RpcError as error:
+                if not repeat or attempt == ATTEMPTS or error.code().name != "UNAVAILABLE":
+                    raise errors.of_call(error, self.server) from None
+            time.sleep(pause)
+            pause *= 2
+        raise AssertionError("not reached")
+
+    def stream(self, method: str, request: Any) -> Any:
+        """A stream, which is iterated and cancelled. It raises grpc.RpcError."""
+        return getattr(self.stub, method)(request)
+
+    def resumed(self, open_stream: Callable[[], Any], is_last: Callable[[Message], bool],
+                on_stream: Callable[[Any], None] = lambda _: None) -> Iterator[Message]:
+        """The messages of a stream that is taken up again where it was cut, up to the last one.
+
+        @param open_stream  opens it behind what was received so far
+        @param on_stream    receives every stream that is opened, to cancel it
+        """
+        failures, pause = 0, FIRST_PAUSE_S
+        while True:
+            reason = "the stream ended early"
+            try:
+                stream = open_stream()
+                on_stream(stream)
+                for message in stream:
+                    failures, pause = 0, FIRST_PAUSE_S
+                    yield message
+                    if is_last(message):
+                        stream.cancel()
+                        return
+            except grpc.RpcError as error:
+                if error.code().name not in PASSING:
+                    raise errors.of_call(error, self.server) from None
+                reason = error.details()
+            failures += 1
+            if failures == STREAM_ATTEMPTS:
+                raise errors.DccastError("UNAVAILABLE", f"lost the stream from {self.server}: {reason}",
+                                         remedy="what runs there goes on; watch it again")
+            time.sleep(pause)
+            pause = min(2 * pause, LONGEST_PAUSE_S)

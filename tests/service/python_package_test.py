@@ -1,0 +1,296 @@
+#!/usr/bin/python3
+"""The Python package on the real solver: its examples, and what a script relies on."""
+import asyncio
+import doctest
+import importlib
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import zipfile
+
+import numpy as np
+
+import dccast
+from support import BIN, ServiceTest, main, until
+
+CASE = "start-2d-thickness"
+QUICK = {"quality": "draft", "time.end": "20 s"}
+MODULES = ("", ".cases", ".errors", ".frames", ".jobs", ".plots", ".runs", ".service", ".studies",
+           ".transport")
+PACKAGE = os.path.dirname(dccast.__file__)
+os.environ["MPLBACKEND"] = "agg"
+
+
+class PackageTest(ServiceTest):
+    worker = "dccast-worker"
+
+    def setUp(self):
+        super().setUp()
+        os.environ["DCCAST_SERVER"] = self.daemon.address
+        os.environ["DCCAST_PROGRAM"] = os.path.join(BIN, "dccast")
+        self.service = dccast.connect()
+
+    def ended(self, **changes):
+        return self.service.submit(CASE, {**QUICK, **changes}).wait()
+
+    def command(self, *words):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), *words], capture_output=True, text=True,
+                               timeout=60, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        return ended.stdout
+
+
+class Examples(PackageTest):
+    def test_every_example_of_the_package_runs(self):
+        tried = 0
+        for name in MODULES:
+            module = importlib.import_module("dccast" + name)
+            result = doctest.testmod(module, extraglobs={"dccast": dccast},
+                                     verbose=False, optionflags=doctest.ELLIPSIS)
+            self.assertEqual(result.failed, 0, module.__name__)
+            tried += result.attempted
+        self.assertGreater(tried, 15)
+
+
+class Figures(PackageTest):
+    def test_a_curl_and_its_error_are_those_of_the_command_line(self):
+        job = self.ended(**{"section.half_width": "0.3 m"})
+        lines = self.command("curl", "--csv", job.id).splitlines()
+        self.assertEqual(tuple(lines[0].split(",")), job.curl.dtype.names)
+        printed = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+        for column, name in enumerate(job.curl.dtype.names):
+            np.testing.assert_allclose(job.curl[name].astype(float), printed[:, column], rtol=1e-5,
+                                       atol=1e-9, err_msg=name)
+        self.assertGreater(job.relative_curl_error, 0)
+        self.assertEqual(list(job.curl_frame().columns), list(job.curl.dtype.names[1:]))
+
+    def test_without_a_measured_error_it_is_not_zero(self):
+        job = self.ended(**{"mesh.columns": 10})
+        self.assertIsNone(job.relative_curl_error)
+        self.assertTrue(np.isnan(job.band().error_m).all())
+
+    def test_a_query_gives_the_bits_of_a_job(self):
+        seen = []
+        answer = self.service.query(CASE, QUICK, on_step=seen.append)
+        self.assertEqual(len(seen), len(answer.steps))
+        self.assertEqual(self.service.jobs(), [])
+        np.testing.assert_array_equal(answer.curl, self.ended().curl)
+        self.assertEqual(answer.relative_curl_error, self.service.job("last").relative_curl_error)
+
+    def test_the_history_has_every_figure_of_a_step(self):
+        job = self.ended()
+        self.assertEqual(job.history["step"].tolist(), list(range(1, len(job.steps) + 1)))
+        self.assertAlmostEqual(job.history["progress"][-1], 1.0)
+        self.assertGreater(job.history["sump_depth_m"][-1], 0)
+
+    def test_frames_are_those_of_the_results(self):
+        job = self.ended()
+        last = job.frames[-1]
+        self.assertEqual([frame.time_s for frame in job.frames], job.frames.times_s)
+        self.assertEqual(last.points_m.shape, last.displacement_m.shape)
+        self.assertLess(last.cells.max(), len(last.temperature_c))
+        file = os.path.join(self.folder, "end.vtu")
+        last.to_meshio().write(file)
+        import meshio
+        np.testing.assert_allclose(meshio.read(file).point_data["temperature_c"], last.temperature_c)
+        with self.assertRaises(IndexError):
+            job.frames[len(job.frames)]
+        import h5py
+        with h5py.File(job.fetch(self.folder)) as results:
+            self.assertGreater(len(results), 0)
+        self.assertNotIn("results.h5.part", os.listdir(self.folder))
+
+    def test_compare_has_the_judgement_of_the_command_line(self):
+        slow, fast = self.ended(), self.ended(**{"schedule.casting_speed": "80 mm/min"})
+        said = self.service.compare(slow, fast)
+        self.assertEqual([run["job"] for run in said["runs"]],
+                         [slow.id, fast.id])
+
+
+    def test_a_package_that_is_absent_is_named_as_debian_does(self):
+        job = self.ended()
+        absent = dict.fromkeys(("pandas", "meshio", "matplotlib", "pyvista"))
+        with unittest.mock.patch.dict(sys.modules, absent):
+            for use, package in ((job.curl_frame, "python3-pandas"), (job.plot, "python3-matplotlib"),
+                                 (job.frames[0].to_meshio, "python3-meshio"),
+                                 (job.frames[0].to_pyvista, "not in Debian 12")):
+                with self.assertRaises(dccast.DccastError) as caught:
+                    use()
+                self.assertIn(package, str(caught.exception))
+
+
+class Cases(PackageTest):
+    def test_a_file_a_text_and_a_name_are_one_case(self):
+        text = self.command("new", CASE)
+        path = pathlib.Path(self.folder) / "my.toml"
+        path.write_text(text)
+        named, of_text, of_file = (self.service.read(case) for case in (CASE, text, path))
+        self.assertEqual(named.message, of_text.message)
+        self.assertEqual(named.message, of_file.message)
+
+    def test_what_the_server_took_has_the_changes(self):
+        job = self.service.submit(CASE, {"schedule.casting_speed": "55 mm/min"}, mesh__refinement=1,
+                                  time__end="1 s").wait()
+        self.assertEqual([(c.key, c.value) for c in job.message.changes],
+                         [("schedule.casting_speed", "55 mm/min"), ("mesh.refinement", "1"),
+                          ("time.end", "1 s")])
+        self.assertAlmostEqual(job.case.schedule.casting_speed_m_per_s.value[0], 0.055 / 60)
+
+    def test_all_faults_come_at_once_with_lines_and_remedies(self):
+        with self.assertRaises(dccast.DccastError) as caught:
+            self.service.submit('title = "x"\n[schedule]\ncasting_speed = "55 mm"\nspede = 1\n')
+        error = caught.exception
+        self.assertEqual(error.code, "INVALID_ARGUMENT")
+        self.assertIn(("schedule.casting_speed", 3), [(f.field, f.line) for f in error.faults])
+        self.assertIn(("schedule.spede", 4), [(f.field, f.line) for f in error.faults])
+
+    def test_faults_that_only_the_whole_case_shows_have_their_key(self):
+        with self.assertRaises(dccast.DccastError) as caught:
+            self.service.submit(CASE, {"time.end": "-70 s"})
+        self.assertEqual(caught.exception.field, "time.end")
+
+    def test_no_file_of_the_server_is_read(self):
+        secret = pathlib.Path(self.folder) / "secret.msh"
+        secret.write_text("secret")
+        read = self.service.read
+        text = self.command("new", CASE)
+
+        def with_mesh(file):
+            return text.replace('\nelement', f'\nfile = "{file}"\nelement', 1)
+        with self.assertRaises(FileNotFoundError):
+            read(with_mesh(f"{secret}x"))
+        case = read(with_mesh(secret))
+        self.assertEqual(case.message.mesh.file, "secret.msh")
+        self.assertEqual([(a.name, a.content) for a in case.attachments], [("secret.msh", b"secret")])
+        with self.assertRaises(dccast.DccastError) as caught:
+            read(CASE, {"mesh.file": str(secret)})
+        self.assertEqual(caught.exception.field, "mesh.file")
+
+    def test_names_that_are_not_there(self):
+        for case, code in (("start-4d", "NOT_FOUND"), ("folder/no.toml", "NOT_FOUND")):
+            with self.assertRaises(dccast.DccastError) as caught:
+                self.service.read(case)
+            self.assertEqual(caught.exception.code, code)
+        for job in ("last", "ffffffff", "0" * 36):
+            with self.assertRaises(dccast.DccastError):
+                self.service.job(job)
+
+
+class Steering(PackageTest):
+    def long_job(self):
+        job = self.service.submit(CASE, quality="fine")
+        until(lambda: job.refresh().state == "RUNNING", 30)
+        return job
+
+    def test_pause_resume_cancel_and_delete(self):
+        job = self.long_job().pause()
+        until(lambda: job.refresh().state == "PAUSED", 30)
+        job.resume().cancel("enough")
+        with self.assertRaises(dccast.DccastError) as caught:
+            job.wait()
+        self.assertEqual(caught.exception.code, "CANCELLED")
+        with self.assertRaises(dccast.DccastError) as caught:
+            job.resume()
+        self.assertEqual(caught.exception.code, "FAILED_PRECONDITION")
+        job.delete()
+        self.assertEqual(self.service.jobs(), [])
+
+    def test_a_watch_goes_on_when_the_server_comes_back(self):
+        self.daemon.settings["listen"] = self.daemon.address
+        job = self.long_job()
+        numbers = []
+        for event in job.watch():
+            numbers.append(event.sequence)
+            if len(numbers) == 8:
+                self.daemon.terminate()
+                self.daemon.start()
+            if len(numbers) == 20:
+                break
+        self.assertEqual(numbers, list(range(1, 21)))
+        job.cancel()
+
+    def test_two_jobs_are_watched_in_one_loop(self):
+        async def last_state(job):
+            return [event.state async for event in job.watch() if event.state][-1]
+
+        async def both():
+            jobs = [self.service.submit(CASE, QUICK, title=str(i)) for i in range(2)]
+            return await asyncio.gather(*(last_state(job) for job in jobs))
+        self.assertEqual(asyncio.run(both()), ["SUCCEEDED", "SUCCEEDED"])
+
+    def test_an_async_watch_that_is_given_up_leaves_no_thread(self):
+        async def given_up(job):
+            async def watch():
+                async for _ in job.watch():
+                    pass
+            with self.assertRaises(asyncio.TimeoutError):
+                await asyncio.wait_for(watch(), 1.0)
+        job = self.long_job()
+        asyncio.run(given_up(job))  # waits for its threads
+        job.cancel()
+
+    def test_a_sweep_is_watched_fetched_and_deleted(self):
+        study = self.service.sweep(CASE, {"schedule.casting_speed": ["50 mm/min", "60 mm/min"],
+                                          "schedule.casting_temperature": ["680 degC", "690 degC"]},
+                                   changes=QUICK)
+        self.assertEqual([seen.message.runs for seen in study.watch()][-1], 4)
+        self.assertEqual(study.wait().state, "SUCCEEDED")
+        self.assertEqual(len(set(study.table["corner_end_curl_m"])), 4)
+        self.assertTrue(study.fetch(self.folder).exists())
+        with self.assertRaises(dccast.DccastError) as caught:
+            study.predict(schedule__casting_sped="57 mm/min")
+        self.assertEqual(caught.exception.code, "INVALID_ARGUMENT")
+        self.assertEqual(self.service.studies()[0].id, study.id)
+        study.delete()
+        self.assertEqual(self.service.studies(), [])
+
+
+class Packaging(unittest.TestCase):
+    def test_types_are_complete(self):
+        ended = subprocess.run(["mypy", "--config-file", "pyproject.toml", "--cache-dir",
+                                os.devnull], cwd=os.path.dirname(PACKAGE), capture_output=True,
+                               text=True, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+
+    def test_a_wheel_has_the_package_with_its_types(self):
+        script = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
+        with tempfile.TemporaryDirectory() as folder:
+            copy = os.path.join(folder, "source")
+            shutil.copytree(os.path.dirname(PACKAGE), copy)
+            subprocess.run([sys.executable, "-c", script, folder], cwd=copy, check=True,
+                           capture_output=True)
+            wheel, = pathlib.Path(folder).glob("dccast-*-py3-none-any.whl")
+            names = zipfile.ZipFile(wheel).namelist()
+        for name in ("dccast/__init__.py", "dccast/py.typed", "dccast/v1/service_pb2_grpc.py",
+                     "dccast/v1/case_pb2.pyi"):
+            self.assertIn(name, names)
+
+    def test_the_settings_file_names_the_server(self):
+        script = "from dccast.transport import endpoint; print(endpoint(None).address)"
+        environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.environ["PYTHONPATH"]}
+        file = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "client.toml"
+        file.write_text('server = "caster"\n[submit]\npriority = "low"\n')
+
+        def said(**more):
+            return subprocess.run([sys.executable, "-c", script], env={**environment, **more},
+                                  capture_output=True, text=True, check=False)
+        self.assertEqual(said(HOME="/nonexistent").stdout, "127.0.0.1:7117\n")
+        self.assertIn("there is no login for caster:7117", said(DCCAST_CONFIG=str(file)).stderr)
+        logins = file.with_name("servers.toml")
+        logins.write_text('[[server]]\nname = "plant"\naddress = "caster:7118"\nca = "x"\n')
+        logins.chmod(0o644)
+        self.assertIn("other users may read", said(DCCAST_CONFIG=str(file)).stderr)
+        logins.chmod(0o600)
+        for named in ("plant", "caster", "caster:7118"):
+            self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER=named).stdout, "caster:7118\n")
+        self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER="[::1]").stdout, "[::1]:7117\n")
+        self.assertIn("there is no such file", said(DCCAST_CONFIG=str(file) + "x").stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,162 @@
+#include "client/model/slab_recipe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/html/casting_drawing.hpp"
+#include "client/text/casting_text.hpp"
+#include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::client {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr double per_hour = 1.0 / 3600.0, mm_per_min = 1e-3 / 60.0;
+
+SlabRecipe recipe() {
+  return {.slab = "1320x570mm", .alloy = "aa5182", .speed = "45..55mm/min", .water = "25..45m3/h"};
+}
+
+v1::Case read(const std::string& text) {
+  v1::Case description;
+  const auto outcome = case_file::read_text(text, "made", description);
+  for (const v1::Fault& fault : outcome.faults)
+    ADD_FAILURE() << case_file::describe(fault, outcome.source);
+  return description;
+}
+
+v1::Case made(const SlabRecipe& recipe) {
+  const NewCase made = new_case(recipe);
+  EXPECT_THAT(made.faults, IsEmpty());
+  return read(made.text);
+}
+
+v1::Case shipped_case(const std::string& name) {
+  for (const auto& one : shipped::case_templates())
+    if (one.name == name) {
+      v1::Case description = read(one.text);
+      case_file::apply_defaults(description);
+      return description;
+    }
+  ADD_FAILURE() << name;
+  return {};
+}
+
+TEST(NewCase, HasWhatItsRecipeGives) {
+  const v1::Case c = made(recipe());
+  EXPECT_DOUBLE_EQ(c.section().half_width_m(), 0.66);
+  EXPECT_DOUBLE_EQ(c.section().half_thickness_m().value(0), 0.285);
+  EXPECT_EQ(c.alloy().card(), "aa5182");
+  EXPECT_NEAR(c.schedule().casting_speed_m_per_s().value(0), 45 * mm_per_min, 1e-9);
+  EXPECT_NEAR(c.schedule().casting_speed_m_per_s().value(1), 55 * mm_per_min, 1e-9);
+}
+
+TEST(NewCase, TotalWaterIsSharedByThePerimeter) {
+  const v1::Curve flow = made(recipe()).schedule().water_flow_m2_per_s();
+  const double perimeter = 2 * (1.32 + 0.57);
+  EXPECT_NEAR(flow.value(0) * perimeter, 25 * per_hour, 1e-5 * 25 * per_hour);
+  EXPECT_NEAR(flow.value(1) * perimeter, 45 * per_hour, 1e-5 * 45 * per_hour);
+  EXPECT_THAT(new_case(recipe()).summary, HasSubstr("25 -> 45 m3/h = 110.2 -> 198.4 l/min/m"));
+}
+
+TEST(NewCase, WaterPerMetreStaysAsItIs) {
+  SlabRecipe one = recipe();
+  one.water = "90..180 l/min/m";
+  const v1::Curve flow = made(one).schedule().water_flow_m2_per_s();
+  EXPECT_NEAR(flow.value(0), 1.5e-3, 1e-9);
+  EXPECT_NEAR(flow.value(1), 3.0e-3, 1e-9);
+}
+
+TEST(NewCase, OneValueIsConstant) {
+  SlabRecipe one = recipe();
+  one.speed = "50 mm/min";
+  EXPECT_EQ(made(one).schedule().casting_speed_m_per_s().value_size(), 1);
+}
+
+TEST(NewCase, MonitorsMoveWithTheSlab) {
+  SlabRecipe one = recipe();
+  one.slab = "1.6x0.5 m";
+  const v1::Case c = made(one);
+  ASSERT_EQ(c.monitor_size(), 4);
+  EXPECT_DOUBLE_EQ(c.monitor(0).x_m(), 0.8);
+  EXPECT_DOUBLE_EQ(c.monitor(0).y_m(), 0.25);
+  EXPECT_DOUBLE_EQ(c.monitor(3).x_m(), 0.0);
+}
+
+TEST(NewCase, EveryCardGivesACaseThatReads) {
+  for (const std::string& card : case_file::alloy_names()) {
+    SlabRecipe one = recipe();
+    one.alloy = card;
+    EXPECT_EQ(made(one).alloy().card(), card);
+  }
+}
+
+TEST(NewCase, OfNothingButItsSizeIsTheShippedCase) {
+  v1::Case c = made({.slab = "1320x570mm", .alloy = "", .speed = "", .water = ""});
+  v1::Case shipped = shipped_case("start-3d");
+  case_file::apply_defaults(c);
+  c.clear_title();
+  shipped.clear_title();
+  EXPECT_EQ(c.DebugString(), shipped.DebugString());
+}
+
+TEST(NewCase, SaysOfEveryFigureWhereItComesFrom) {
+  const std::string text = new_case(recipe()).text;
+  EXPECT_THAT(text, HasSubstr("dccast new --slab 1320x570mm --alloy aa5182 --speed 45..55mm/min "
+                              "--water 25..45m3/h\n"));
+  EXPECT_THAT(text, HasSubstr("start-3d-aa5182.toml"));
+  EXPECT_THAT(text, HasSubstr("# [G] 25 -> 45 m3/h over a perimeter of 3.78 m"));
+}
+
+TEST(NewCase, AllFaultsComeAtOnce) {
+  const NewCase made =
+      new_case({.slab = "1320", .alloy = "aa5128", .speed = "45..55 mm", .water = "25..45 mm/min"});
+  EXPECT_THAT(made.faults, SizeIs(4));
+  EXPECT_THAT(made.faults[1], HasSubstr("did you mean aa5182?"));
+  EXPECT_THAT(made.text, IsEmpty());
+  EXPECT_THAT(new_case({.slab = "570x1320mm", .alloy = "", .speed = "", .water = ""}).faults[0],
+              HasSubstr("the width comes first"));
+}
+
+TEST(CastingInWords, IsThePlants) {
+  EXPECT_EQ(render::casting_in_words(shipped_case("start-3d-aa5182")),
+            "slab 1320 x 570 mm of aa5182, speed 40 -> 60 mm/min from 60 s to 200 s (over 116.7 "
+            "mm), water 90 -> 180 l/min/m = 20.41 -> 40.82 m3/h");
+}
+
+TEST(CastingInWords, AddsUpBothFaces) {
+  v1::Case c = shipped_case("start-3d");
+  c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
+  c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_value(0.0);
+  // 2 x 1.32 m x 90 l/min/m = 14.256 m3/h
+  EXPECT_THAT(render::casting_in_words(c), HasSubstr("= 14.26 -> 28.51 m3/h"));
+}
+
+TEST(CastingInWords, KnowsSectionsBilletsAndCastLengths) {
+  EXPECT_THAT(render::casting_in_words(shipped_case("start-2d-thickness")),
+              testing::StartsWith("section through 560 mm of paper, speed 40 -> 60 mm/min"));
+  EXPECT_THAT(render::casting_in_words(shipped_case("start-billet")), HasSubstr("mm diameter"));
+  v1::Case c = shipped_case("start-3d");
+  v1::Curve& speed = *c.mutable_schedule()->mutable_casting_speed_m_per_s();
+  speed.set_abscissa(v1::CAST_LENGTH);
+  speed.set_at(0, 0.05);
+  speed.set_at(1, 0.35);
+  EXPECT_THAT(render::casting_in_words(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
+}
+
+TEST(CastingDrawing, NamesWhatItShows) {
+  v1::Case c = shipped_case("start-3d");
+  c.set_title("<b>");
+  const std::string svg = render::casting_drawing(c);
+  for (const char* name : {"metal level", "water line, 65 mm", "block at the start, 55 mm",
+                           "mould contact, 0 mm to 30 mm", "&lt;b&gt;", "l/min/m"})
+    EXPECT_THAT(svg, HasSubstr(name));
+}
+
+}  // namespace
+}  // namespace dccast::client
