@@ -66,11 +66,13 @@ void set(int socket, int level, int option) {
   ::setsockopt(socket, level, option, &yes, sizeof yes);
 }
 
-std::string host_of(const sockaddr_storage& address, socklen_t size) {
+/// Address and port, in numbers.
+std::pair<std::string, std::string> name_of(const sockaddr_storage& address, socklen_t size) {
   std::array<char, NI_MAXHOST> host{};
+  std::array<char, NI_MAXSERV> port{};
   ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
-                nullptr, 0, NI_NUMERICHOST);
-  return host.data();
+                port.data(), port.size(), NI_NUMERICHOST | NI_NUMERICSERV);
+  return {host.data(), port.data()};
 }
 
 std::uint64_t bytes_received(int socket) {
@@ -145,21 +147,38 @@ void Listener::accept_one() {
     std::this_thread::sleep_for(pause_after_refusal);
     return;
   }
-  const std::string peer = host_of(from, size);
-  const bool peer_full = open_of(peer) >= bounds_.per_peer;
-  const bool all_full = count_open() >= bounds_.connections && !end_a_silent_one();
-  const bool was_full = std::exchange(full_, peer_full || all_full);
-  if (full_ && !was_full)
-    log::warn("{} connections{} are open; further ones are closed until one of them ends",
-              peer_full ? bounds_.per_peer : bounds_.connections,
-              peer_full ? " of " + peer : std::string());
-  if (full_) {
-    ::close(connection);
-    return;
+  auto [host, port] = name_of(from, size);
+  {
+    const std::lock_guard lock(mutex_);
+    const bool was_full = std::exchange(full_, !has_room(host));
+    if (full_ && !was_full)
+      log::warn(
+          "all connections are in use, or those of {}; further ones are closed until one ends",
+          host);
+    if (full_) {
+      ::close(connection);
+      return;
+    }
+    admitted_.push_back({connection, socket_behind(connection), std::move(host), std::move(port),
+                         std::chrono::steady_clock::now()});
   }
-  admitted_.push_back(
-      {connection, socket_behind(connection), peer, std::chrono::steady_clock::now()});
   admit_(connection);
+}
+
+bool Listener::has_room(const std::string& host) {
+  if (open_of(host) >= bounds_.per_peer && !end_a_silent_one(host)) return false;
+  return count_open() < bounds_.connections || end_a_silent_one("");
+}
+
+void Listener::end(const std::string& peer) {
+  const std::lock_guard lock(mutex_);
+  forget_closed();
+  for (const Admitted& one : admitted_) {
+    const bool is_ipv6 = one.host.find(':') != std::string::npos;
+    const std::string written =
+        (is_ipv6 ? "ipv6:%5B" + one.host + "%5D:" : "ipv4:" + one.host + ":") + one.port;
+    if (written == peer) ::shutdown(one.descriptor, SHUT_RDWR);
+  }
 }
 
 /// A descriptor that was closed is free, or belongs to something else by now.
@@ -174,24 +193,25 @@ std::size_t Listener::count_open() {
   return admitted_.size();
 }
 
-std::size_t Listener::open_of(const std::string& peer) {
+std::size_t Listener::open_of(const std::string& host) {
   if (bounds_.per_peer >= bounds_.connections) return 0;
   const auto count = [&] {
     return static_cast<std::size_t>(
         std::count_if(admitted_.begin(), admitted_.end(),
-                      [&](const Admitted& connection) { return connection.peer == peer; }));
+                      [&](const Admitted& connection) { return connection.host == host; }));
   };
   if (count() >= bounds_.per_peer) forget_closed();
   return count();
 }
 
 /// Ends the oldest connection that has not made a request in its first second, for one that may.
-/// gRPC sees its end and closes it.
-bool Listener::end_a_silent_one() {
+/// gRPC sees its end and closes it. @param host  only one of this; empty: any
+bool Listener::end_a_silent_one(const std::string& host) {
   constexpr std::chrono::seconds time_to_first_request{1};
   const auto now = std::chrono::steady_clock::now();
   for (auto one = admitted_.begin(); one != admitted_.end(); ++one) {
     if (now - one->since < time_to_first_request) return false;
+    if (!host.empty() && one->host != host) continue;
     if (bytes_received(one->descriptor) > bounds_.greeting_bytes) continue;
     ::shutdown(one->descriptor, SHUT_RDWR);
     admitted_.erase(one);

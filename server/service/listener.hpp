@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -46,19 +47,23 @@ public:
   void start(const Bounds& bounds, std::function<void(int)> admit);
   /// Accepts no more.
   void stop();
+  /// Ends the connection of this client. Any thread may call it.
+  /// @param peer  as gRPC writes it: "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000"
+  void end(const std::string& peer);
 
 private:
   struct Admitted {
     int descriptor = -1;
     ino_t socket = 0;  ///< behind the descriptor, which may be another's by now
-    std::string peer;
+    std::string host, port;
     std::chrono::steady_clock::time_point since;
   };
   void run();
   void accept_one();
-  std::size_t open_of(const std::string& peer);
+  std::size_t open_of(const std::string& host);
   std::size_t count_open();
-  bool end_a_silent_one();
+  bool end_a_silent_one(const std::string& host);
+  bool has_room(const std::string& host);
   void forget_closed();
 
   storage::FileDescriptor socket_;
@@ -66,6 +71,7 @@ private:
   const storage::FileDescriptor ended_;
   Bounds bounds_;
   std::function<void(int)> admit_;
+  std::mutex mutex_;                ///< of admitted_
   std::vector<Admitted> admitted_;  ///< oldest first
   bool full_ = false;
   std::thread thread_;
