@@ -83,10 +83,10 @@ ExitCode run(const ValidateOptions& options, Program& program) {
   }
   if (options.json) {
     Json json = faults_json(checked);
-    if (checked.read.ok()) json["casting"] = render::casting_in_words(complete_case(checked));
+    if (checked.read.ok()) json["casting"] = render::casting_summary(complete_case(checked));
     std::cout << json.dump() << '\n';
   } else {
-    if (checked.read.ok()) std::cout << render::casting_in_words(complete_case(checked)) << '\n';
+    if (checked.read.ok()) std::cout << render::casting_summary(complete_case(checked)) << '\n';
     print_faults(checked, std::cout);
     for (const v1::Finding& finding : checked.findings)
       std::cout << render::finding_line(finding) << '\n';

@@ -33,6 +33,7 @@ void add_completion(cli::CommandLine& line, Program& program);
 void add_list(cli::CommandLine& line, Program& program);
 void add_show(cli::CommandLine& line, Program& program);
 void add_curl(cli::CommandLine& line, Program& program);
+void add_dashboard(cli::CommandLine& line, Program& program);
 void add_contraction(cli::CommandLine& line, Program& program);
 void add_cancel(cli::CommandLine& line, Program& program);
 void add_pause(cli::CommandLine& line, Program& program);

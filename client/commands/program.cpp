@@ -106,7 +106,7 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
   for (const auto add :
        {commands::add_new,         commands::add_validate,     commands::add_query,
         commands::add_submit,      commands::add_watch,        commands::add_wait,
-        commands::add_list,        commands::add_show,         commands::add_curl,
+        commands::add_list,        commands::add_show,         commands::add_curl, commands::add_dashboard,
         commands::add_contraction, commands::add_compare,      commands::add_fetch,
         commands::add_report,      commands::add_convergence,  commands::add_sweep,
         commands::add_predict,     commands::add_uncertainty,  commands::add_sensitivity,

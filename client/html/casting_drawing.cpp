@@ -56,7 +56,7 @@ std::string line(double x1, double y1, double x2, double y2, const std::string& 
          "' y2='" + fixed(y2, 1) + "' style='" + style + "'/>";
 }
 
-std::string words(double x, double y, const std::string& text, const std::string& more = {}) {
+std::string text_at(double x, double y, const std::string& text, const std::string& more = {}) {
   return "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "'" + more + ">" +
          html_escaped(text) + "</text>";
 }
@@ -81,16 +81,15 @@ std::string labels(std::vector<Label> all) {
     const double at = std::max(label.y, free);
     free = at + row;
     svg += line(wall_x + wall + 2, label.y, label_x - 4, at, "stroke:var(--zero)") +
-           words(label_x, at + 4, label.text);
+           text_at(label_x, at + 4, label.text);
   }
   return svg;
 }
 
 std::string section_labels(const v1::Case& c, const Start& start) {
-  std::vector<Label> all{
-      {level_y, "metal level"},
-      {start.y(start.water), "water line, " + millimetres(start.water)},
-      {start.y(start.block), "top of the block at the start, " + millimetres(start.block)}};
+  std::vector<Label> all{{level_y, "metal level"},
+                         {start.y(start.water), "water line, " + millimetres(start.water)},
+                         {start.y(start.block), "block at the start, " + millimetres(start.block)}};
   for (const v1::SideZone& zone : c.cooling().zone())
     all.push_back(
         {start.y((zone.from_m() + zone.to_m()) / 2.0),
@@ -116,10 +115,13 @@ std::string section_part(const v1::Case& c) {
       line(axis_x, level_y - 30, axis_x, end + 8, "stroke:var(--zero);stroke-dasharray:12 4 2 4");
   svg += line(axis_x, level_y, right, level_y, "stroke:var(--line-1);stroke-width:2");
   svg +=
-      words((axis_x + right) / 2, (level_y + block) / 2 + 4, "metal", " text-anchor='middle'") +
-      words((axis_x + right) / 2, (block + end) / 2 + 4, "bottom block", " text-anchor='middle'");
-  svg += words((axis_x + right) / 2, end + 24, millimetres(start.half) + " to the symmetry plane",
-               " text-anchor='middle'");
+      text_at((axis_x + right) / 2, (level_y + block) / 2 + 4, "metal", " text-anchor='middle'") +
+      text_at((axis_x + right) / 2, (block + end) / 2 + 4, "bottom block", " text-anchor='middle'");
+  svg += text_at((axis_x + right) / 2, end + 24,
+                 millimetres(start.half) + (c.section().kind() == v1::Section::AXISYMMETRIC
+                                                ? " to the axis"
+                                                : " to the symmetry plane"),
+                 " text-anchor='middle'");
   return "<g transform='translate(" + fixed(wall_x - right, 1) + " 0)'>" + svg + "</g>" +
          section_labels(c, start);
 }
@@ -160,8 +162,8 @@ std::string casting_drawing(const v1::Case& c) {
       "' font-family='system-ui,\"DejaVu Sans\",sans-serif' role='img' aria-label='" +
       html_escaped(c.title()) + "'><style>" + report_style + "</style>" +
       box(0, 0, width, height, "fill:var(--card)") +
-      words(20, 26, c.title(), " style='font-size:17px;font-weight:650'") +
-      words(20, 46, casting_in_words(c)) + section_part(c);
+      text_at(20, 26, c.title(), " style='font-size:17px;font-weight:650'") +
+      text_at(20, 46, casting_summary(c)) + section_part(c);
   if (recipe.casting_speed_m_per_s().value_size() > 0)
     svg += placed(ramp_chart("casting speed", "mm/min", recipe.casting_speed_m_per_s(), mm_per_min,
                              0.0, c.time().end_s()),

@@ -117,21 +117,6 @@ std::string findings_list(const std::vector<Answer>& answers) {
   return html.empty() ? "" : card("Findings", "<ul>" + html + "</ul>");
 }
 
-/// The band around a curl, where its error at the end is known: it grows with the curl.
-ChartBand band_of(const Answer& answer, const ChartLine& line) {
-  const auto error_m = line.y.empty()
-                           ? std::nullopt
-                           : discretisation_error(answer.description, 1e-3 * line.y.back());
-  if (!error_m || line.y.back() == 0.0) return {};
-  const double share = 1e3 * *error_m / std::abs(line.y.back());
-  ChartBand band{line.x, line.y, line.y, line.y};
-  for (std::size_t i = 0; i < line.y.size(); ++i) {
-    band.low[i] -= share * std::abs(line.y[i]);
-    band.high[i] += share * std::abs(line.y[i]);
-  }
-  return band;
-}
-
 }  // namespace
 
 Chart comparison_chart(const std::vector<Answer>& answers, const std::string& monitor) {
@@ -141,7 +126,8 @@ Chart comparison_chart(const std::vector<Answer>& answers, const std::string& mo
       if (series.name != monitor) continue;
       ChartLine line{run_name(answers, i), answers[i].history.time_s, series.curl_m};
       for (double& value : line.y) value *= 1e3;
-      line.band = band_of(answers[i], line);
+      if (const auto share = discretisation_error(answers[i].description, 1.0))
+        line.band = band_around(line, *share);
       chart.lines.push_back(std::move(line));
     }
   return chart;

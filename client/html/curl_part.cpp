@@ -63,9 +63,13 @@ std::string curl_chart(const CurlHistory& history, const v1::QueryResultResponse
   chart.x_label = against_length ? "cast length, mm" : "time, s";
   chart.y_label = "curl, mm";
   const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
-  for (const auto& series : history.monitors)
-    chart.lines.push_back({series.name, x, millimetres(series.curl_m),
-                           curl_band(study, series.name, against_length)});
+  const auto share = discretisation_error(result.case_(), 1.0);
+  for (const auto& series : history.monitors) {
+    ChartLine line{series.name, x, millimetres(series.curl_m),
+                   curl_band(study, series.name, against_length)};
+    if (study.monitors.empty() && share) line.band = band_around(line, *share);
+    chart.lines.push_back(std::move(line));
+  }
   if (const auto first = history.first_beyond()) {
     chart.beyond_from = x[*first];
     chart.beyond_name = beyond_validity;
@@ -146,6 +150,12 @@ Heat heat_between(const std::vector<v1::StepReport>& steps, std::size_t first, s
   return heat;
 }
 
+/// "40 to 98 %", or "98 %".
+std::string range_of_percent(double first, double last) {
+  const std::string begin = fixed(100.0 * first, 0), end = fixed(100.0 * last, 0);
+  return (begin == end ? "" : begin + " to ") + end + " %";
+}
+
 }  // namespace
 
 std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResponse& result) {
@@ -167,9 +177,10 @@ std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResp
             fixed(100.0 * heat.bottom / all, 0) + " % through the bottom, to the block. ";
   const v1::Water& water = result.case_().cooling().water();
   if (water.enabled() && history.reports[last].wetted_share() > 0.0)
-    text += "Water wetted " + fixed(100.0 * history.reports[first].wetted_share(), 0) + " to " +
-            fixed(100.0 * history.reports[last].wetted_share(), 0) +
-            " % of the side under the water line.";
+    text += "Water wetted " +
+            range_of_percent(history.reports[first].wetted_share(),
+                             history.reports[last].wetted_share()) +
+            " of the side under the water line.";
   return "<p class='cause'>" + text + "</p>";
 }
 
@@ -194,7 +205,10 @@ std::string curl_figure(const CurlHistory& history, const v1::QueryResultRespons
                         const Study& study, bool against_length) {
   if (history.monitors.empty()) return {};
   const std::string of_the_band =
-      study.monitors.empty() ? "" : " Dashed: the limit of finer meshes; shaded: its uncertainty.";
+      !study.monitors.empty() ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
+      : discretisation_error(result.case_(), 1.0)
+          ? " Shaded: what mesh and time steps leave uncertain."
+          : "";
   const std::string of_the_plant = plant_band(result.case_()) ? " Green: the plant's band." : "";
   const std::string of_the_region = history.first_beyond() ? " Shaded red: beyond validity." : "";
   const std::string picture = curl_chart(history, result, study, against_length);

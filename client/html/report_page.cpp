@@ -288,6 +288,13 @@ std::string run_part(const v1::Job& job, const v1::QueryResultResponse& result,
 
 namespace {
 
+/// The sentence at the top of the page of a job that failed, unless validity_banner() names the
+/// cause.
+std::string failure_banner(const v1::Job& job) {
+  if (!job.has_failure() || job.has_validity_loss()) return {};
+  return "<p class='invalid'>The run failed: " + html_escaped(failure_text(job.failure())) + "</p>";
+}
+
 /// The sentence at the top of a page with figures beyond validity.
 std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
   const auto first = history.first_beyond();
@@ -299,16 +306,26 @@ std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
          ". Figures after that time are marked; they are not valid.</p>";
 }
 
+/// "1 danger, 2 warnings" beside the state.
+std::string findings_mark(const v1::Job& job) {
+  if (job.findings().empty()) return {};
+  const bool danger = std::ranges::any_of(job.findings(), [](const auto& finding) {
+    return finding.severity() == v1::Finding::DANGER;
+  });
+  return std::string(" · <span class='state") + (danger ? " failed" : "") + "'>" +
+         findings_count(job.findings()) + "</span>";
+}
+
 std::string page_header(const v1::Job& job, const std::string& title) {
   return "<header><p class='kicker'>dccast report · job " + html_escaped(job.id().substr(0, 8)) +
          " · <span class='state " + state_text(job.state()) + "'>" + state_text(job.state()) +
-         "</span></p>" + element("h1", title) + "</header>";
+         "</span>" + findings_mark(job) + "</p>" + element("h1", title) + "</header>";
 }
 
 /// The part for the plant, on one sheet of paper.
 std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
                         const CurlHistory& history, const Study& study, const FrameSeries& series) {
-  return "<div class='first'>" + validity_banner(job, history) +
+  return "<div class='first'>" + failure_banner(job) + validity_banner(job, history) +
          curl_sentence(history, result, study) + cause_sentence(history, result) +
          findings_part(job.findings()) + headline(history, result, study) + "<div class='cards'>" +
          curl_figure(history, result, study, false) + recipe_part(result) +

@@ -42,7 +42,7 @@ tr.danger th{color:var(--bad)}.findings th{width:6em}.findings td{overflow-wrap:
 @media print{:root{color-scheme:light;--page:#fff;--card:#fff;--ink:#1c2430;--soft:#4a5463;--rule:#d5dae1;--zero:#98a2b1;
 --line-0:#1f5fbf;--line-1:#c8521a;--line-2:#2c8a57;--line-3:#8747b5;--line-4:#b5860b;--line-5:#0d8a96;--good:#1f7a46;--bad:#b3261e}
 *{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{background:#fff;font-size:8.5px;line-height:1.3}main{max-width:none;padding:0}header{margin-bottom:4px}
-h1{font-size:15px;margin:0}h2{font-size:9.5px;margin:0 0 3px}h3,.kicker,figcaption,.card p,.note,.tile span,.tile small,td:last-child:not(:nth-child(2)){font-size:7px}
+h1{font-size:18px;margin:0}h2{font-size:9.5px;margin:0 0 3px}h3,.kicker,figcaption,.card p,.note,.tile span,.tile small,td:last-child:not(:nth-child(2)){font-size:7px}
 .card{padding:4px 6px;margin:0 0 5px;border-radius:3px}.cards,.pair{grid-template-columns:repeat(3,1fr);gap:0 5px;grid-auto-flow:dense}svg.chart,svg.map{max-height:96px}svg.slab{max-height:140px}svg.section{max-height:230px}
 .tick{font-size:13px}.label{font-size:14px}code{font-size:7px}.scroll{overflow:visible}.views{grid-template-columns:repeat(3,1fr)}
 .tiles{grid-template-columns:repeat(8,1fr);gap:4px;margin-bottom:5px}.tile{padding:3px 5px;border-radius:3px}.tile strong{font-size:12px}.tile em{font-size:8.5px}

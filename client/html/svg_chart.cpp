@@ -219,6 +219,15 @@ std::vector<double> round_ticks(double low, double high, int count) {
   return ticks;
 }
 
+ChartBand band_around(const ChartLine& line, double share) {
+  ChartBand band{line.x, line.y, line.y, line.y};
+  for (std::size_t i = 0; i < line.y.size(); ++i) {
+    band.low[i] -= share * std::abs(line.y[i]);
+    band.high[i] += share * std::abs(line.y[i]);
+  }
+  return band;
+}
+
 std::string svg_chart(const Chart& chart) {
   const Axis x = axis_over(all_x(chart), false, 7);
   const Axis y = axis_over(all_y(chart), true, 5);

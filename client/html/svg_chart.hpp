@@ -24,6 +24,9 @@ struct ChartLine {
   ChartBand band{};       ///< in the line's colour; empty: none
 };
 
+/// A band around a line that grows with its values. @param share  half of it, relative to a value
+ChartBand band_around(const ChartLine& line, double share);
+
 struct Chart {
   std::string title;    ///< read out by screen readers
   std::string x_label;  ///< with its unit

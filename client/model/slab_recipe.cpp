@@ -59,7 +59,7 @@ std::optional<Range> range_of(const std::string& text, const std::string& separa
   return Range{*begin, *end};
 }
 
-/// What a recipe says, in SI.
+/// A recipe in SI.
 struct Slab {
   Range size;  ///< width and thickness [m]
   std::string alloy;

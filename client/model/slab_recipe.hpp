@@ -22,7 +22,7 @@ struct NewCase {
 };
 
 /// Everything that the recipe does not give is that of the shipped case of the alloy, or of
-/// start-3d where the alloy has none. Comments in the text say where each figure comes from.
+/// start-3d where the alloy has none. Comments in the text name the origin of each figure.
 NewCase new_case(const SlabRecipe& recipe);
 
 }  // namespace dccast::client

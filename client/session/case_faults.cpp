@@ -54,23 +54,42 @@ bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
   return faults.size() == 1 && faults.front().field().empty();
 }
 
-case_file::ReadOutcome read_standard_input(v1::Case& description) {
-  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  return case_file::read_text(text, "standard input", description);
-}
-
-}  // namespace
-
-CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
-  CaseUnderCheck checked;
-  checked.read = file == "-" ? read_standard_input(checked.description)
-                             : case_file::read_file(file, checked.description);
+/// With the changes made, where the file could be parsed.
+void apply(const std::vector<v1::CaseChange>& changes, CaseUnderCheck& checked) {
   checked.changes = changes;
   // Changes cannot be applied to a file that could not be parsed.
   if (!cannot_be_judged(checked.read.faults))
     case_file::apply_changes(checked.description, changes, checked.read);
   checked.faults = checked.read.faults;
+}
+
+}  // namespace
+
+CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes) {
+  if (file == "-")
+    return read_case_text({std::istreambuf_iterator<char>(std::cin), {}}, "standard input",
+                          changes);
+  CaseUnderCheck checked;
+  checked.read = case_file::read_file(file, checked.description);
+  apply(changes, checked);
   return checked;
+}
+
+CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
+                              const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked;
+  checked.read = case_file::read_text(text, name, checked.description);
+  apply(changes, checked);
+  return checked;
+}
+
+v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked) {
+  v1::SubmitJobRequest request;
+  *request.mutable_case_() = checked.description;
+  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
+  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
+                                        checked.read.attachments.end());
+  return request;
 }
 
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,

@@ -30,6 +30,13 @@ struct CaseUnderCheck {
 /// Reads a case file ("-" is standard input) and applies the changes; reports local faults only.
 CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChange>& changes = {});
 
+/// The same of a text. @param name  of its file, for messages
+CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
+                              const std::vector<v1::CaseChange>& changes = {});
+
+/// A request that submits a case without faults; without its id and priority.
+v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked);
+
 /// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
 /// server cannot be reached, local faults are reported alone, with a message on standard error;
 /// without local faults CommandFailed is thrown. Throws Interrupted.

@@ -80,7 +80,7 @@ std::string water_text(const v1::Case& c) {
 
 }  // namespace
 
-std::string casting_in_words(const v1::Case& c) {
+std::string casting_summary(const v1::Case& c) {
   std::string text = size_text(c);
   if (!c.alloy().card().empty()) text += " of " + c.alloy().card();
   const v1::Curve& speed = c.schedule().casting_speed_m_per_s();

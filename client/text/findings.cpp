@@ -101,7 +101,7 @@ bool more_than_notes(const Findings& findings) {
 }
 
 std::string findings_part(const Findings& findings) {
-  if (findings.empty()) return {};
+  if (findings.empty()) return "<p class='note'>Findings: none (docs/findings.md).</p>";
   std::vector<const v1::Finding*> ordered;
   for (const v1::Finding& finding : findings) ordered.push_back(&finding);
   std::ranges::stable_sort(ordered, std::ranges::greater{}, &v1::Finding::severity);

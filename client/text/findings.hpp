@@ -21,7 +21,7 @@ std::string findings_count(const Findings& findings);
 /// Whether one is a warning or a danger, which makes --strict fail.
 bool more_than_notes(const Findings& findings);
 
-/// The findings as a part of a page, the most severe first; empty without findings.
+/// The findings as a part of a page, the most severe first.
 std::string findings_part(const Findings& findings);
 
 /// Mark of figures computed after the model had stopped being valid.

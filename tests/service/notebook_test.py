@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The notebooks of docs/notebooks run from top to bottom on the real solver, and draw what they say."""
+"""The notebooks of docs/notebooks run from top to bottom on the real solver, and draw their charts."""
 import os
 import pathlib
 

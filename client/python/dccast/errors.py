@@ -1,4 +1,4 @@
-"""What went wrong, in the words of the server."""
+"""What went wrong, as the server states it."""
 from __future__ import annotations
 
 from collections.abc import Iterable

@@ -179,7 +179,7 @@ class Service:
         return [Study(self._transport, message) for message in page.studies]
 
     def compare(self, *runs: Job | str | os.PathLike[str], paired: bool = False) -> dict[str, Any]:
-        """What `dccast compare --json` says of jobs and case files: each difference with the error of the
+        """What `dccast compare --json` finds in jobs and case files: each difference with the error of the
         pair, its verdict and its causes. That judgement is the command line client's, which must be
         installed (in PATH, or named by $DCCAST_PROGRAM).
 
@@ -188,10 +188,10 @@ class Service:
         program = os.environ.get("DCCAST_PROGRAM") or shutil.which("dccast")
         if not program:
             raise errors.missing("the program dccast", "install it, or name it by DCCAST_PROGRAM")
-        words = [run.id if isinstance(run, Job) else os.fspath(run) for run in runs]
+        names = [run.id if isinstance(run, Job) else os.fspath(run) for run in runs]
         ended = subprocess.run(
             [program, "--server", self.server, "compare", "--json", *(["--paired"] if paired else []),
-             "--", *words], capture_output=True, text=True, check=False)
+             "--", *names], capture_output=True, text=True, check=False)
         if not ended.stdout:
             raise errors.DccastError("COMPARE_FAILED", ended.stderr.strip())
         answer: dict[str, Any] = json.loads(ended.stdout)

@@ -75,7 +75,7 @@ class Study:
         return self
 
     def evaluate(self, curves: bool = False) -> study_pb2.StudyResult:
-        """What the study says so far, as in study.proto: also limits, mould, recipe."""
+        """What the study shows so far, as in study.proto: also limits, mould, recipe."""
         answer: study_pb2.StudyResult = self._transport.call(
             "EvaluateStudy", study_pb2.EvaluateStudyRequest(id=self.id, curves=curves))
         return answer

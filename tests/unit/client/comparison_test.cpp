@@ -208,6 +208,22 @@ TEST(Comparison, ADifferenceWithinItsErrorHasNoCause) {
             "corner: -0.2 ± 1.4 mm, within its error.");
 }
 
+TEST(Comparison, DifferencesAreDrawnOverTheSizeOfTheirError) {
+  Answer first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.0275));
+  first.description = other.description = shipped_case("start-3d", v1::DRAFT);
+  const std::vector<Answer> answers{first, other};
+  const auto differences = curl_differences(answers);
+  const CurlDifference& row = differences.at(0);
+  ASSERT_EQ(row.apart_m.size(), row.course.at.size());
+  EXPECT_DOUBLE_EQ(row.apart_m.back(), row.end_m);
+  const std::string page = render::comparison_page(answers, differences);
+  EXPECT_THAT(page, HasSubstr("Differences of corner"));
+  EXPECT_THAT(page, HasSubstr("within the error of a difference at the end"));
+  EXPECT_THAT(render::comparison_page({first, first}, curl_differences({first, first})),
+              Not(HasSubstr("Differences of corner")))
+      << "there is none";
+}
+
 TEST(Comparison, TheTextFitsThePage) {
   Answer first = run_of(rise_to(0.01)), other = run_of(rise_to(0.004));
   other.name = first.name = "run";

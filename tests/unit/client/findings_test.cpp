@@ -76,7 +76,7 @@ TEST(MoreThanNotes, IsWhatStrictFailsFor) {
 }
 
 TEST(FindingsPart, HasTheGravestFirstAndNoMarkupOfTheirs) {
-  EXPECT_EQ(render::findings_part({}), "");
+  EXPECT_THAT(render::findings_part({}), HasSubstr("Findings: none"));
   const std::string part = render::findings_part(list_of({remark(), thin_shell()}));
   EXPECT_LT(part.find("bleed_out_at_exit"), part.find("remark"));
   EXPECT_THAT(part, HasSubstr("thin &lt;here&gt;"));

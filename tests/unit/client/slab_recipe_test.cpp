@@ -123,30 +123,30 @@ TEST(NewCase, AllFaultsComeAtOnce) {
               HasSubstr("the width comes first"));
 }
 
-TEST(CastingInWords, IsThePlants) {
-  EXPECT_EQ(render::casting_in_words(shipped_case("start-3d-aa5182")),
+TEST(CastingSummary, IsAsAPlantPutsIt) {
+  EXPECT_EQ(render::casting_summary(shipped_case("start-3d-aa5182")),
             "slab 1320 x 570 mm of aa5182, speed 40 -> 60 mm/min from 60 s to 200 s (over 116.7 "
             "mm), water 90 -> 180 l/min/m = 20.41 -> 40.82 m3/h");
 }
 
-TEST(CastingInWords, AddsUpBothFaces) {
+TEST(CastingSummary, AddsUpBothFaces) {
   v1::Case c = shipped_case("start-3d");
   c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
   c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_value(0.0);
   // 2 x 1.32 m x 90 l/min/m = 14.256 m3/h
-  EXPECT_THAT(render::casting_in_words(c), HasSubstr("= 14.26 -> 28.51 m3/h"));
+  EXPECT_THAT(render::casting_summary(c), HasSubstr("= 14.26 -> 28.51 m3/h"));
 }
 
-TEST(CastingInWords, KnowsSectionsBilletsAndCastLengths) {
-  EXPECT_THAT(render::casting_in_words(shipped_case("start-2d-thickness")),
+TEST(CastingSummary, KnowsSectionsBilletsAndCastLengths) {
+  EXPECT_THAT(render::casting_summary(shipped_case("start-2d-thickness")),
               testing::StartsWith("section through 560 mm of paper, speed 40 -> 60 mm/min"));
-  EXPECT_THAT(render::casting_in_words(shipped_case("start-billet")), HasSubstr("mm diameter"));
+  EXPECT_THAT(render::casting_summary(shipped_case("start-billet")), HasSubstr("mm diameter"));
   v1::Case c = shipped_case("start-3d");
   v1::Curve& speed = *c.mutable_schedule()->mutable_casting_speed_m_per_s();
   speed.set_abscissa(v1::CAST_LENGTH);
   speed.set_at(0, 0.05);
   speed.set_at(1, 0.35);
-  EXPECT_THAT(render::casting_in_words(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
+  EXPECT_THAT(render::casting_summary(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
 }
 
 TEST(CastingDrawing, NamesWhatItShows) {

@@ -304,6 +304,49 @@ TEST(ReportPage, SaysHowTheCurlLiesInThePlantsBand) {
   EXPECT_THAT(report_page(v1::Job(), run_with(50, 60)), HasSubstr("It is below the plant"));
 }
 
+TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  v1::Job job;
+  job.add_findings()->set_message("too hot");
+  for (v1::StepReport& step : *result.mutable_steps()) {
+    step.set_time_step_s(50.0);
+    step.set_bottom_heat_w(5e4);
+    step.set_wetted_share(0.2 * static_cast<double>(step.step()));
+  }
+  result.mutable_case_()->mutable_cooling()->mutable_water()->set_enabled(true);
+  const std::string page = report_page(job, result);
+  // A quarter of 40 mm is passed after 50 s, three quarters after 150 s.
+  std::size_t at = 0;
+  for (const char* const part :
+       {"<div class='first'>", "has risen <strong>40.0 mm", "between 50 s and 150 s",
+        "75 % of the heat left through the faces", "25 % through the bottom",
+        "Water wetted 20 to 60 % of the side", "too hot", "Curl against time", "Recipe",
+        "<svg class='slab'", "<div class='sheet'>", "Curl against cast length", "Shell",
+        "Gap under the butt", "<div class='evidence'>"}) {
+    const auto found = page.find(part, at);
+    ASSERT_NE(found, std::string::npos) << part << ", in this order";
+    at = found;
+  }
+}
+
+TEST(ReportPage, DangersAndFailuresStandAtTheTop) {
+  v1::Job job;
+  job.add_findings()->set_severity(v1::Finding::DANGER);
+  job.mutable_failure()->set_kind(v1::Failure::WORKER_HUNG);
+  job.mutable_failure()->set_message("no step <for> an hour");
+  const std::string page = report_page(job, run_with(35, 45));
+  const auto answer = page.find("has risen");
+  EXPECT_LT(page.find("<span class='state failed'>1 danger</span>"), answer);
+  EXPECT_LT(page.find("The run failed: worker hung: no step &lt;for&gt; an hour"), answer);
+}
+
+TEST(ReportPage, WhatHasNotCurledHasNoCause) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  for (v1::StepReport& step : *result.mutable_steps())
+    step.mutable_monitors(0)->set_displacement_m(2, 0.0);
+  EXPECT_THAT(report_page(v1::Job(), result), Not(HasSubstr("Half of it")));
+}
+
 TEST(ReportPage, ACaseThatFollowsAQualityHasItsBand) {
   v1::QueryResultResponse result = run_with(35, 45);
   v1::Case& input = *result.mutable_case_();
@@ -320,6 +363,7 @@ TEST(ReportPage, ACaseThatFollowsAQualityHasItsBand) {
   const std::string page = report_page(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("leave ± " + band + " mm of it uncertain"));
   EXPECT_THAT(page, HasSubstr("the band of the case's quality"));
+  EXPECT_EQ(count_of(page, "<path class='band'"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 

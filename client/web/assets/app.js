@@ -1,0 +1,45 @@
+// Pages by the part of the address behind '#'. A page gets its element and a signal that aborts when it is left.
+import {get, onReachable, post} from './api.js';
+import {h, replace} from './dom.js';
+import {comparePage} from './compare.js';
+import {jobPage} from './job.js';
+import {jobsPage} from './jobs.js';
+import {studiesPage, studyPage} from './studies.js';
+import {wallPage} from './wall.js';
+import {whatIfPage} from './what_if.js';
+
+const pages = {
+  jobs: ['Jobs', jobsPage], job: ['Job', jobPage], compare: ['Comparison', comparePage],
+  studies: ['Studies', studiesPage], study: ['Study', studyPage],
+  'what-if': ['What-if', whatIfPage], wall: ['Wall', wallPage],
+};
+const main = document.getElementById('main'), status = document.getElementById('server');
+let left = new AbortController();
+
+function show() {
+  const [, name, ...rest] = (location.hash || '#/jobs').split('/').map(decodeURIComponent);
+  const [title, page] = pages[name] || pages.jobs;
+  left.abort();
+  left = new AbortController();
+  document.title = `${title} · dccast`;
+  document.body.classList.toggle('wall', name === 'wall');
+  for (const link of document.querySelectorAll('nav a'))
+    link.toggleAttribute('aria-current', link.getAttribute('href') === `#/${name}`);
+  const element = h('div', {});
+  replace(main, element);
+  page(element, left.signal, ...rest);
+}
+
+onReachable((reachable, text) => {
+  status.classList.toggle('bad', !reachable);
+  status.textContent = reachable ? address : text;
+});
+let address = '';
+get('/server/').then(server => { address = server.address; status.textContent = address; }).catch(() => {});
+document.getElementById('another').addEventListener('click', async () => {
+  const {address: link} = await post('/another/');
+  await navigator.clipboard?.writeText(link).catch(() => {});
+  prompt('This address opens the dashboard once, in another browser of this machine. It is on the clipboard.', link);
+});
+addEventListener('hashchange', () => { show(); main.focus({preventScroll: true}); });
+show();

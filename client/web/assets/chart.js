@@ -1,0 +1,99 @@
+// Line charts in SVG: lines, bands around them, a wanted range, a value under the pointer.
+import {fixed, h} from './dom.js';
+
+const width = 900, height = 320, left = 52, right = 12, top = 22, bottom = 40;
+
+/** Round values that divide a range. */
+export function ticks(low, high, about = 6) {
+  const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map(f => f * power).find(s => s >= raw) || power;
+  const values = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) values.push(i * step);
+  return {values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
+}
+
+function range(values) {
+  let low = Infinity, high = -Infinity;
+  for (const v of values) if (Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
+  if (!(low <= high)) return [0, 1];
+  return low === high ? [low - 0.5, high + 0.5] : [low, high];
+}
+
+const path = points => {
+  let d = '', pen = 'M';
+  for (const [x, y] of points) {
+    if (!Number.isFinite(y)) { pen = 'M'; continue; }
+    d += `${pen}${x.toFixed(1)} ${y.toFixed(1)}`;
+    pen = 'L';
+  }
+  return d;
+};
+
+/**
+ * @param lines   [{name, x, y, error (relative) or low and high, dashed}], y in mm
+ * @param options {title, xLabel, yLabel, wanted: [low, high] in mm}
+ */
+export function chart(lines, {title, xLabel, yLabel, wanted = []}) {
+  const bands = lines.map(line => line.low ? [line.low, line.high] : line.error
+    ? [line.y.map(v => v - Math.abs(v) * line.error), line.y.map(v => v + Math.abs(v) * line.error)] : null);
+  const [x0, x1] = range(lines.flatMap(line => line.x));
+  const [y0, y1] = range([0, ...lines.flatMap(line => line.y), ...bands.flatMap(b => (b ? b.flat() : [])), ...wanted]);
+  const px = x => left + (x - x0) / (x1 - x0) * (width - left - right);
+  const py = y => height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom);
+  const parts = [];
+  if (wanted.length === 2)
+    parts.push(h('rect', {class: 'wanted', x: left, width: width - left - right, y: py(wanted[1]), height: py(wanted[0]) - py(wanted[1])}));
+  const across = ticks(x0, x1), up = ticks(y0, y1, 5);
+  for (const v of up.values)
+    parts.push(h('line', {class: v === 0 ? 'zero' : 'grid', x1: left, x2: width - right, y1: py(v), y2: py(v)}),
+      h('text', {x: left - 6, y: py(v) + 4, 'text-anchor': 'end'}, fixed(v, up.digits)));
+  for (const v of across.values)
+    parts.push(h('text', {x: px(v), y: height - bottom + 16, 'text-anchor': 'middle'}, fixed(v, across.digits)));
+  parts.push(h('text', {x: (left + width - right) / 2, y: height - 6, 'text-anchor': 'middle'}, xLabel),
+    h('text', {x: 12, y: top - 8, 'text-anchor': 'start', class: 'unit'}, yLabel));
+  lines.forEach((line, i) => {
+    const band = bands[i];
+    if (band) {
+      const upper = line.x.map((x, k) => [px(x), py(band[1][k])]).filter(p => Number.isFinite(p[1]));
+      const lower = line.x.map((x, k) => [px(x), py(band[0][k])]).filter(p => Number.isFinite(p[1])).reverse();
+      parts.push(h('path', {class: `band line-${i % 6}`, d: `${path([...upper, ...lower])}z`}));
+    }
+  });
+  lines.forEach((line, i) => parts.push(h('path', {class: `line line-${i % 6}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
+  const summary = lines.map(line => `${line.name} ends at ${fixed(line.y.at(-1), 1)} mm`).join(', ');
+  const cursor = h('line', {class: 'cursor', y1: top, y2: height - bottom, x1: -9, x2: -9});
+  const svg = h('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${title}: ${summary}`}, parts, cursor);
+  const legend = h('ul', {class: 'legend', 'aria-hidden': 'true'}, lines.map((line, i) =>
+    h('li', {}, h('span', {class: `swatch line-${i % 6}`}), line.name, h('output', {}, ''))));
+  const values = legend.querySelectorAll('output');
+  const show = event => {
+    const box = svg.getBoundingClientRect();
+    const x = x0 + ((event.clientX - box.left) / box.width * width - left) / (width - left - right) * (x1 - x0);
+    cursor.setAttribute('x1', px(x)); cursor.setAttribute('x2', px(x));
+    lines.forEach((line, i) => { values[i].textContent = x < x0 || x > x1 ? '' : ` ${fixed(valueAt(line, x), 2)} at ${fixed(x, 0)}`; });
+  };
+  svg.addEventListener('pointermove', show);
+  svg.addEventListener('pointerleave', () => { cursor.setAttribute('x1', -9); cursor.setAttribute('x2', -9); values.forEach(v => { v.textContent = ''; }); });
+  return h('figure', {}, svg, legend, h('figcaption', {}, title));
+}
+
+/** Linear between the points of a line; NaN outside. */
+export function valueAt({x, y}, at) {
+  for (let i = 1; i < x.length; i++)
+    if (at >= x[i - 1] && at <= x[i]) return y[i - 1] + (y[i] - y[i - 1]) * (x[i] === x[i - 1] ? 1 : (at - x[i - 1]) / (x[i] - x[i - 1]));
+  return NaN;
+}
+
+/** The curl of every monitor of a history, for chart(). */
+export const curlLines = (history, error, suffix = '') => history.monitors.map(monitor => ({
+  name: monitor.name + suffix, x: history.time_s, y: monitor.curl_m.map(v => (v === null ? NaN : 1e3 * v)), error}));
+
+export const wantedBand = wanted => (wanted && wanted.least_m !== null && wanted.greatest_m !== null
+  ? [1e3 * wanted.least_m, 1e3 * wanted.greatest_m] : []);
+
+/** A small line without axes. */
+export function spark(x, y) {
+  const [x0, x1] = range(x), [y0, y1] = range([0, ...y]);
+  return h('svg', {viewBox: '0 0 100 24', class: 'spark', 'aria-hidden': 'true', preserveAspectRatio: 'none'},
+    h('path', {class: 'line line-0', d: path(x.map((v, i) => [(v - x0) / (x1 - x0) * 100, 22 - (y[i] - y0) / (y1 - y0) * 20]))}));
+}

@@ -1,0 +1,51 @@
+// Elements, numbers and words. Text from the server reaches the page as text nodes alone.
+
+/** An element: h('a', {href: '#/x', onclick: f}, 'text', child). Attributes that are null are left out. */
+export function h(tag, attributes = {}, ...children) {
+  const svg = svgTags.has(tag);
+  const element = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, '');
+    else if (value !== null && value !== undefined && value !== false) element.setAttribute(name, value);
+  }
+  element.append(...children.flat().filter(child => child !== null && child !== undefined));
+  return element;
+}
+const svgTags = new Set(['svg', 'path', 'line', 'circle', 'text', 'g', 'rect', 'polyline']);
+
+export function replace(parent, ...children) {
+  parent.replaceChildren(...children.flat().filter(child => child !== null && child !== undefined));
+}
+
+export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
+export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
+
+/** "41.9 ± 2.1 mm"; without an error where none is known. */
+export const curlText = (curl, relative) => relative
+  ? `${mm(curl)} ± ${mm(Math.abs(curl) * relative)} mm` : `${mm(curl)} mm`;
+
+export const stateText = state => (state || '').replace(/^STUDY_/, '').toLowerCase().replaceAll('_', ' ');
+export const shortId = id => id.slice(0, 8);
+
+export function ago(time) {
+  if (!time) return '';
+  const seconds = Math.max(0, (Date.now() - Date.parse(time)) / 1000);
+  for (const [unit, size] of [['d', 86400], ['h', 3600], ['min', 60]])
+    if (seconds >= size) return `${Math.floor(seconds / size)} ${unit} ago`;
+  return 'now';
+}
+
+const rank = {NOTE: 1, WARNING: 2, DANGER: 3};
+export const worst = findings => findings.reduce((most, f) => Math.max(most, rank[f.severity] || 0), 0);
+export const severityText = ['', 'note', 'warning', 'danger'];
+
+/** The findings of a job as a list, the gravest first. */
+export function findingList(findings) {
+  if (findings.length === 0) return h('p', {class: 'soft'}, 'No findings.');
+  const sorted = [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
+  return h('ul', {class: 'findings'}, sorted.map(finding => {
+    const grave = (finding.severity || '').toLowerCase();
+    return h('li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
+  }));
+}

@@ -1,0 +1,88 @@
+// One job: its answer, its curl as it grows, its findings, its slab, its report.
+import {call, events, get} from './api.js';
+import {chart, curlLines, wantedBand} from './chart.js';
+import {curlText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
+import {frameViewer} from './frame.js';
+
+const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
+
+export function jobPage(element, signal, id) {
+  const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}), slab = h('div', {class: 'card'}), details = h('div');
+  replace(element, head, curves, h('div', {class: 'job-parts'}, slab, findings), details);
+
+  // Buttons stay as they are while the state does: one that is replaced under the pointer is not pressed.
+  const title = h('div'), at = h('p'), message = h('p', {class: 'bad', role: 'alert'}), tiles = h('div', {class: 'tiles'}), buttons = h('div', {class: 'bar'});
+  replace(head, title, at, message, tiles, buttons);
+  let stateOfButtons = '';
+
+  function drawHead({job, history, relative_curl_error: error}) {
+    const step = job.last_step || {};
+    const act = (name, text) => h('button', {type: 'button', onclick: async event => {
+      event.target.disabled = true;
+      await call(name, {id: job.id}).then(load, fault => { replace(message, fault.message); event.target.disabled = false; });
+    }}, text);
+    const last = history.monitors.map(m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, curlText(m.curl_m.at(-1) ?? NaN, error))));
+    replace(title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`), h('h1', {}, job.title || job.id));
+    replace(message, job.failure?.message || job.held || null);
+    replace(tiles, last);
+    replace(at, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
+        step.time_s ? ` at ${step.time_s.toFixed(1)} s, ${mm(step.cast_length_m, 0)} mm cast` : '',
+        job.state === 'RUNNING' ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'}) : null);
+    if (stateOfButtons === job.state) return;
+    stateOfButtons = job.state;
+    replace(buttons, job.state === 'RUNNING' ? act('PauseJob', 'Pause') : null, job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
+        ended.has(job.state) ? null : act('CancelJob', 'Cancel'), h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'}, 'Report'));
+  }
+
+  function drawCurves({history, relative_curl_error: error, wanted}) {
+    if (history.time_s.length === 0) return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
+    replace(curves, chart(curlLines(history, error), {title: error ? 'Curl, with the error of mesh and time steps' : 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)}));
+  }
+
+  function add(history, step) {
+    const at = history.time_s.findIndex(t => t >= step.time_s);
+    if (at >= 0) for (const list of [history.time_s, history.cast_length_m, ...history.monitors.map(m => m.curl_m)]) list.length = Math.min(list.length, at);
+    history.time_s.push(step.time_s);
+    history.cast_length_m.push(step.cast_length_m);
+    for (const value of step.monitors || []) {
+      let monitor = history.monitors.find(m => m.name === value.name);
+      if (!monitor) history.monitors.push(monitor = {name: value.name, curl_m: history.time_s.slice(1).map(() => null)});
+      monitor.curl_m.push(value.displacement_m?.at(-1) ?? null);
+    }
+  }
+
+  let shown = null, waiting = false, watched = false;
+  function redraw() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => { waiting = false; drawHead(shown); drawCurves(shown); replace(findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || [])); });
+  }
+
+  function watch() {
+    watched = true;
+    events(`/watch/${id}`, signal, (event, close) => {
+      if (event.step && event.step.step > (shown.job.last_step?.step || 0)) {
+        add(shown.history, event.step);
+        shown.job.last_step = event.step;
+        redraw();
+      } else if (event.finding) {
+        shown.job.findings = [...(shown.job.findings || []).filter(f => f.code !== event.finding.code), event.finding];
+        redraw();
+      } else if (event.resumed || event.state_change) {
+        if (event.state_change?.terminal) close();
+        if (event.resumed || event.state_change.state !== shown.job.state) load();
+      }
+    }, text => replace(details, h('p', {class: 'bad', role: 'alert'}, text)));
+  }
+
+  async function load() {
+    shown = await get(`/job/${id}`);
+    if (signal.aborted) return;
+    redraw();
+    replace(details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
+    if (!ended.has(shown.job.state) && !watched) watch();
+    if (ended.has(shown.job.state)) frameViewer(slab, signal, id).catch(fault => replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, fault.message)));
+    else replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, 'Drawn when the run has ended.'));
+  }
+  load().catch(fault => replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message)));
+}

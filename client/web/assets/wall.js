@@ -1,0 +1,21 @@
+// One line for a screen on the wall: what runs now, large enough to be read across the hall.
+import {call, get, repeat} from './api.js';
+import {chart, curlLines, wantedBand} from './chart.js';
+import {curlText, findingList, h, replace, stateText} from './dom.js';
+import {lastCurl} from './jobs.js';
+
+export function wallPage(element, signal, label) {
+  repeat(2000, signal, async () => {
+    const filter = label ? {labels: [label]} : {};
+    const running = (await call('ListJobs', {page_size: 1, states: ['RUNNING'], ...filter})).jobs;
+    const jobs = running.length ? running : (await call('ListJobs', {page_size: 1, ...filter})).jobs;
+    if (jobs.length === 0) return replace(element, h('h1', {}, label ? `No job with label ${label}` : 'No job yet'));
+    const {job, history, relative_curl_error: error, wanted} = await get(`/job/${jobs[0].id}`);
+    if (signal.aborted) return;
+    replace(element, h('h1', {}, job.title || job.id),
+      h('p', {class: 'huge'}, Number.isFinite(lastCurl(job)) ? curlText(lastCurl(job), error) : '–'),
+      h('p', {}, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)), job.last_step?.time_s ? ` at ${job.last_step.time_s.toFixed(0)} s` : ''),
+      history.time_s.length ? chart(curlLines(history, error), {title: 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)}) : null,
+      findingList((job.findings || []).filter(f => f.severity !== 'NOTE')));
+  });
+}

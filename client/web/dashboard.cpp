@@ -1,0 +1,404 @@
+#include "client/web/dashboard.hpp"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <sstream>
+
+#include "client/html/colour_bands.hpp"
+#include "client/html/frame_surface.hpp"
+#include "client/html/report_page.hpp"
+#include "client/model/answer.hpp"
+#include "client/model/case_changes.hpp"
+#include "client/model/comparison.hpp"
+#include "client/model/json.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/jobs.hpp"
+#include "client/session/queries.hpp"
+#include "client/session/studies.hpp"
+#include "client/text/comparison_text.hpp"
+#include "client/web/assets.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/values/digests.hpp"
+
+namespace dccast::client::web {
+namespace {
+
+// ---- Calls of the service, as they are: the body is the request in JSON, the reply the response.
+
+using Call = std::function<std::string(Connection&, const std::string& body)>;
+
+template <class Request, class Response>
+Call unary(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
+  return [method](Connection& connection, const std::string& body) {
+    Request request;
+    const auto status = google::protobuf::util::JsonStringToMessage(body, &request);
+    if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
+    return to_json(connection.call_once(method, request)).dump();
+  };
+}
+
+/// What pages may call. Whatever else the service can do is not done from a page.
+const std::map<std::string, Call>& calls() {
+  static const std::map<std::string, Call> all{
+      {"GetServerInfo", unary(&Stub::GetServerInfo)},
+      {"ListJobs", unary(&Stub::ListJobs)},
+      {"GetJob", unary(&Stub::GetJob)},
+      {"CancelJob", unary(&Stub::CancelJob)},
+      {"PauseJob", unary(&Stub::PauseJob)},
+      {"ResumeJob", unary(&Stub::ResumeJob)},
+      {"ListStudies", unary(&Stub::ListStudies)},
+      {"GetStudy", unary(&Stub::GetStudy)},
+      {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
+      {"PredictStudy", unary(&Stub::PredictStudy)},
+      {"CancelStudy", unary(&Stub::CancelStudy)},
+  };
+  return all;
+}
+
+// ---- What the client makes of results.
+
+Json history_json(const CurlHistory& history) {
+  Json json{{"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
+  Json& monitors = json["monitors"] = Json::array();
+  for (const auto& series : history.monitors)
+    monitors.push_back(Json{{"name", series.name}, {"curl_m", series.curl_m}});
+  return json;
+}
+
+Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+/// The band of curl that the case accepts [m]; null where it has no such limit.
+Json wanted_json(const v1::Case& description) {
+  const auto& limits = description.plausibility();
+  return {{"least_m", limits.has_least_curl_m() ? Json(limits.least_curl_m()) : Json()},
+          {"greatest_m", limits.has_greatest_curl_m() ? Json(limits.greatest_curl_m()) : Json()}};
+}
+
+/// A job with its curl, the error of its mesh and steps, and the times of its stored frames.
+Json job_json(Connection& connection, const std::string& id) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::QueryResultResponse result = query_result(connection, job.id());
+  Json json{{"job", to_json(job)},
+            {"history", history_json(curl_history(job, result))},
+            {"relative_curl_error", optional_json(discretisation_error(result.case_(), 1.0))},
+            {"wanted", wanted_json(result.case_())},
+            {"dimension", result.case_().section().kind() == v1::Section::QUARTER_SLAB ? 3 : 2}};
+  json["case"] = case_file::to_toml(result.case_());
+  return json;
+}
+
+/// The largest curl of a job at some instants, for a small picture in a list.
+Json sketch_json(Connection& connection, const std::string& id) {
+  constexpr std::size_t points = 60;
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const CurlHistory history = curl_history(job, query_result(connection, job.id()));
+  std::vector<double> time_s, curl_m;
+  if (const auto* series = history.largest()) {
+    const std::size_t stride = history.time_s.size() / points + 1;
+    for (std::size_t i = 0; i < history.time_s.size(); i += stride) {
+      time_s.push_back(history.time_s[i]);
+      curl_m.push_back(series->curl_m[i]);
+    }
+    time_s.push_back(history.time_s.back());
+    curl_m.push_back(series->curl_m.back());
+  }
+  return {{"time_s", time_s}, {"curl_m", curl_m}};
+}
+
+/// A stored frame in binary for drawing: a header of eight numbers of 32 bits (nodes, elements,
+/// nodes of an element, triangles of the skin, edges of the skin, dimension, 0, 0), then time,
+/// length, liquidus and solidus, places, displacements as drawn and temperatures of the nodes
+/// (32-bit floats; three coordinates whatever the dimension), elements, triangles, edges (32-bit).
+/// Little-endian, as this machine is.
+class FrameBytes {
+public:
+  explicit FrameBytes(const v1::Frame& frame) {
+    const auto skin = render::skin_of(frame);
+    if (!skin)
+      throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
+    std::vector<int> triangles;
+    for (const auto& face : skin->faces)
+      for (std::size_t i = 1; i + 1 < face.size(); ++i)
+        triangles.insert(triangles.end(), {face[0], face[i], face[i + 1]});
+    const int dimension = frame.dimension(), nodes = frame.temperature_c_size();
+    for (const std::size_t count :
+         {std::size_t(nodes), std::size_t(frame.element_node_size() / frame.nodes_per_element()),
+          std::size_t(frame.nodes_per_element()), triangles.size() / 3, skin->edges.size(),
+          std::size_t(dimension), std::size_t(0), std::size_t(0)})
+      add(static_cast<std::int32_t>(count));
+    for (const double value :
+         {frame.time_s(), frame.cast_length_m(), frame.liquidus_c(), frame.solidus_c()})
+      add(static_cast<float>(value));
+    add_vectors(frame.node_m(), dimension, nodes);
+    add_vectors(render::drawn_displacement(frame), dimension, nodes);
+    for (const double value : frame.temperature_c()) add(static_cast<float>(value));
+    for (const int node : frame.element_node()) add(std::int32_t(node));
+    for (const int node : triangles) add(std::int32_t(node));
+    for (const auto& edge : skin->edges)
+      for (const int node : edge) add(std::int32_t(node));
+  }
+  std::string take() { return std::move(bytes_); }
+
+private:
+  template <class Number>
+  void add(Number number) {
+    static_assert(sizeof(Number) == 4);
+    char raw[4];
+    std::memcpy(raw, &number, sizeof raw);
+    bytes_.append(raw, sizeof raw);
+  }
+  /// Vectors that are missing are zero.
+  template <class Values>
+  void add_vectors(const Values& values, int dimension, int nodes) {
+    const auto known = static_cast<int>(std::size(values));
+    for (int node = 0; node < nodes; ++node)
+      for (int c = 0; c < 3; ++c) {
+        // The last coordinate points upwards: of a section it is the second.
+        const int from = dimension == 3 ? c : c == 1 ? -1 : c / 2;
+        const int at = node * dimension + from;
+        add(from >= 0 && at < known ? static_cast<float>(values[at]) : 0.0F);
+      }
+  }
+  std::string bytes_;
+};
+
+v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, int number) {
+  v1::QueryResultRequest request;
+  request.set_id(id);
+  request.set_frame(true);
+  request.set_frame_number(number);
+  request.set_page_size(1);
+  return connection.call(&Stub::QueryResult, request);
+}
+
+Reply report(Connection& connection, const std::string& id) {
+  constexpr int most_frames = 12;
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  v1::QueryResultResponse result;
+  const bool has_frame = try_query_result(connection, id, true, result).ok();
+  if (!has_frame) result = query_result(connection, id);
+  const FrameSeries frames =
+      has_frame ? fetch_frames(connection, id, result, most_frames) : FrameSeries{};
+  return {.body = render::report_page(job, result, study_around(connection, job), frames),
+          .type = "text/html; charset=utf-8",
+          .stands_alone = true};
+}
+
+Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
+  std::vector<Answer> answers;
+  for (const std::string& id : ids) answers.push_back(answer_of_job(connection, id));
+  if (answers.size() < 2)
+    throw CommandFailed(ExitCode::invalid, "a comparison takes two jobs or more");
+  return {.body = render::comparison_page(answers, curl_differences(answers)),
+          .type = "text/html; charset=utf-8",
+          .stands_alone = true};
+}
+
+// ---- What-if: a case with changes, computed at once.
+
+/// The cases that a what-if can begin with.
+class Bases {
+public:
+  explicit Bases(const std::vector<std::string>& files) : files_(files) {}
+
+  Json names() const {
+    Json names = Json::array();
+    for (const std::string& file : files_) names.push_back(file);
+    for (const auto& shipped : shipped::case_templates()) names.push_back(shipped.name);
+    return names;
+  }
+
+  /// Throws CommandFailed: no such case, or faults in it or in the changes.
+  CaseUnderCheck read(const Request& request) const {
+    const auto changes = changes_of(request.values("set"));
+    CaseUnderCheck checked = read(request.value("case"), changes);
+    require(checked);
+    return checked;
+  }
+
+  static void require(const CaseUnderCheck& checked) {
+    if (checked.faults.empty()) return;
+    std::ostringstream text;
+    print_faults(checked, text);
+    throw CommandFailed(ExitCode::invalid, text.str());
+  }
+
+private:
+  CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
+    // Only files that were named when the dashboard was started: a page reads no others.
+    if (std::ranges::find(files_, name) != files_.end()) return read_case(name, changes);
+    for (const auto& shipped : shipped::case_templates())
+      if (shipped.name == name) return read_case_text(shipped.text, name, changes);
+    throw CommandFailed(ExitCode::not_found, "there is no case " + name);
+  }
+
+  std::vector<std::string> files_;
+};
+
+Json answer_json(const Answer& answer) {
+  Json json{{"history", history_json(answer.history)},
+            {"relative_curl_error", optional_json(discretisation_error(answer.description, 1.0))},
+            {"wanted", wanted_json(answer.description)},
+            {"state", v1::JobState_Name(answer.state)},
+            {"failure", answer.failure ? to_json(*answer.failure) : Json()},
+            {"job", answer.job},
+            {"solver_s", answer.solver_s}};
+  Json& findings = json["findings"] = Json::array();
+  for (const v1::Finding& finding : answer.findings) findings.push_back(to_json(finding));
+  return json;
+}
+
+/// Sends the steps since the last message, some ten times a second; then the whole answer.
+void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
+  constexpr std::chrono::milliseconds pause{100};
+  auto last = std::chrono::steady_clock::now();
+  CurlHistory history;
+  const auto answer =
+      ask_query(connection, checked, false, [&](const v1::QueryButtCurlResponse& response) {
+        if (!response.has_step()) return;
+        history.add(response.step());
+        if (const auto now = std::chrono::steady_clock::now(); now - last > pause) {
+          last = now;
+          send(Json{{"progress", response.step().progress()}, {"steps", history_json(history)}}
+                   .dump());
+          history = {};
+        }
+      });
+  Bases::require(checked);
+  if (answer) send(Json{{"answer", answer_json(*answer)}}.dump());
+}
+
+/// Queues the case as a job.
+v1::Job kept(Connection& connection, CaseUnderCheck checked) {
+  v1::SubmitJobRequest request = submission_of(checked);
+  request.set_request_id(values::random_uuid());
+  v1::Job job;
+  const grpc::Status status = submit_with_retries(connection, request, job);
+  checked.faults = faults_of(status);
+  Bases::require(checked);
+  check(status, connection.server());
+  return job;
+}
+
+/// The case with its changes as a file.
+Reply case_text(const CaseUnderCheck& checked) {
+  return {.body = case_file::to_toml(checked.description), .type = "text/plain; charset=utf-8"};
+}
+
+std::string type_of(const std::string& name) {
+  if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
+  if (name.ends_with(".css")) return "text/css; charset=utf-8";
+  if (name.ends_with(".svg")) return "image/svg+xml";
+  return "text/html; charset=utf-8";
+}
+
+void add_pages(WebServer& server) {
+  for (const Asset& asset : assets())
+    server.file(asset.name == "index.html" ? "/" : "/" + asset.name, type_of(asset.name),
+                asset.text);
+}
+
+/// A connection of its own for each request, which ends with it.
+Connection connected(const Connect& connect) {
+  Connection connection = connect(std::make_shared<Interruption>());
+  connection.set_policy({.attempts = 2});
+  return connection;
+}
+
+void add_results(WebServer& server, const Connect& connect) {
+  server.get("/job", [=](const Request& request) {
+    Connection connection = connected(connect);
+    return Reply{job_json(connection, request.name).dump()};
+  });
+  server.get("/sketch", [=](const Request& request) {
+    Connection connection = connected(connect);
+    return Reply{sketch_json(connection, request.name).dump()};
+  });
+  server.get("/frames", [=](const Request& request) {
+    Connection connection = connected(connect);
+    const auto result = frame_of(connection, request.name, 1);
+    return Reply{
+        Json(std::vector<double>(result.frame_time_s().begin(), result.frame_time_s().end()))
+            .dump()};
+  });
+  server.get("/frame", [=](const Request& request) {
+    Connection connection = connected(connect);
+    const int number = std::atoi(request.value("number").c_str());
+    return Reply{.body = FrameBytes(frame_of(connection, request.name, number).frame()).take(),
+                 .type = "application/octet-stream"};
+  });
+  server.get("/colours", [](const Request&) {
+    const render::ColourBands bands;
+    std::vector<std::string> colours;
+    for (int band = 0; band < bands.count; ++band) colours.push_back(bands.colour(band));
+    return Reply{Json(colours).dump()};
+  });
+  server.get("/report", [=](const Request& request) {
+    Connection connection = connected(connect);
+    return report(connection, request.name);
+  });
+  server.get("/compare", [=](const Request& request) {
+    Connection connection = connected(connect);
+    return comparison(connection, request.values("job"));
+  });
+  server.events("/watch", [=](const Request& request, const auto& gone, const Send& send) {
+    Connection connection = connect(gone);
+    std::ostringstream unseen;  // a browser takes the connection up again by itself
+    follow_job(
+        connection, request.name, 1,
+        [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
+  });
+}
+
+void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
+  const auto bases = std::make_shared<const Bases>(cases);
+  server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
+  server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
+  server.events("/ask", [=](const Request& request, const auto& gone, const Send& send) {
+    Connection connection = connect(gone);
+    ask(connection, bases->read(request), send);
+  });
+  server.post("/keep", [=](const Request& request) {
+    Connection connection = connected(connect);
+    return Reply{Json{{"job", kept(connection, bases->read(request)).id()}}.dump()};
+  });
+}
+
+}  // namespace
+
+void add_dashboard(WebServer& server, const Connect& connect,
+                   const std::vector<std::string>& cases) {
+  add_pages(server);
+  server.post("/call", [=](const Request& request) {
+    const auto call = calls().find(request.name);
+    if (call == calls().end())
+      throw CommandFailed(ExitCode::not_found, "pages do not call " + request.name);
+    Connection connection = connected(connect);
+    return Reply{call->second(connection, request.body)};
+  });
+  server.get("/server", [=](const Request&) {
+    return Reply{Json{{"address", connected(connect).server()}}.dump()};
+  });
+  server.post("/another", [&server](const Request&) {
+    return Reply{Json{{"address", server.address()}}.dump()};
+  });
+  add_results(server, connect);
+  add_what_if(server, connect, cases);
+}
+
+}  // namespace dccast::client::web

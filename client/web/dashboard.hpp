@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/web/web_server.hpp"
+
+namespace dccast::client::web {
+
+/// Connects to the server of the jobs. What waits for it ends when the interruption comes.
+using Connect = std::function<Connection(std::shared_ptr<Interruption>)>;
+
+/// Gives a web server the dashboard: its pages, the calls of the service that they make, and what
+/// the client makes of results (curls with their error, reports, comparisons, frames, what-if).
+/// @param cases  case files to begin a what-if with, besides the shipped ones
+void add_dashboard(WebServer& server, const Connect& connect,
+                   const std::vector<std::string>& cases);
+
+}  // namespace dccast::client::web
