@@ -19,7 +19,8 @@ struct Program {
   std::filesystem::path servers{};        ///< logins of the user; empty: none
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   /// To the server that is meant: one of a login, else one on loopback. Throws CommandFailed.
-  Connection connect() const;
+  Endpoint endpoint() const;
+  Connection connect() const { return {endpoint(), interruption}; }
 };
 
 void add_new(cli::CommandLine& line, Program& program);

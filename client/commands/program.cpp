@@ -55,11 +55,10 @@ constexpr const char* completion_examples =
 
 }  // namespace
 
-Connection Program::connect() const {
+Endpoint Program::endpoint() const {
   const StoredServers stored(servers);
-  if (const StoredServer* server = stored.find(this->server))
-    return {server->endpoint, interruption};
-  return {endpoint_of(server.empty() ? "127.0.0.1" : server), interruption};
+  if (const StoredServer* server = stored.find(this->server)) return server->endpoint;
+  return endpoint_of(server.empty() ? "127.0.0.1" : server);
 }
 
 void add_info(cli::CommandLine& line, Program& program) {
@@ -104,18 +103,18 @@ const char* const guide =
 
 void add_commands(cli::CommandLine& line, commands::Program& program) {
   for (const auto add :
-       {commands::add_new,         commands::add_validate,     commands::add_query,
-        commands::add_submit,      commands::add_watch,        commands::add_wait,
-        commands::add_list,        commands::add_show,         commands::add_curl, commands::add_dashboard,
-        commands::add_contraction, commands::add_compare,      commands::add_fetch,
-        commands::add_report,      commands::add_convergence,  commands::add_sweep,
-        commands::add_predict,     commands::add_uncertainty,  commands::add_sensitivity,
-        commands::add_calibrate,   commands::add_design_mould, commands::add_design_recipe,
-        commands::add_studies,     commands::add_cancel,       commands::add_pause,
-        commands::add_resume,      commands::add_delete,       commands::add_schema,
-        commands::add_login,       commands::add_logout,       commands::add_whoami,
-        commands::add_doctor,      commands::add_alloys,       commands::add_info,
-        commands::add_completion})
+       {commands::add_new,           commands::add_validate,    commands::add_query,
+        commands::add_submit,        commands::add_watch,       commands::add_wait,
+        commands::add_list,          commands::add_show,        commands::add_curl,
+        commands::add_dashboard,     commands::add_contraction, commands::add_compare,
+        commands::add_fetch,         commands::add_report,      commands::add_convergence,
+        commands::add_sweep,         commands::add_predict,     commands::add_uncertainty,
+        commands::add_sensitivity,   commands::add_calibrate,   commands::add_design_mould,
+        commands::add_design_recipe, commands::add_studies,     commands::add_cancel,
+        commands::add_pause,         commands::add_resume,      commands::add_delete,
+        commands::add_schema,        commands::add_login,       commands::add_logout,
+        commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
+        commands::add_info,          commands::add_completion})
     add(line, program);
 }
 
