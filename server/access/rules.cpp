@@ -16,7 +16,9 @@ Rules read_rules() {
       v1::SubmitJobRequest::descriptor()->file()->FindServiceByName("SimulationService");
   for (int i = 0; i < service->method_count(); ++i) {
     const auto* method = service->method(i);
-    rules[method->input_type()] = {method->name(), method->options().GetExtension(v1::access)};
+    CallRule& rule = rules[method->input_type()];
+    rule = {method->name(), method->options().GetExtension(v1::access)};
+    if (rule.access.role() == v1::ROLE_UNSPECIFIED) rule.access.set_role(v1::ADMIN);
   }
   return rules;
 }

@@ -57,11 +57,6 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
       rule_(&access::rule_of(*request.GetDescriptor())),
       id_(id_of(request, *rule_)),
       deadline_(context.deadline()) {
-  if (context.IsCancelled()) {
-    gate_->abandoned(context.peer());
-    refusal_ = grpc::Status::CANCELLED;
-    return;
-  }
   try {
     shown_ = shown_of(context);
     if (!shown_.over_tls) return;
@@ -74,10 +69,7 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
 }
 
 grpc::Status CallOrigin::admit(std::function<bool()> cancelled, Call& call) {
-  if (cancelled()) {
-    gate_->abandoned(shown_.peer);
-    return grpc::Status::CANCELLED;
-  }
+  if (cancelled()) return {grpc::StatusCode::CANCELLED, "the caller has left"};
   if (!caller_) {
     caller_ = gate_->identify(shown_);
     const grpc::Status status = gate_->permit(*caller_, *rule_, shown_.peer);

@@ -10,7 +10,6 @@ namespace dccast::service {
 namespace {
 
 constexpr std::chrono::milliseconds between_looks{200};
-constexpr double abandoned_per_s = 20.0;  // of one connection; 200 at once
 constexpr double recorded_refusals_per_s =
     10.0;  // a peer that guesses tokens must not fill the disk
 
@@ -65,7 +64,6 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
       rate_(limits.calls_per_s),
       unproven_rate_(limits.calls_per_s / 10.0),
       recorded_refusals_(recorded_refusals_per_s),
-      abandoned_(abandoned_per_s),
       streams_(limits.streams, limits.streams_per_user),
       watcher_([this] { watch_for_lapses(); }) {}
 
@@ -134,12 +132,6 @@ grpc::Status Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall
 
 void Gate::leave(const access::Caller& caller) {
   streams_.leave(caller.name);
-}
-
-void Gate::abandoned(const std::string& peer) {
-  if (abandoned_.take(peer, std::chrono::steady_clock::now())) return;
-  log::debug("{} takes back its calls before they are begun; its connection is ended", peer);
-  end_connection_(peer);
 }
 
 /// A look at the file of users costs a stat: five a second make a revocation hold at once for

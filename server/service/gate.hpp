@@ -71,14 +71,6 @@ public:
   void record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
               const std::string& peer, const grpc::Status& status);
 
-  /// A call was taken back before it was begun. A connection that does little else is ended: it
-  /// costs the daemon, and its client nothing (rapid reset).
-  void abandoned(const std::string& peer);
-  /// @param end  ends the connection of a peer
-  void set_connection_end(std::function<void(const std::string& peer)> end) {
-    end_connection_ = std::move(end);
-  }
-
   access::Authority& authority() { return authority_; }
 
 private:
@@ -93,8 +85,7 @@ private:
   access::AuditLog& audit_;
   LocalUsers local_users_;
   const Owners owners_;
-  access::CallRate rate_, unproven_rate_, recorded_refusals_, abandoned_;
-  std::function<void(const std::string& peer)> end_connection_ = [](const std::string&) {};
+  access::CallRate rate_, unproven_rate_, recorded_refusals_;
   access::OpenCount streams_;
   std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;

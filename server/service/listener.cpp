@@ -66,13 +66,11 @@ void set(int socket, int level, int option) {
   ::setsockopt(socket, level, option, &yes, sizeof yes);
 }
 
-/// Address and port, in numbers.
-std::pair<std::string, std::string> name_of(const sockaddr_storage& address, socklen_t size) {
+std::string host_of(const sockaddr_storage& address, socklen_t size) {
   std::array<char, NI_MAXHOST> host{};
-  std::array<char, NI_MAXSERV> port{};
   ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
-                port.data(), port.size(), NI_NUMERICHOST | NI_NUMERICSERV);
-  return {host.data(), port.data()};
+                nullptr, 0, NI_NUMERICHOST);
+  return host.data();
 }
 
 std::uint64_t bytes_received(int socket) {
@@ -147,38 +145,23 @@ void Listener::accept_one() {
     std::this_thread::sleep_for(pause_after_refusal);
     return;
   }
-  auto [host, port] = name_of(from, size);
-  {
-    const std::lock_guard lock(mutex_);
-    const bool was_full = std::exchange(full_, !has_room(host));
-    if (full_ && !was_full)
-      log::warn(
-          "all connections are in use, or those of {}; further ones are closed until one ends",
-          host);
-    if (full_) {
-      ::close(connection);
-      return;
-    }
-    admitted_.push_back({connection, socket_behind(connection), std::move(host), std::move(port),
-                         std::chrono::steady_clock::now()});
+  const std::string host = host_of(from, size);
+  const bool was_full = std::exchange(full_, !has_room(host));
+  if (full_ && !was_full)
+    log::warn("all connections are in use, or those of {}; further ones are closed until one ends",
+              host);
+  if (full_) {
+    ::close(connection);
+    return;
   }
+  admitted_.push_back(
+      {connection, socket_behind(connection), host, std::chrono::steady_clock::now()});
   admit_(connection);
 }
 
 bool Listener::has_room(const std::string& host) {
   if (open_of(host) >= bounds_.per_peer && !end_a_silent_one(host)) return false;
   return count_open() < bounds_.connections || end_a_silent_one("");
-}
-
-void Listener::end(const std::string& peer) {
-  const std::lock_guard lock(mutex_);
-  forget_closed();
-  for (const Admitted& one : admitted_) {
-    const bool is_ipv6 = one.host.find(':') != std::string::npos;
-    const std::string written =
-        (is_ipv6 ? "ipv6:%5B" + one.host + "%5D:" : "ipv4:" + one.host + ":") + one.port;
-    if (written == peer) ::shutdown(one.descriptor, SHUT_RDWR);
-  }
 }
 
 /// A descriptor that was closed is free, or belongs to something else by now.

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -47,15 +46,12 @@ public:
   void start(const Bounds& bounds, std::function<void(int)> admit);
   /// Accepts no more.
   void stop();
-  /// Ends the connection of this client. Any thread may call it.
-  /// @param peer  as gRPC writes it: "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000"
-  void end(const std::string& peer);
 
 private:
   struct Admitted {
     int descriptor = -1;
     ino_t socket = 0;  ///< behind the descriptor, which may be another's by now
-    std::string host, port;
+    std::string host;
     std::chrono::steady_clock::time_point since;
   };
   void run();
@@ -71,7 +67,6 @@ private:
   const storage::FileDescriptor ended_;
   Bounds bounds_;
   std::function<void(int)> admit_;
-  std::mutex mutex_;                ///< of admitted_
   std::vector<Admitted> admitted_;  ///< oldest first
   bool full_ = false;
   std::thread thread_;

@@ -134,9 +134,8 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
 /// client's. Memory of all transports is bounded, too.
 void bound_connections(grpc::ServerBuilder& builder) {
   constexpr int most_calls_of_a_connection = 200;
-  // 16 of the largest messages by the default: with fewer, those who send them would shut others
   // out.
-  constexpr std::size_t most_bytes = 1'000'000'000;
+  constexpr std::size_t most_bytes = 256'000'000;
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_calls_of_a_connection);
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(most_bytes));
 }
@@ -172,10 +171,6 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   end_idle_connections(builder);
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot serve on " + local_.address());
-  context.gate.set_connection_end([this](const std::string& peer) {
-    local_.end(peer);
-    if (tls_) tls_->listener.end(peer);
-  });
   local_.start({.connections = context.maximum_connections, .greeting_bytes = greeting_bytes},
                hand_over(std::move(local_acceptor)));
   if (tls_)

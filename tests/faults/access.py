@@ -1,4 +1,4 @@
-"""Users of other machines whose token or certificate ends, and attackers: jobs and other users go on."""
+"""Users of other machines whose token or certificate ends, and silent ones: jobs and other users go on."""
 import contextlib
 import os
 import re
@@ -12,10 +12,8 @@ import grpc
 
 from cases import fake
 from certificates import TestCa, openssl_time
-from clients import ANSWER, memory_of
 from dccast.v1 import service_pb2, service_pb2_grpc
 from fault import Fault
-from http2 import Attacker
 from oracle import must
 from scene import Scene, limit
 from support import BIN, until
@@ -185,78 +183,3 @@ class SilentConnections(RemoteFault):
             must(count, lambda: over_tls(scene, self.ca(scene), token).WhoAmI(
                 service_pb2.WhoAmIRequest(), timeout=2).name, "a user over TLS was shut out", 2)
         must(count, lambda: scene.ended(job_id), "the job did not end", 30)
-
-
-class Attack(Fault):
-    """Local connections that break the customs of HTTP/2, before they have proved anything."""
-    short, long = 1, 3
-    attackers = 4
-    lasts = 8.0
-    most_memory = 300e6
-
-    def assault(self, attacker):
-        """What one connection does, again and again."""
-        raise NotImplementedError
-
-    def disturb(self, scene, count):
-        job_id = scene.submit(fake(LONG))
-        ended = threading.Event()
-        threads = [threading.Thread(target=self.keep_on, args=(scene.daemon.address, ended),
-                                    daemon=True) for _ in range(self.attackers)]
-        for thread in threads:
-            thread.start()
-        slowest = self.watch_others(scene, time.monotonic() + self.lasts, count)
-        ended.set()
-        for thread in threads:
-            thread.join(20)
-        slowest = max(slowest, self.watch_others(scene, time.monotonic() + 2.0, count))
-        peak = memory_of(scene.daemon.process.pid, "VmHWM")
-        print(f"  {self.name()}: slowest status {slowest:.1f} s, {peak / 1e6:.0f} MB at most")
-        if peak > self.most_memory:
-            count.found("wrong", f"dccastd took {peak / 1e6:.0f} MB")
-        must(count, lambda: scene.ended(job_id), "the job did not end", 30)
-
-    def keep_on(self, address, ended):
-        while not ended.is_set():
-            with contextlib.suppress(OSError):
-                attacker = Attacker(address)
-                try:
-                    while not ended.is_set() and not attacker.closed:
-                        self.assault(attacker)
-                finally:
-                    attacker.close()
-
-    def watch_others(self, scene, end, count):
-        slowest = 0.0
-        while time.monotonic() < end:
-            begin = time.monotonic()
-            client = scene.connected()
-            try:
-                client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10,
-                                          wait_for_ready=True)
-            except grpc.RpcError as error:
-                count.found("wrong", f"a status was refused: {error.code().name}")
-            client.close()
-            slowest = max(slowest, time.monotonic() - begin)
-            time.sleep(0.1)
-        if slowest > ANSWER:
-            count.found("wrong", f"a status took {slowest:.1f} s")
-        return slowest
-
-
-class RapidReset(Attack):
-    """Four connections begin calls and take them back as fast as they can: 300 MB, others served within 2 s"""
-
-    def assault(self, attacker):
-        attacker.begin_and_reset("/dccast.v1.SimulationService/ListJobs", 100)
-
-
-class UnfinishedUploads(Attack):
-    """40 uploads of 63 MB that lack their last byte: 300 MB, others served within 2 s"""
-    attackers = 40
-
-    def assault(self, attacker):
-        stream = attacker.begin("/dccast.v1.SimulationService/SubmitJob")
-        attacker.send_most_of_a_message(stream, 63_000_000)
-        with attacker.changed:
-            attacker.changed.wait_for(lambda: attacker.closed, 1)
