@@ -1,9 +1,9 @@
+#include <algorithm>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/html/data_study_page.hpp"
-#include "client/model/answer.hpp"
 #include "client/model/effects.hpp"
 #include "client/model/json.hpp"
 #include "client/session/data_study.hpp"
@@ -34,24 +34,27 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// The case of the first valid run; of a sensitivity study that is the case itself.
-std::optional<v1::Case> first_case(Connection& connection, const v1::StudyResult& result) {
-  for (const v1::StudyRun& run : result.runs())
-    if (run.state() == v1::SUCCEEDED && !run.beyond_validity())
-      return query_result(connection, run.job()).case_();
-  return std::nullopt;
+/// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
+const v1::StudyRun* first_valid(const v1::StudyResult& result) {
+  const auto found = std::ranges::find_if(result.runs(), [](const v1::StudyRun& run) {
+    return run.state() == v1::SUCCEEDED && !run.beyond_validity();
+  });
+  return found == result.runs().end() ? nullptr : &*found;
 }
 
 /// Half the band of mesh and time steps relative to the curl.
-std::optional<double> mesh_error(Connection& connection, const v1::StudyResult& result) {
-  const auto of_run = first_case(connection, result);
-  return of_run ? discretisation_error(*of_run, 1.0) : std::nullopt;
+std::optional<double> mesh_error(const v1::StudyResult& result) {
+  const v1::StudyRun* const run = first_valid(result);
+  return run && run->has_relative_curl_error() ? std::optional(run->relative_curl_error())
+                                               : std::nullopt;
 }
 
 /// The error of a small difference between runs, relative to the curl.
 std::optional<double> difference_error(Connection& connection, const v1::StudyResult& result) {
-  const auto of_run = first_case(connection, result);
-  const auto pair = of_run ? case_file::paired_error(*of_run, *of_run) : std::nullopt;
+  const v1::StudyRun* const run = first_valid(result);
+  if (!run) return std::nullopt;
+  const v1::Case of_run = query_result(connection, run->job()).case_();
+  const auto pair = case_file::paired_error(of_run, of_run);
   return pair ? std::optional(pair->of_curl) : std::nullopt;
 }
 
@@ -75,7 +78,7 @@ v1::StudyResult spread_of(Connection& connection, const std::string& id, const s
 
 void print_uncertainty(Connection& connection, const DataOptions& options, const std::string& id) {
   const v1::StudyResult result = spread_of(connection, id, options.point);
-  const auto relative = mesh_error(connection, result);
+  const auto relative = mesh_error(result);
   if (!options.plot.empty()) write_output(options.plot, render::uncertainty_page(result, relative));
   if (options.json) {
     Json json = to_json(result);

@@ -148,8 +148,7 @@ class Run:
 class Answer(Run):
     """What a query computed. Nothing of it stays on the server, unless it was kept as a job."""
 
-    def __init__(self, server: str) -> None:
-        self._server = server
+    def __init__(self) -> None:
         self._case = case_pb2.Case()
         self._steps: list[job_pb2.StepReport] = []
         self._relative_curl_error: float | None = None

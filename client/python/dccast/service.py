@@ -94,7 +94,7 @@ class Service:
         @raises DccastError  the faults of the case; a run that failed, with its cause as `code`
         """
         read = self.read(case, changes, **keys)
-        answer = Answer(self.server)
+        answer = Answer()
         stream = self._transport.stream("QueryButtCurl", service_pb2.QueryButtCurlRequest(
             case=read.message, attachments=read.attachments, changes=read.changes, keep=keep))
         try:

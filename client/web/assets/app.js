@@ -41,5 +41,5 @@ document.getElementById('another').addEventListener('click', async () => {
   await navigator.clipboard?.writeText(link).catch(() => {});
   prompt('This address opens the dashboard once, in another browser of this machine. It is on the clipboard.', link);
 });
-addEventListener('hashchange', () => { show(); main.focus({preventScroll: true}); });
+addEventListener('hashchange', () => { show(); main.focus({preventScroll: true}); scrollTo(0, 0); });
 show();

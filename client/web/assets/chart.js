@@ -30,10 +30,11 @@ const path = points => {
 };
 
 /**
- * @param lines   [{name, x, y, error (relative) or low and high, dashed}], y in mm
+ * @param lines   [{name, x, y, error (relative) or low and high, dashed, colour (0 to 5)}], y in mm
  * @param options {title, xLabel, yLabel, wanted: [low, high] in mm}
  */
 export function chart(lines, {title, xLabel, yLabel, wanted = []}) {
+  const colour = (line, i) => `line-${(line.colour ?? i) % 6}`;
   const bands = lines.map(line => line.low ? [line.low, line.high] : line.error
     ? [line.y.map(v => v - Math.abs(v) * line.error), line.y.map(v => v + Math.abs(v) * line.error)] : null);
   const [x0, x1] = range(lines.flatMap(line => line.x));
@@ -56,15 +57,15 @@ export function chart(lines, {title, xLabel, yLabel, wanted = []}) {
     if (band) {
       const upper = line.x.map((x, k) => [px(x), py(band[1][k])]).filter(p => Number.isFinite(p[1]));
       const lower = line.x.map((x, k) => [px(x), py(band[0][k])]).filter(p => Number.isFinite(p[1])).reverse();
-      parts.push(h('path', {class: `band line-${i % 6}`, d: `${path([...upper, ...lower])}z`}));
+      parts.push(h('path', {class: `band ${colour(line, i)}`, d: `${path([...upper, ...lower])}z`}));
     }
   });
-  lines.forEach((line, i) => parts.push(h('path', {class: `line line-${i % 6}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
+  lines.forEach((line, i) => parts.push(h('path', {class: `line ${colour(line, i)}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
   const summary = lines.map(line => `${line.name} ends at ${fixed(line.y.at(-1), 1)} mm`).join(', ');
   const cursor = h('line', {class: 'cursor', y1: top, y2: height - bottom, x1: -9, x2: -9});
   const svg = h('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${title}: ${summary}`}, parts, cursor);
   const legend = h('ul', {class: 'legend', 'aria-hidden': 'true'}, lines.map((line, i) =>
-    h('li', {}, h('span', {class: `swatch line-${i % 6}`}), line.name, h('output', {}, ''))));
+    h('li', {}, h('span', {class: `swatch ${colour(line, i)}${line.dashed ? ' dashed' : ''}`}), line.name, h('output', {}, ''))));
   const values = legend.querySelectorAll('output');
   const show = event => {
     const box = svg.getBoundingClientRect();

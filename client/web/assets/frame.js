@@ -105,7 +105,7 @@ export async function frameViewer(box, signal, id) {
     return {input, output, label: h('label', {}, name, output, input)};
   };
   const frames = new Map();
-  const eye = {yaw: -0.7, pitch: 0.5, size: 1, centre: [0, 0, 0]};
+  const eye = {yaw: 2.4, pitch: 0.5, size: 1, centre: [0, 0, 0]};
   let frame = null, scale = 1, axis = -1, at = 1, buffers = null, capCount = 0, asked = 0;
 
   const buffer = (target, data) => { const b = gl.createBuffer(); gl.bindBuffer(target, b); gl.bufferData(target, data, gl.STATIC_DRAW); return b; };

@@ -66,8 +66,8 @@ export function whatIfPage(element, signal) {
 
   function draw(now, done) {
     const lines = [];
-    if (reference) lines.push(...curlLines(reference.history, reference.relative_curl_error, ' as it is').map(l => ({...l, dashed: true})));
-    if (now && now !== reference) lines.push(...curlLines(now.history, done ? now.relative_curl_error : null, ' changed'));
+    if (reference) lines.push(...curlLines(reference.history, reference.relative_curl_error, ' as it is').map((line, i) => ({...line, dashed: true, colour: i})));
+    if (now && now !== reference) lines.push(...curlLines(now.history, done ? now.relative_curl_error : null, ' changed').map((line, i) => ({...line, colour: i})));
     if (lines.length === 0) return replace(picture, done ? h('p', {class: 'soft'}, 'This case has no monitor whose curl could be drawn.') : null);
     replace(picture, chart(lines, {title: 'Curl; the bands are the error of mesh and time steps', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand((now || reference).wanted)}));
     if (!done) return;
