@@ -97,7 +97,8 @@ std::string Authority::lapse(const Caller& caller, std::int64_t now) {
     return caller.by == ProvenBy::local_user
                ? ""
                : "user " + caller.name + " was removed; ask an admin (dccastd user add)";
-  if (listed->disabled() && caller.role < v1::ADMIN)
+  const bool owns_daemon = caller.by == ProvenBy::local_user && caller.role >= v1::ADMIN;
+  if (listed->disabled() && !owns_daemon)
     return "user " + caller.name + " is disabled; an admin can undo it: dccastd user enable " +
            caller.name;
   if (caller.by == ProvenBy::token) {

@@ -119,6 +119,16 @@ TEST_F(AuthorityTest, AProvenCallerLapses) {
   EXPECT_NE(authority.lapse(anna, now).find("removed"), std::string::npos);
 }
 
+TEST_F(AuthorityTest, ADisabledAdminOfAnotherMachineIsOneNoLonger) {
+  std::string token;
+  users.enrol(users.add("kalle", v1::ADMIN, now, now + day), "", now, now + day, token);
+  const Caller kalle = authority.by_token(token, now);
+  ASSERT_EQ(kalle.role, v1::ADMIN);
+  users.set_disabled("kalle", true);
+  EXPECT_NE(authority.lapse(kalle, now), "");
+  EXPECT_NE(authority.by_certificate("kalle", now + day, now).refusal, "");
+}
+
 TEST_F(AuthorityTest, ACertificateStandsForAListedUser) {
   EXPECT_NE(authority.by_certificate("anna", now + day, now).refusal, "");
   users.add("anna", v1::VIEWER, now, now + day);
