@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <set>
@@ -18,6 +19,9 @@ struct ListOptions {
   std::vector<std::string> columns;
   std::string study;
   std::string owner;
+  std::string since;
+  std::string name;
+  bool mine = false;
   int limit = 50;
   bool ids = false;
   bool json = false;
@@ -32,7 +36,9 @@ v1::ListJobsRequest request_of(Connection& connection, const ListOptions& option
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   if (!options.study.empty()) request.set_study(resolve_study(connection, options.study));
-  request.set_owner(options.owner);
+  request.set_owner(options.mine ? user_name() : options.owner);
+  if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
+  request.set_title(options.name);
   return request;
 }
 
@@ -69,6 +75,7 @@ ExitCode run(const ListOptions& options, Program& program) {
 
 constexpr const char* list_examples =
     "dccast list --state running,queued\n"
+    "  dccast list --mine --since yesterday --name 'line 3*'\n"
     "  dccast list --label trial-7 --columns job,curl,changes\n"
     "  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'\n"
     "\n"
@@ -76,6 +83,7 @@ constexpr const char* list_examples =
 
 struct WaitOptions {
   std::vector<std::string> ids;
+  std::string notify;
   bool json = false;
 };
 
@@ -93,6 +101,15 @@ v1::Job ended_job(Connection& connection, const std::string& id) {
   return connection.call(&Stub::GetJob, request);
 }
 
+/// Runs a command of the user for a job that has ended; what the job is stands in its environment.
+void notify(const std::string& command, const v1::Job& job) {
+  ::setenv("DCCAST_JOB", job.id().c_str(), 1);
+  ::setenv("DCCAST_TITLE", job.title().c_str(), 1);
+  ::setenv("DCCAST_STATE", render::state_text(job.state()).c_str(), 1);
+  if (const int status = std::system(command.c_str()); status != 0)
+    std::cerr << "dccast: the command of --notify ended with status " << status << '\n';
+}
+
 ExitCode run(const WaitOptions& options, Program& program) {
   Connection connection = program.connect();
   ExitCode code = ExitCode::done;
@@ -101,6 +118,7 @@ ExitCode run(const WaitOptions& options, Program& program) {
     std::cout << (options.json ? to_json(job).dump()
                                : job.id() + " " + render::full_state_text(job))
               << std::endl;
+    if (!options.notify.empty()) notify(options.notify, job);
     if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
   }
   return code;
@@ -221,6 +239,10 @@ void add_list(cli::CommandLine& line, Program& program) {
       .comma_separated()
       .one_value_each();
   command.option("--owner", options->owner, "Only the jobs of this user");
+  command.flag("--mine", options->mine, "Only your own jobs");
+  command.option("--since", options->since,
+                 "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
+  command.option("--name", options->name, "Only jobs with this title; * and ? as in a shell");
   command.option("--study", options->study, "Only the jobs of this study");
   command.option("-c,--columns", options->columns, "Columns to show")
       .comma_separated()
@@ -237,8 +259,14 @@ void add_wait(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<WaitOptions>();
   const cli::Command command = line.command(
       "wait", "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
-      "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait");
+      "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
+      "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
   command.option("JOB", options->ids, job_help).required();
+  command
+      .option("--notify", options->notify,
+              "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
+              "DCCAST_STATE in its environment")
+      .placeholder("COMMAND");
   command.json(options->json, "Each job as JSON on a line");
   command.action([options, &program] { return run(*options, program); });
 }

@@ -114,7 +114,8 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_pause,         commands::add_resume,      commands::add_delete,
         commands::add_schema,        commands::add_login,       commands::add_logout,
         commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
-        commands::add_info,          commands::add_completion})
+        commands::add_info,          commands::add_completion,
+        commands::add_usage,         commands::add_case,        commands::add_logs})
     add(line, program);
 }
 

@@ -90,6 +90,17 @@ struct NamedRun {
   std::vector<v1::CaseChange> changes;
 };
 
+/// Of the others the answer is there, in the job.
+bool has_to_be_computed(const NamedRun& run) {
+  return is_case_file(run.text) || !run.changes.empty();
+}
+
+/// A name that is not a file is taken as a job.
+CaseUnderCheck case_of(Connection& connection, const NamedRun& run) {
+  if (is_case_file(run.text)) return read_case(run.text, run.changes);
+  return read_case_of_job(connection, resolve_job(connection, run.text), run.changes);
+}
+
 [[noreturn]] void refuse(const CaseUnderCheck& checked, const std::string& file) {
   print_faults(checked, std::cerr);
   throw CommandFailed(ExitCode::invalid, file + " has faults");
@@ -99,7 +110,7 @@ struct NamedRun {
 std::vector<Answer> answers_of_files(Connection& connection, const std::vector<NamedRun>& files) {
   std::vector<CaseUnderCheck> cases;
   for (const NamedRun& file : files) {
-    cases.push_back(read_case(file.text, file.changes));
+    cases.push_back(case_of(connection, file));
     if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
   }
   std::vector<Answer> answers;
@@ -126,17 +137,16 @@ std::vector<NamedRun> runs_of(const CompareOptions& options) {
   return runs;
 }
 
-/// A name that is not a file is taken as a job.
 std::vector<Answer> answers_to(Connection& connection, const std::vector<NamedRun>& runs) {
   std::vector<NamedRun> files;
   for (const NamedRun& run : runs)
-    if (is_case_file(run.text)) files.push_back(run);
+    if (has_to_be_computed(run)) files.push_back(run);
   std::vector<Answer> computed = answers_of_files(connection, files);
   auto next = computed.begin();
   std::vector<Answer> answers;
   for (const NamedRun& run : runs)
-    answers.push_back(is_case_file(run.text) ? std::move(*next++)
-                                             : answer_of_named_job(connection, run.text));
+    answers.push_back(has_to_be_computed(run) ? std::move(*next++)
+                                              : answer_of_named_job(connection, run.text));
   return answers;
 }
 
@@ -157,11 +167,11 @@ std::vector<Answer> companions_of(Connection& connection, const std::vector<Name
 void require_runs(const CompareOptions& options) {
   if (options.set.empty() && options.runs.size() < 2)
     throw CommandFailed(ExitCode::invalid,
-                        "give two runs, or a case file and what to change in it with --set");
-  if (!options.set.empty() && (!is_case_file(options.runs.front()) || options.runs.front() == "-"))
+                        "give two runs, or one and what to change in its case with --set");
+  if (!options.set.empty() && options.runs.front() == "-")
     throw CommandFailed(ExitCode::invalid,
-                        "--set changes the first RUN, which must be a case file; " +
-                            options.runs.front() + " is none");
+                        "--set changes the first RUN, a case file or a job; standard input is "
+                        "read once");
 }
 
 void write_comparison(const std::vector<Answer>& answers,
@@ -217,7 +227,7 @@ void add_compare(cli::CommandLine& line, Program& program) {
                    "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
   command.option("RUN", options->runs, "Jobs or case files").required().count(1, 100);
   add_set_option(command, options->set)
-      .description("Also compare with the first RUN, a case file, with this change");
+      .description("Also compare with the first RUN, a case file or a job, with this change");
   command.flag("--paired", options->paired,
                "Compute the case files at another quality too: the error of a difference then "
                "comes from the two pairs");

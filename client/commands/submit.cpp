@@ -17,6 +17,8 @@ namespace {
 
 struct SubmitOptions {
   std::vector<std::string> files;
+  std::string from;
+  std::vector<std::string> after;
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string request_id;
@@ -34,11 +36,12 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
   return ExitCode::invalid;
 }
 
-void require_one_file(const SubmitOptions& options) {
-  const char* const what = !options.request_id.empty() ? "--request-id" : "--watch";
-  if (options.files.size() == 1 || (options.request_id.empty() && !options.watch)) return;
-  throw CommandFailed(ExitCode::invalid, std::string(what) + " goes with one FILE; " +
-                                             std::to_string(options.files.size()) + " are given");
+void require_source(const SubmitOptions& options) {
+  if (options.files.empty() == options.from.empty())
+    throw CommandFailed(ExitCode::invalid, "give either FILEs or --from JOB");
+  if (options.files.size() > 1 && options.watch)
+    throw CommandFailed(ExitCode::invalid, "--watch goes with one FILE; " +
+                                               std::to_string(options.files.size()) + " are given");
 }
 
 /// Checks all cases: if one has faults, none is submitted.
@@ -46,9 +49,13 @@ void require_one_file(const SubmitOptions& options) {
 std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& options,
                                                           Connection& connection) {
   std::vector<CaseUnderCheck> cases;
+  for (const std::string& file : options.files)
+    cases.push_back(read_case(file, changes_of(options.set)));
+  if (!options.from.empty())
+    cases.push_back(read_case_of_job(connection, resolve_job(connection, options.from),
+                                     changes_of(options.set)));
   bool sound = true;
-  for (const std::string& file : options.files) {
-    CaseUnderCheck& checked = cases.emplace_back(read_case(file, changes_of(options.set)));
+  for (CaseUnderCheck& checked : cases) {
     check_with_server(checked, connection);
     if (!checked.faults.empty()) refuse(checked, options.json);
     sound = sound && checked.faults.empty();
@@ -60,22 +67,25 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   return cases;
 }
 
-v1::SubmitJobRequest request_of(CaseUnderCheck& checked, const SubmitOptions& options) {
-  v1::SubmitJobRequest request;
-  request.set_request_id(options.request_id.empty() ? values::random_uuid() : options.request_id);
+/// @param number  of the case, from 1: several of one request id have its name and their number
+v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
+                                std::size_t number) {
+  v1::SubmitJobRequest request = submission_of(checked);
+  if (options.request_id.empty())
+    request.set_request_id(values::random_uuid());
+  else
+    request.set_request_id(options.request_id +
+                           (options.files.size() > 1 ? "." + std::to_string(number) : ""));
+  request.mutable_after()->Assign(options.after.begin(), options.after.end());
   request.set_priority(static_cast<v1::Priority>(options.priority));
-  *request.mutable_case_() = checked.description;
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
-  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
-  for (v1::Attachment& attachment : checked.read.attachments)
-    request.add_attachments()->Swap(&attachment);
   return request;
 }
 
 /// @return  empty if the server has found further faults, which have then been printed
 std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& options,
-                              Connection& connection) {
-  const v1::SubmitJobRequest request = request_of(checked, options);
+                              Connection& connection, std::size_t number) {
+  const v1::SubmitJobRequest request = request_of(checked, options, number);
   v1::Job job;
   const grpc::Status status = submit_with_retries(connection, request, job);
   checked.faults = faults_of(status);
@@ -88,13 +98,14 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& opti
   return job;
 }
 
-ExitCode run(const SubmitOptions& options, Program& program) {
-  require_one_file(options);
+ExitCode run(SubmitOptions options, Program& program) {
+  require_source(options);
   Connection connection = program.connect();
+  options.after = resolve_jobs(connection, options.after);
   auto cases = examined_cases(options, connection);
   if (!cases) return ExitCode::invalid;
-  for (CaseUnderCheck& checked : *cases) {
-    const auto job = submit(checked, options, connection);
+  for (std::size_t i = 0; i < cases->size(); ++i) {
+    const auto job = submit((*cases)[i], options, connection, i + 1);
     if (!job) return ExitCode::invalid;
     if (options.watch)
       return watch_job(connection, job->id(), 1, options.json, true, options.strict);
@@ -107,7 +118,9 @@ constexpr const char* submit_examples =
     "  dccast submit --watch --priority high my.toml\n"
     "  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale=\"0.8 until 100 mm\" "
     "my.toml\n"
-    "  dccast submit --label trial-7 casts/*.toml\n"
+    "  dccast submit --label trial-7 --request-id trial-7 casts/*.toml\n"
+    "  dccast submit --from JOB --set mesh.rows=30\n"
+    "  dccast submit --after JOB next.toml\n"
     "  sed s/680/690/ my.toml | dccast submit -\n"
     "\n"
     "Of several files all are checked before the first is submitted; one id a line.";
@@ -183,7 +196,15 @@ void add_submit(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<SubmitOptions>();
   const cli::Command command =
       line.command("submit", "Queue cases; prints the id of each job", submit_examples);
-  command.option("FILE", options->files, "Case files; - for standard input").required();
+  command.option("FILE", options->files, "Case files; - for standard input");
+  command.option("--from", options->from, "Instead of a FILE: the case of this job, as submitted")
+      .placeholder("JOB");
+  command
+      .option("--after", options->after,
+              "Start when these jobs have succeeded; cancelled if one does not; repeatable")
+      .placeholder("JOB")
+      .comma_separated()
+      .one_value_each();
   add_set_option(command, options->set);
   command.option("--label", options->labels, "Label for finding the job; repeatable")
       .comma_separated()
@@ -200,8 +221,10 @@ void add_submit(cli::CommandLine& line, Program& program) {
               "Place in the queue: low, normal (default) or high")
       .placeholder("PRIORITY");
   command
-      .option("--request-id", options->request_id,
-              "Submitting again with the same id gives the same job; by default a new one is made")
+      .option(
+          "--request-id", options->request_id,
+          "Submitting again with the same id gives the same job, or jobs; by default a new one is "
+          "made")
       .check([](const std::string& text) { return values::too_long("the request id", text); });
   command.json(options->json,
                "Each job as JSON on a line, with --watch followed by one event a line");

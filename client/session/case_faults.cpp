@@ -1,9 +1,11 @@
 #include "client/session/case_faults.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <iterator>
 
+#include "client/session/download.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::client {
@@ -71,6 +73,8 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
                           changes);
   CaseUnderCheck checked;
   checked.read = case_file::read_file(file, checked.description);
+  std::ifstream stream(file, std::ios::binary);
+  checked.text.assign(std::istreambuf_iterator<char>(stream), {});
   apply(changes, checked);
   return checked;
 }
@@ -79,12 +83,26 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
                               const std::vector<v1::CaseChange>& changes) {
   CaseUnderCheck checked;
   checked.read = case_file::read_text(text, name, checked.description);
+  checked.text = text;
   apply(changes, checked);
   return checked;
 }
 
+CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
+                                const std::vector<v1::CaseChange>& changes) {
+  v1::GetJobRequest request;
+  request.set_id(id);
+  const v1::Job job = connection.call(&Stub::GetJob, request);
+  std::vector<v1::CaseChange> all{job.changes().begin(), job.changes().end()};
+  all.insert(all.end(), changes.begin(), changes.end());
+  return read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id,
+                        all);
+}
+
 v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked) {
+  constexpr std::size_t longest_file = 1 << 20;  // service.proto
   v1::SubmitJobRequest request;
+  if (checked.text.size() <= longest_file) request.set_case_file(checked.text);
   *request.mutable_case_() = checked.description;
   request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
   request.mutable_attachments()->Assign(checked.read.attachments.begin(),

@@ -25,6 +25,7 @@ struct CaseUnderCheck {
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults
   std::vector<case_file::UncertainKey> uncertain;            ///< data with a range; without faults
   std::vector<v1::CaseChange> changes;                       ///< changes applied to `description`
+  std::string text;                                          ///< of the file, byte by byte
 };
 
 /// Reads a case file ("-" is standard input) and applies the changes; reports local faults only.
@@ -33,6 +34,11 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
 /// The same of a text. @param name  of its file, for messages
 CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
                               const std::vector<v1::CaseChange>& changes = {});
+
+/// The case of a job as it was submitted, with the changes made then and further ones. Throws
+/// CommandFailed for a job that was submitted without its file, and Interrupted.
+CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
+                                const std::vector<v1::CaseChange>& changes);
 
 /// A request that submits a case without faults; without its id and priority.
 v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked);

@@ -187,4 +187,21 @@ Download download_study(Connection& connection, const std::string& id, const fs:
   return download(connection, {"study " + id, open}, file, messages);
 }
 
+std::string read_file_of_job(Connection& connection, const std::string& id,
+                             const std::string& name) {
+  v1::FetchResultRequest request;
+  request.set_id(id);
+  request.set_artifact(name);
+  grpc::ClientContext context;
+  const Interruption::Call call(connection.interruption(), context);
+  const auto reader = connection.stub().FetchResult(&context, request);
+  std::string text;
+  v1::FetchResultResponse chunk;
+  while (reader->Read(&chunk)) text += chunk.data();
+  const grpc::Status status = reader->Finish();
+  if (!status.ok() && connection.interruption().came()) throw Interrupted("nothing was fetched");
+  check(status, connection.server());
+  return text;
+}
+
 }  // namespace dccast::client

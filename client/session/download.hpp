@@ -22,6 +22,10 @@ struct Download {
 Download download(Connection& connection, const std::string& id, const std::string& artifact,
                   const std::filesystem::path& file, std::ostream& messages);
 
+/// A small file of a job, whole: "case.toml" or "worker.log". Throws CommandFailed, Interrupted.
+std::string read_file_of_job(Connection& connection, const std::string& id,
+                             const std::string& name);
+
 /// Downloads the table of a study in the same way; from the beginning if the study has changed
 /// meanwhile.
 Download download_study(Connection& connection, const std::string& id,

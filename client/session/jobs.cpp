@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <ctime>
 #include <optional>
 #include <ostream>
 #include <set>
@@ -97,6 +99,34 @@ std::vector<std::string> resolve_jobs(Connection& connection,
   std::vector<std::string> ids;
   for (const std::string& text : texts) ids.push_back(resolve_job(connection, text));
   return ids;
+}
+
+std::int64_t seconds_of_past(const std::string& text) {
+  const std::time_t now = std::time(nullptr);
+  std::tm day{};
+  ::localtime_r(&now, &day);
+  day.tm_hour = day.tm_min = day.tm_sec = 0;
+  day.tm_isdst = -1;
+  if (text == "yesterday") --day.tm_mday;
+  if (text == "today" || text == "yesterday") return std::mktime(&day);
+  int year = 0, month = 0, of_month = 0, number = 0, end = 0;
+  char unit = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &of_month, &end) == 3 &&
+      text.c_str()[end] == '\0') {
+    day.tm_year = year - 1900, day.tm_mon = month - 1, day.tm_mday = of_month;
+    return std::mktime(&day);
+  }
+  end = 0;
+  if (std::sscanf(text.c_str(), "%6d %c%n", &number, &unit, &end) == 2 && number >= 0 &&
+      text.c_str()[end] == '\0') {
+    constexpr std::int64_t hour = 3600;
+    if (unit == 'h') return now - number * hour;
+    if (unit == 'd') return now - number * 24 * hour;
+    if (unit == 'w') return now - number * 7 * 24 * hour;
+  }
+  throw CommandFailed(ExitCode::invalid, "'" + text +
+                                             "' is no time: today, yesterday, \"3 h\", "
+                                             "\"2 d\", \"1 w\" or a day such as 2026-11-20");
 }
 
 std::size_t short_id_length(const std::vector<std::string>& ids) {

@@ -23,6 +23,10 @@ std::string user_name(Connection& connection);
 std::vector<std::string> resolve_jobs(Connection& connection,
                                       const std::vector<std::string>& texts);
 
+/// A time of the past as a user gives it: today, yesterday, "3 h", "2 d" or "1 w" ago, or a day
+/// such as 2026-11-20. Days begin at midnight of this machine. Throws CommandFailed.
+std::int64_t seconds_of_past(const std::string& text);
+
 /// Length of the shortest prefix, at least 8 characters, that distinguishes these ids.
 std::size_t short_id_length(const std::vector<std::string>& ids);
 

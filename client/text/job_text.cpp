@@ -212,6 +212,7 @@ std::string job_sheet(const v1::Job& job) {
   if (!job.owner().empty()) text += row("owner", job.owner());
   if (!job.study().empty()) text += row("study", job.study());
   for (const std::string& label : job.labels()) text += row("label", label);
+  for (const std::string& before : job.after()) text += row("after", before);
   for (const v1::CaseChange& change : job.changes())
     text += row("changed", change.key() + " = " + change.value());
   text += row("case sha256", job.case_sha256());

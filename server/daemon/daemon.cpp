@@ -10,8 +10,11 @@
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
+#include <iterator>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -21,6 +24,7 @@
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/slurm_executor.hpp"
 #include "server/jobs/warm_workers.hpp"
 #include "server/service/server.hpp"
 #include "server/state/index.hpp"
@@ -79,6 +83,35 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(std::lround(seconds * 1000));
 }
 
+/// Jobs that run at once.
+int capacity(const v1::DaemonConfig& config) {
+  return config.executor() == v1::SLURM ? config.slurm_jobs() : worker_count(config);
+}
+
+std::chrono::seconds whole_seconds(double seconds) {
+  return std::chrono::seconds(std::llround(std::ceil(seconds)));
+}
+
+/// @return null where the daemon starts all workers itself
+std::unique_ptr<jobs::SlurmExecutor> slurm_executor(const v1::DaemonConfig& config,
+                                                    const DataDirectory& directory,
+                                                    jobs::Executor& local) {
+  if (config.executor() != v1::SLURM) return nullptr;
+  std::istringstream words(config.slurm_options());
+  return std::make_unique<jobs::SlurmExecutor>(
+      local,
+      jobs::SlurmOptions{.jobs_directory = fs::absolute(directory.jobs()),
+                         .worker_program = worker_program(config),
+                         .jobs = config.slurm_jobs(),
+                         .options = {std::istream_iterator<std::string>(words), {}},
+                         .time_limit = whole_seconds(config.slurm_time_limit_s()),
+                         .checkpoint_before = whole_seconds(config.slurm_checkpoint_before_s()),
+                         .memory_bytes = config.slurm_memory_bytes(),
+                         .interval = milliseconds(config.slurm_interval_s()),
+                         .silence = std::max(jobs::SlurmOptions().silence,
+                                             4 * milliseconds(config.heartbeat_interval_s()))});
+}
+
 jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                                          const WorkerPolicy& workers,
                                          const DataDirectory& directory,
@@ -97,7 +130,8 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .first_threads = query_threads(config)},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
-          .minimum_free_bytes = std::llround(config.minimum_free_bytes())};
+          .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
+          .share_half_life = whole_seconds(config.share_half_life_s())};
 }
 
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
@@ -237,7 +271,7 @@ struct Serving {
   jobs::Scheduler& scheduler;
   service::Context& context;
   jobs::EventLogs& logs;
-  jobs::LocalExecutor& executor;
+  jobs::Executor& executor;
 };
 
 void log_address(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
@@ -246,7 +280,7 @@ void log_address(const v1::DaemonConfig& config, const std::string& local, const
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
             tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(),
-            worker_count(config));
+            capacity(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -272,9 +306,8 @@ void stop_serving(const Serving& of, bool left_running) {
   of.server.shut_down();
 }
 
-void serve_until_signal(const Serving& serving, const WorkerPolicy& workers) {
+void serve_until_signal(const Serving& serving, bool left_running) {
   const int signal = wait_for_signal();
-  const bool left_running = workers.left_running && workers.patience_s > 0.0;
   log::info("{}: running jobs {}", ::strsignal(signal),
             left_running ? "go on for the next dccastd"
                          : "stop at a checkpoint and go back into the queue");
@@ -295,7 +328,9 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   const auto opened_store = state::open_store(directory);
   jobs::JobStore& store = *opened_store;
   jobs::EventLogs logs(directory.jobs());
-  jobs::LocalExecutor executor(warm_workers, worker_count(config));
+  jobs::LocalExecutor local(warm_workers, worker_count(config));
+  const auto slurm = slurm_executor(config, directory, local);
+  jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
   studies::StudyStore study_store(directory.store());
@@ -323,7 +358,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .query_directory = directory.check(),
       .jobs_directory = directory.jobs(),
       .version = DCCAST_VERSION,
-      .workers = worker_count(config),
+      .workers = capacity(config),
       .maximum_queued = config.maximum_queued(),
       .maximum_queued_per_user = config.maximum_queued_per_user(),
       .token_lifetime_s = std::llround(config.token_lifetime_s()),
@@ -338,7 +373,9 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   scheduler.start();
   studies.start();
   log_address(config, listener.address(), tls.address(), directory);
-  serve_until_signal({server, studies, scheduler, context, logs, executor}, workers);
+  // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
+  const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);
+  serve_until_signal({server, studies, scheduler, context, logs, executor}, left_running);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   log::info("dccastd has stopped");
   return 0;

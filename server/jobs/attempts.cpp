@@ -11,6 +11,7 @@
 #include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
 #include "server/jobs/worker_claim.hpp"
+#include "server/jobs/worker_order.hpp"
 
 namespace dccast::jobs {
 
@@ -21,19 +22,6 @@ constexpr std::chrono::seconds between_kills{2};
 
 double seconds(std::chrono::milliseconds time) {
   return std::chrono::duration<double>(time).count();
-}
-
-/// A result that is not there as the end of a run names it; empty for none.
-std::string missing_artifact(const std::filesystem::path& folder, const v1::RunEnd& end) {
-  if (end.outcome() != v1::RunEnd::SUCCEEDED) return {};
-  for (const v1::Artifact& artifact : end.artifacts()) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(folder / artifact.name(), error);
-    if (error) return "result " + artifact.name() + " is not there: " + error.message();
-    if (static_cast<std::int64_t>(size) != artifact.size_bytes())
-      return "result " + artifact.name() + " has not the size its worker wrote";
-  }
-  return {};
 }
 
 /// Why the folder of a job takes nothing now; empty when it does.
@@ -86,7 +74,7 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   attempt->sequence = log->last_sequence();
   attempt->log = std::move(log);
   attempt->record = std::move(record);
-  attempt->sign = last_sign_of_life(folder_of(*attempt));
+  attempt->sign = signs_in(folder_of(*attempt)).claimed_ns;
   forgive_silence(*attempt, Clock::now());
   return attempts_[attempt->job_id] = attempt;
 }
@@ -161,6 +149,13 @@ void Attempts::worker_not_started(const std::string& job_id, int number, const s
     attempt->not_started = why;
 }
 
+void Attempts::worker_waits(const std::string& job_id, int number, const std::string& why) {
+  const auto attempt = find(job_id);
+  if (!attempt || attempt->number != number) return;
+  attempt->waits = why;
+  if (!why.empty()) forgive_silence(*attempt, Clock::now());
+}
+
 void Attempts::worker_ended(const std::string& job_id, int number, const WorkerExit& exit) {
   if (const auto attempt = find(job_id); attempt && attempt->number == number) attempt->exit = exit;
 }
@@ -231,7 +226,7 @@ void Attempts::forgive_silences(Clock::time_point now) {
 void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
                     Attempt::Clock::time_point now) {
   attempt.looked = now;
-  const auto sign = last_sign_of_life(folder);
+  const std::int64_t sign = signs_in(folder).claimed_ns;
   if (std::exchange(attempt.sign, sign) != sign) {
     if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
     attempt.last_sign = now;

@@ -31,6 +31,7 @@ struct Attempt {
   std::optional<Clock::time_point> kill_at;
   std::string hung;  ///< why its worker was taken to hang and killed; empty: it was not
   std::optional<WorkerExit> exit;  ///< its process has ended
+  std::string waits;               ///< why its worker has no machine yet; empty: it has one
   std::string not_started;         ///< why there never was a worker; empty: there was one
 
   // Signs of life.
@@ -38,8 +39,8 @@ struct Attempt {
   Clock::time_point looked;         ///< when the signs were looked at last
   Clock::time_point last_sign;      ///< when there was a new one; of the start until then
   Clock::time_point last_progress;  ///< when there was a new event
-  std::optional<std::filesystem::file_time_type> sign{};
-  std::int64_t sequence = 0;  ///< of the last event that was seen
+  std::int64_t sign = 0;            ///< time of the claim [ns]
+  std::int64_t sequence = 0;        ///< of the last event that was seen
 };
 
 /// How long a worker may be silent; from the settings of the daemon.
@@ -110,6 +111,8 @@ public:
   void stop(Attempt& attempt);
 
   void worker_not_started(const std::string& job_id, int number, const std::string& why);
+  /// @param why  empty: it waits no more
+  void worker_waits(const std::string& job_id, int number, const std::string& why);
   void worker_ended(const std::string& job_id, int number, const WorkerExit& exit);
 
   /// Kills workers that do not leave in time or hang.

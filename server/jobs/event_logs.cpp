@@ -26,6 +26,10 @@ constexpr std::chrono::milliseconds sync_interval{500};
 constexpr int look_interval_ms = 100;
 constexpr int look_interval_without_reports_ms = 10;
 
+// Opening a file makes a network file system ask its server how long it is by now; an open one it
+// answers for from memory, for up to a minute.
+constexpr std::chrono::seconds reopen_interval{2};
+
 }  // namespace
 
 EventLogs::EventLogs(std::filesystem::path jobs_directory)
@@ -81,7 +85,8 @@ void EventLogs::follow(const std::string& job_id) {
 }
 
 /// @param marked  marks of the files that have changed; empty: look at all
-void EventLogs::refresh_followed(const std::set<int>& marked) {
+/// @param reopen  open each of them once more
+void EventLogs::refresh_followed(const std::set<int>& marked, bool reopen) {
   std::vector<std::string> jobs;
   {
     const std::lock_guard lock(mutex_);
@@ -91,6 +96,7 @@ void EventLogs::refresh_followed(const std::set<int>& marked) {
   for (const std::string& job_id : jobs) {
     const std::shared_ptr<EventLog> log = open_now(job_id);
     try {
+      if (log && reopen) storage::File(jobs_directory_ / job_id / "events.log", O_RDONLY);
       if (log) log->refresh();
     } catch (const std::exception& error) {
       log::error("job {}: {}", job_id, error.what());
@@ -108,6 +114,7 @@ void EventLogs::refresh_followed(const std::set<int>& marked) {
 void EventLogs::run_follower(const std::stop_token& stop) {
   alignas(inotify_event) std::array<char, 4096> buffer;
   auto last_look = std::chrono::steady_clock::now();
+  auto last_reopened = last_look;
   while (!stop.stop_requested()) {
     const int interval_ms = changes_ ? look_interval_ms : look_interval_without_reports_ms;
     pollfd waiting{changes_.get(), POLLIN, 0};
@@ -119,11 +126,13 @@ void EventLogs::run_follower(const std::stop_token& stop) {
         marked.insert(event->wd);
         at += sizeof *event + event->len;
       }
-    if (!marked.empty()) refresh_followed(marked);
+    if (!marked.empty()) refresh_followed(marked, false);
     const auto now = std::chrono::steady_clock::now();
     if (now - last_look < std::chrono::milliseconds(interval_ms)) continue;
     last_look = now;
-    refresh_followed({});
+    const bool reopen = now - last_reopened >= reopen_interval;
+    if (reopen) last_reopened = now;
+    refresh_followed({}, reopen);
   }
 }
 

@@ -57,7 +57,7 @@ private:
   void run_notifier(const std::stop_token& stop);
   void run_syncer(const std::stop_token& stop);
   void run_follower(const std::stop_token& stop);
-  void refresh_followed(const std::set<int>& marked);
+  void refresh_followed(const std::set<int>& marked, bool reopen);
   std::vector<std::shared_ptr<Watcher>> watchers_of(const std::string& job_id);
 
   std::filesystem::path jobs_directory_;

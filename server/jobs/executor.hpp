@@ -19,8 +19,9 @@ struct WorkerLaunch {
 
 /// The end of a worker's process.
 struct WorkerExit {
-  std::string how;                 ///< "exit code 1", "signal 9 (Killed)"
-  std::optional<int> code{};       ///< nothing after a signal, or where it is not known
+  std::string how;            ///< "exit code 1", "signal 9 (Killed)"
+  std::optional<int> code{};  ///< nothing after a signal, or where it is not known
+  bool of_machine = false;    ///< its machine was lost or taken away: no fault of the job
 };
 
 /// What has become of a worker that an earlier daemon started.
@@ -39,6 +40,9 @@ public:
     /// The executor lacks a resource (descriptors, memory, the program): no fault of the job.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
     std::function<void(const std::string& job_id, int attempt, const WorkerExit& exit)> ended;
+    /// It has no machine yet, or none that can be asked for it, and gives no signs of life; called
+    /// now and then as long as that is so, and once with an empty `why` when it has begun.
+    std::function<void(const std::string& job_id, int attempt, const std::string& why)> waits;
   };
   virtual ~Executor() = default;
   /// Before the first start.
@@ -54,9 +58,14 @@ public:
   /// Looks for a worker that an earlier daemon started, before the first start; may take its time,
   /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended`
   /// reports its end.
-  /// @param wanted  false: whatever works in the folder is ended here, and the answer is gone; so is
+  /// @param wanted  false: whatever works in the folder is ended here, and the answer is gone; so
+  /// is
   ///                what the executor cannot lead on with
   virtual Adoption adopt(const WorkerLaunch& launch, bool wanted) = 0;
+  /// No adopt() comes any more: whatever else works in the folders of jobs may be ended.
+  virtual void end_adoption() {}
+  /// Leaves workers at their jobs to the next daemon. No call back comes any more.
+  virtual void let_workers_run() {}
 };
 
 }  // namespace dccast::jobs

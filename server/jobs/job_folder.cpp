@@ -50,13 +50,14 @@ bool is_plain_file_name(const std::string& name) {
 }
 
 void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
-                       const JobDescription& description) {
+                       const JobDescription& description, const std::string& text) {
   try {
     write_attachments(folder, attachments);
     JobDescription with_digests = description;
     for (const v1::Attachment& attachment : attachments)
       with_digests.attachment_sha256[attachment.name()] = values::sha256(attachment.content());
     write_job_description(folder, with_digests);
+    if (!text.empty()) storage::create_durably(folder / submitted_file, text);
     if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
     storage::sync_directory(folder);
     storage::sync_directory(folder.parent_path());
@@ -88,8 +89,9 @@ void remove_request(const std::filesystem::path& folder) {
 }
 
 void remove_run_files(const std::filesystem::path& folder) {
-  for (const char* name : {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin",
-                           "journal.bin", "results.h5.part", "worker.lock", request_file}) {
+  for (const char* name :
+       {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin", "journal.bin",
+        "results.h5.part", claim_file, order_file, rank_file, request_file}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) log::warn("cannot remove {}: {}", (folder / name).string(), error.message());

@@ -45,11 +45,15 @@ using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
 /// Whether an attachment may have this name: one plain component of a path.
 bool is_plain_file_name(const std::string& name);
 
+/// The case as its submitter wrote it, byte by byte.
+inline constexpr const char* submitted_file = "case.toml";
+
 /// Makes the folder of a job with its attachments and its description; all of it survives a crash
 /// of the machine once this has returned. @throws std::system_error; what was written is removed
 /// again
+/// @param text  for `submitted_file`; empty: there is none
 void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
-                       const JobDescription& description);
+                       const JobDescription& description, const std::string& text = {});
 
 /// Marks a folder whose job is in the store, before its submission is answered. A folder with the
 /// mark and without a row means that rows were lost. A failure is logged: the job is kept without
@@ -73,6 +77,11 @@ struct Request {
 inline std::filesystem::path daemon_file(const std::filesystem::path& jobs_directory) {
   return jobs_directory.parent_path() / "lock";
 }
+
+// Names of files in the folder of a job that is run.
+inline constexpr const char* claim_file = "worker.lock";   ///< worker_claim.hpp
+inline constexpr const char* order_file = "worker.order";  ///< worker_order.hpp
+inline constexpr const char* rank_file = "worker.rank";    ///< the same
 
 /// Leaves a request in the folder of a running job, for its worker and for any daemon that follows.
 /// It survives a crash of the machine. @throws storage::StorageError  nothing has changed

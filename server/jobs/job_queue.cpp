@@ -1,6 +1,7 @@
 #include "server/jobs/job_queue.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/jobs/events.hpp"
 
@@ -14,29 +15,71 @@ int level(v1::Priority priority) {
 
 }  // namespace
 
+JobQueue::Order& JobQueue::order_of(const Entry& entry) {
+  return entry.goes_first ? first_ : orders_[entry.owner];
+}
+
 void JobQueue::push(const v1::Job& job, bool goes_first) {
-  const std::int64_t by_age =
-      milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms;
-  const std::int64_t key = goes_first ? first_key : by_age;
-  if (key_of_.emplace(job.id(), key).second) order_.insert({key, job.id()});
+  const bool shared = half_life_.count() > 0;
+  const Entry entry{goes_first, shared ? job.owner() : "",
+                    milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms};
+  if (place_of_.emplace(job.id(), entry).second) order_of(entry).insert({entry.key, job.id()});
 }
 
 void JobQueue::erase(const std::string& job_id) {
-  const auto found = key_of_.find(job_id);
-  if (found == key_of_.end()) return;
-  order_.erase({found->second, job_id});
-  key_of_.erase(found);
+  const auto found = place_of_.find(job_id);
+  if (found == place_of_.end()) return;
+  const Entry& entry = found->second;
+  order_of(entry).erase({entry.key, job_id});
+  if (!entry.goes_first && orders_[entry.owner].empty()) orders_.erase(entry.owner);
+  place_of_.erase(found);
+}
+
+void JobQueue::charge(const std::string& owner, double seconds, std::int64_t at_ms) {
+  if (half_life_.count() == 0) return;
+  constexpr double most_half_lives = 500.0;  // 2^500 is far from what a double holds
+  if (use_since_ms_ == 0) use_since_ms_ = at_ms;
+  const auto half_lives_until = [this](std::int64_t time_ms) {
+    return 1e-3 * static_cast<double>(time_ms - use_since_ms_) /
+           static_cast<double>(half_life_.count());
+  };
+  if (half_lives_until(at_ms) > most_half_lives) {
+    for (auto& [name, use] : use_) use = std::ldexp(use, -static_cast<int>(most_half_lives));
+    use_since_ms_ += static_cast<std::int64_t>(most_half_lives) * 1000 * half_life_.count();
+  }
+  use_[owner] += seconds * std::exp2(half_lives_until(at_ms));
+}
+
+double JobQueue::use_of(const std::string& owner) const {
+  const auto found = use_.find(owner);
+  return found == use_.end() ? 0.0 : found->second;
+}
+
+bool JobQueue::is_before(const Orders::value_type& one, const Orders::value_type& other) const {
+  return std::pair(use_of(one.first), *one.second.begin()) <
+         std::pair(use_of(other.first), *other.second.begin());
 }
 
 std::optional<std::string> JobQueue::front() const {
-  if (order_.empty()) return std::nullopt;
-  return order_.begin()->second;
+  if (!first_.empty()) return first_.begin()->second;
+  const auto next = std::ranges::min_element(
+      orders_, [this](const auto& one, const auto& other) { return is_before(one, other); });
+  if (next == orders_.end()) return std::nullopt;
+  return next->second.begin()->second;
 }
 
 int JobQueue::position(const std::string& job_id) const {
-  const auto found = key_of_.find(job_id);
-  if (found == key_of_.end()) return 0;
-  return static_cast<int>(order_.order_of_key({found->second, job_id})) + 1;
+  const auto found = place_of_.find(job_id);
+  if (found == place_of_.end()) return 0;
+  const Entry& entry = found->second;
+  if (entry.goes_first) return static_cast<int>(first_.order_of_key({entry.key, job_id})) + 1;
+  const auto own = orders_.find(entry.owner);
+  const std::size_t before_it = own->second.order_of_key({entry.key, job_id});
+  std::size_t position = first_.size() + before_it + 1;
+  for (const auto& other : orders_)
+    if (other.first != entry.owner)
+      position += std::min(other.second.size(), before_it + (is_before(other, *own) ? 1 : 0));
+  return static_cast<int>(position);
 }
 
 namespace {

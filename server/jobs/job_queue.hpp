@@ -14,31 +14,57 @@
 
 namespace dccast::jobs {
 
-/// The order in which queued jobs start: by priority, then age. Each level of priority is worth
-/// half an hour of waiting, so that a low job cannot wait forever behind a stream of high ones.
-/// As all jobs age alike, that makes a fixed key: the time of submission minus the bonus.
+/// The order in which queued jobs start. Their owners share the processors: the next job is one of
+/// the owner who has used them least, where use of a while ago counts less. The jobs of one owner
+/// go by priority, then age. Each level of priority is worth half an hour of waiting, so that a low
+/// job cannot wait forever behind a stream of high ones. As all jobs age alike, that makes a fixed
+/// key: the time of submission minus the bonus.
 class JobQueue {
 public:
   static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
+  /// Charged for a job that starts, until it is known what it takes [s].
+  static constexpr double start_charge_s = 60.0;
+
+  /// @param half_life  after which use counts half; 0: owners do not share, one order for all
+  explicit JobQueue(std::chrono::seconds half_life = std::chrono::hours(24))
+      : half_life_(half_life) {}
 
   /// @param goes_first  before all that do not
   void push(const v1::Job& job, bool goes_first = false);
   void erase(const std::string& job_id);
+  /// Counts processor seconds for an owner. @param at_ms  when they were used, since 1970
+  void charge(const std::string& owner, double seconds, std::int64_t at_ms);
   /// The next job. @return nothing when none waits
   std::optional<std::string> front() const;
-  bool front_goes_first() const { return !order_.empty() && order_.begin()->first == first_key; }
-  std::size_t size() const { return order_.size(); }
-  /// 1 is next; 0: not in the queue. Takes the logarithm of the queue's length.
+  bool front_goes_first() const { return !first_.empty(); }
+  std::size_t size() const { return place_of_.size(); }
+  /// 1 is next; 0: not in the queue. Where several owners wait, as if each job took the same time.
+  /// Takes the logarithm of the queue's length for each of them.
   int position(const std::string& job_id) const;
 
 private:
-  static constexpr std::int64_t first_key = INT64_MIN;
   using Place = std::pair<std::int64_t, std::string>;
   /// A set that knows how many are before an element.
   using Order = __gnu_pbds::tree<Place, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,
                                  __gnu_pbds::tree_order_statistics_node_update>;
-  Order order_;
-  std::map<std::string, std::int64_t> key_of_;
+  struct Entry {
+    bool goes_first;
+    std::string owner;
+    std::int64_t key;
+  };
+  using Orders = std::map<std::string, Order>;
+  Order& order_of(const Entry& entry);
+  double use_of(const std::string& owner) const;
+  /// Whether a job of this owner is taken before one of the other.
+  bool is_before(const Orders::value_type& one, const Orders::value_type& other) const;
+
+  const std::chrono::seconds half_life_;
+  Order first_;
+  Orders orders_;  ///< by owner; none is empty
+  std::map<std::string, Entry> place_of_;
+  /// By owner, as of `use_since_ms_`: later use counts more there, so that nothing has to decay.
+  std::map<std::string, double> use_;
+  std::int64_t use_since_ms_ = 0;
 };
 
 /// Why no job is started now, and when to see whether that has passed. A hold is the daemon's own

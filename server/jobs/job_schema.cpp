@@ -12,8 +12,8 @@ constexpr std::int64_t this_version = 7;
 
 // Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
 // serialised messages of job.proto. Labels stand one a line, each between two line ends; `changes`
-// is a Job with only these. Of studies, see server/studies/study_store: the request of each, and
-// the job of each of its runs.
+// is a Job with only these and the jobs that it waits for. Of studies, see
+// server/studies/study_store: the request of each, and the job of each of its runs.
 constexpr const char* schema = R"sql(
 CREATE TABLE job (
   id TEXT PRIMARY KEY,

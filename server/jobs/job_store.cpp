@@ -24,6 +24,8 @@ std::string condition_of(const JobStore::Page& page) {
   if (!page.study.empty()) sql += " AND study = ? AND study <> ''";
   if (!page.owner.empty()) sql += " AND owner = ?";
   if (!page.id_prefix.empty()) sql += " AND id >= ? AND id < ?";
+  if (page.since_ms > 0) sql += " AND created_ms >= " + std::to_string(page.since_ms);
+  if (!page.title.empty()) sql += " AND title GLOB ?";
   for (std::size_t i = 0; i < page.labels.size(); ++i) sql += " AND instr(labels, ?) > 0";
   return sql;
 }
@@ -64,10 +66,11 @@ std::string label_lines(const v1::Job& job) {
   return lines;
 }
 
-/// A serialised Job with only the changes set.
+/// A serialised Job with only the changes, and the jobs before it, set.
 std::string changes_of(const v1::Job& job) {
   v1::Job changes;
   *changes.mutable_changes() = job.changes();
+  *changes.mutable_after() = job.after();
   return changes.SerializeAsString();
 }
 
@@ -296,6 +299,7 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
     if (!wanted.empty()) statement.bind(wanted);
   // Behind every character of an id: they are hexadecimal digits and '-'.
   if (!page.id_prefix.empty()) statement.bind(page.id_prefix).bind(page.id_prefix + "~");
+  if (!page.title.empty()) statement.bind(page.title);
   for (const std::string& label : page.labels) statement.bind("\n" + label + "\n");
   statement.bind(page.size);
   std::vector<JobRecord> records;
@@ -317,13 +321,14 @@ v1::Job new_job_message(const NewJob& new_job) {
   job.set_case_sha256(new_job.case_sha256);
   job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
   job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
+  job.mutable_after()->Assign(new_job.after.begin(), new_job.after.end());
   *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
   return job;
 }
 
 std::int64_t size_of(const NewJob& new_job, const Attachments& attachments) {
-  auto bytes =
-      static_cast<std::int64_t>(new_job.submitted_case.size() + new_job.complete_case.size());
+  auto bytes = static_cast<std::int64_t>(new_job.submitted_case.size() +
+                                         new_job.complete_case.size() + new_job.case_file.size());
   for (const v1::Attachment& attachment : attachments)
     bytes += static_cast<std::int64_t>(attachment.content().size());
   return bytes;

@@ -72,6 +72,8 @@ public:
     std::string owner{};                 ///< empty: all
     std::string id_prefix{};             ///< empty: all
     std::vector<std::string> labels{};   ///< a job has all of them
+    std::int64_t since_ms = 0;           ///< only jobs created then or later
+    std::string title{};                 ///< pattern of a shell; empty: all
     int size = 50;
   };
   /// Newest first.
@@ -117,6 +119,8 @@ struct NewJob {
   std::string complete_case;   ///< serialised, with defaults and alloy card
   std::vector<std::string> labels{};
   std::vector<v1::CaseChange> changes{};  ///< made in the case already
+  std::string case_file{};                ///< as the submitter wrote it; empty: not known
+  std::vector<std::string> after{};       ///< jobs that must succeed first
   std::string answer_key{};               ///< see JobRecord
   /// It starts at once, beside the others, as long as this daemon serves; else as they do.
   bool goes_first = false;

@@ -53,7 +53,7 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
     kept_.erase(job.id());
   } catch (const std::exception& error) {
     log::error("job {}: {}; its event log has what it is, the store follows", job.id(),
-                  error.what());
+               error.what());
     return keep(record, error.what());
   }
   report(job);

@@ -37,8 +37,8 @@ public:
   /// Found is the worker that claims the folder of the job, when it is of this attempt and of the
   /// protocol of this program. Any other that claims the folder is killed.
   Adoption adopt(const WorkerLaunch& launch, bool wanted) override;
-  /// Leaves workers that have claimed a folder to the next daemon. No call back comes any more.
-  void let_workers_run();
+  /// Those that have claimed a folder.
+  void let_workers_run() override;
 
 private:
   void send_signal(const std::string& job_id, int attempt, int number);

@@ -42,7 +42,8 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
       logs_(logs),
       executor_(executor),
       ledger_(store, logs),
-      attempts_(options_.attempts, executor) {
+      attempts_(options_.attempts, executor),
+      queue_(options_.share_half_life) {
   const auto noted = [this](auto note) {
     return [this, note](const std::string& job_id, int number, const auto& what) {
       const std::lock_guard lock(mutex_);
@@ -51,7 +52,8 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
     };
   };
   executor_.set_calls({.not_started = noted(&Attempts::worker_not_started),
-                       .ended = noted(&Attempts::worker_ended)});
+                       .ended = noted(&Attempts::worker_ended),
+                       .waits = noted(&Attempts::worker_waits)});
 }
 
 Scheduler::~Scheduler() {
@@ -62,7 +64,8 @@ void Scheduler::recover() {
   RecoveredJobs recovered = recover_jobs(options_.attempts, store_, logs_, ledger_, executor_);
   quarantine_unknown_folders(jobs_directory_, store_.ids());
   const std::lock_guard lock(mutex_);
-  for (const v1::Job& job : recovered.waiting) queue_.push(job);
+  charge_recent_use();
+  for (const v1::Job& job : recovered.waiting) enqueue(job);
   for (JobRecord& record : recovered.with_worker) {
     const std::string id = record.job.id();
     const auto attempt = attempts_.add(std::move(record), logs_.open(id), true);
@@ -72,7 +75,29 @@ void Scheduler::recover() {
   if (!recovered.daemon_lacks.empty()) hold(recovered.daemon_lacks);
 }
 
+/// What a job has taken of the processors, beyond what was charged for its starts.
+void Scheduler::charge(const v1::Job& job, std::int64_t at_ms) {
+  const double taken = std::max(job.last_step().process_s(), job.last_step().solver_s());
+  queue_.charge(job.owner(), std::max(0.0, taken - job.attempts() * JobQueue::start_charge_s),
+                at_ms);
+}
+
+/// Of the jobs of some half-lives; older ones count next to nothing.
+void Scheduler::charge_recent_use() {
+  constexpr int half_lives = 7, most_jobs = 10000;
+  if (options_.share_half_life.count() == 0) return;
+  JobStore::Page page{.states = {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED}, .size = most_jobs};
+  page.since_ms = milliseconds(now()) -
+                  std::chrono::milliseconds(half_lives * options_.share_half_life).count();
+  for (const JobRecord& record : store_.list(page)) {
+    const std::int64_t at_ms = milliseconds(record.job.end_time());
+    queue_.charge(record.job.owner(), record.job.attempts() * JobQueue::start_charge_s, at_ms);
+    charge(record.job, at_ms);
+  }
+}
+
 void Scheduler::start() {
+  executor_.end_adoption();
   expected_wake_ = Clock::now();
   thread_ = std::thread([this] { run(); });
 }
@@ -103,10 +128,12 @@ void Scheduler::run() {
     lock.unlock();
     conclude_ended();
     look_whether_hold_has_passed();
+    settle_dependents();
     start_jobs();
     lock.lock();
     if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
-    if (!hold_.holds() && (!attempts_.ended().empty() || (may_start() && queue_.front()))) {
+    if (!hold_.holds() &&
+        (!attempts_.ended().empty() || look_at_dependents_ || (may_start() && queue_.front()))) {
       expected_wake_ = Clock::now();
       continue;
     }
@@ -168,6 +195,11 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   attempts_.count_storage_failure(*attempt, settlement, attempt->log->reached_step());
   attempts_.erase(*attempt);
   if (record.job.state() == v1::QUEUED) queue_.push(record.job);
+  if (is_terminal(record.job.state())) {
+    look_at_dependents_ = true;
+    attempt->log->complete(record.job);
+    charge(record.job, milliseconds(now()));
+  }
   for (const std::string& lack : {settlement.daemon_lacks, ledger_.refusal()})
     if (!lack.empty()) hold(lack);
   lock.unlock();
@@ -206,6 +238,71 @@ std::string Scheduler::storage_fault() {
   }
 }
 
+/// Into the queue, or beside it until the jobs before it have succeeded.
+void Scheduler::enqueue(const v1::Job& job, bool goes_first) {
+  if (job.after().empty()) return queue_.push(job, goes_first);
+  dependents_[job.id()] = {job.after().begin(), job.after().end()};
+  look_at_dependents_ = true;
+}
+
+void Scheduler::dequeue(const std::string& id) {
+  queue_.erase(id);
+  dependents_.erase(id);
+  look_at_dependents_ = true;
+}
+
+void Scheduler::settle_dependents() {
+  std::map<std::string, std::vector<std::string>> dependents;
+  {
+    const std::lock_guard lock(mutex_);
+    if (hold_.holds() || !std::exchange(look_at_dependents_, false)) return;
+    dependents = dependents_;
+  }
+  for (const auto& [id, after] : dependents) {
+    try {
+      settle_dependent(id, after);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      look_at_dependents_ = true;
+      return hold(error.what());
+    }
+  }
+}
+
+/// A job whose jobs before it have succeeded goes into the queue; one of which one has not, and
+/// never will, is cancelled.
+void Scheduler::settle_dependent(const std::string& id, const std::vector<std::string>& after) {
+  std::string refusal;
+  bool waits = false;
+  for (const std::string& before : after) {
+    const auto record = ledger_.find(before);
+    const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
+    if (state == v1::SUCCEEDED) continue;
+    if (record && !is_terminal(state)) {
+      waits = true;
+      continue;
+    }
+    const char* how = !record                  ? "was deleted"
+                      : state == v1::CANCELLED ? "was cancelled"
+                                               : "has failed";
+    refusal = "job " + before + ", which had to succeed first, " + how;
+  }
+  if (waits && refusal.empty()) return;
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (!dependents_.contains(id)) return;
+  lock.unlock();
+  auto record = ledger_.find(id);
+  if (!record || record->job.state() != v1::QUEUED) return;
+  if (!refusal.empty()) {
+    settle_idle(lock, *record, v1::CANCELLED, refusal);
+    return;
+  }
+  lock.lock();
+  dependents_.erase(id);
+  queue_.push(record->job);
+}
+
 bool Scheduler::may_start() const {
   return !shutting_down_ && !hold_.holds() &&
          (attempts_.of_queue() < executor_.capacity() || queue_.front_goes_first());
@@ -230,6 +327,7 @@ bool Scheduler::start_next() {
     const bool goes_first = queue_.front() == id && queue_.front_goes_first();
     queue_.erase(*id);
     if (!log) return true;  // it waits no more
+    queue_.charge(record.job.owner(), JobQueue::start_charge_s, milliseconds(now()));
     const auto attempt = attempts_.add(std::move(record), std::move(log), false);
     attempt->goes_first = goes_first;
     attempts_.start(*attempt);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,7 @@ struct SchedulerOptions {
   int maximum_queued = 10000;                       ///< jobs that may wait
   std::int64_t maximum_waiting_bytes = 4000000000;  ///< cases and attachments of unfinished jobs
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
+  std::chrono::seconds share_half_life{86400};      ///< see JobQueue
 };
 
 class QueueFull : public std::runtime_error {
@@ -131,8 +133,14 @@ private:
   v1::Job view(JobRecord record) const;
   v1::Job view(const Attempt& attempt) const;
   bool may_start() const;
+  void charge(const v1::Job& job, std::int64_t at_ms);
+  void charge_recent_use();
+  void enqueue(const v1::Job& job, bool goes_first = false);
+  void dequeue(const std::string& id);
 
   // These take mutex_ themselves, and wait for the disk without it.
+  void settle_dependents();
+  void settle_dependent(const std::string& id, const std::vector<std::string>& after);
   void conclude_ended();
   void conclude(const std::shared_ptr<Attempt>& attempt);
   void start_jobs();
@@ -161,6 +169,8 @@ private:
   Ledger ledger_;
   Attempts attempts_;
   JobQueue queue_;
+  std::map<std::string, std::vector<std::string>> dependents_;  ///< jobs that wait for others
+  bool look_at_dependents_ = false;                             ///< one may go on, or never will
   QueueHold hold_;
   std::set<std::string> held_jobs_;  ///< see Exclusive
   int submissions_under_way_ = 0;

@@ -1,4 +1,6 @@
 // What clients ask of the scheduler: submit, look, cancel, pause, resume, delete.
+#include <fmt/ranges.h>
+
 #include <system_error>
 #include <utility>
 
@@ -74,7 +76,8 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   {
     const std::lock_guard lock(mutex_);
     if (shutting_down_) throw ShuttingDown("dccastd is shutting down; submit again later");
-    if (static_cast<int>(queue_.size()) + submissions_under_way_ >= options_.maximum_queued)
+    if (static_cast<int>(queue_.size() + dependents_.size()) + submissions_under_way_ >=
+        options_.maximum_queued)
       throw QueueFull("the queue is full (" + std::to_string(options_.maximum_queued) +
                       " jobs wait); submit again later");
     reservation.emplace(mutex_, submissions_under_way_);
@@ -86,7 +89,7 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
             record.job.title().empty() ? "" : " as \"" + record.job.title() + "\"");
   const std::lock_guard lock(mutex_);
-  queue_.push(record.job, new_job.goes_first);
+  enqueue(record.job, new_job.goes_first);
   changed_.notify_all();
   return view(std::move(record));
 }
@@ -96,9 +99,9 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
 std::optional<v1::Job> Scheduler::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                 const Attachments& attachments) {
   const auto folder = jobs_directory_ / record.job.id();
-  create_job_folder(
-      folder, attachments,
-      {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key});
+  create_job_folder(folder, attachments,
+                    {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key},
+                    new_job.case_file);
   try {
     const auto log = logs_.open(record.job.id());
     v1::JobEvent event = state_event(record.job, "submitted");
@@ -126,12 +129,15 @@ v1::Job Scheduler::view(JobRecord record) const {
   const bool queued = job.state() == v1::QUEUED;
   job.set_queue_position(queued ? queue_.position(job.id()) : 0);
   if (queued) job.set_held(hold_.reason());
+  if (queued && job.held().empty() && dependents_.contains(job.id()))
+    job.set_held("waits for " + fmt::format("{}", fmt::join(job.after(), ", ")));
   return job;
 }
 
 v1::Job Scheduler::view(const Attempt& attempt) const {
   v1::Job job = attempt.record.job;
   attempt.log->complete(job);
+  job.set_held(attempt.waits);
   return job;
 }
 
@@ -174,7 +180,7 @@ std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
 
 int Scheduler::queued() {
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(queue_.size());
+  return static_cast<int>(queue_.size() + dependents_.size());
 }
 
 int Scheduler::running() {
@@ -195,9 +201,10 @@ Reply Scheduler::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& reco
   if (is_terminal(to)) remove_run_files(jobs_directory_ / id);
   lock.lock();
   if (to == v1::QUEUED)
-    queue_.push(record.job);
+    enqueue(record.job);
   else
-    queue_.erase(id);
+    dequeue(id);
+  changed_.notify_all();
   if (const std::string refusal = ledger_.refusal(); !refusal.empty()) hold(refusal);
   Reply reply{Reply::Kind::done, view(record)};
   lock.unlock();

@@ -103,6 +103,8 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
+  if (exit.of_machine)
+    return settle_stopped(record, exit.how + "; goes on from its last checkpoint");
   if (exit.code == exit_out_of_memory) {
     add_failure(record.job, v1::Failure::OUT_OF_MEMORY, out_of_memory_text);
     return {v1::FAILED, out_of_memory_text};

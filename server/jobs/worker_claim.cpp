@@ -3,18 +3,19 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <sstream>
 #include <system_error>
 #include <thread>
 
+#include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_process.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* claim_file = "worker.lock";
 constexpr std::chrono::milliseconds between_tries{10};
 
 /// A lock on a whole file, for fcntl().
@@ -38,7 +39,8 @@ pid_t owner_of_lock(const storage::File& file) {
   if (::fcntl(file.descriptor(), F_GETLK, &lock) != 0)
     throw std::system_error(errno, std::generic_category(),
                             "cannot inspect the lock on " + file.path().string());
-  return lock.l_type == F_UNLCK ? 0 : lock.l_pid;
+  // Negative is a process of another machine, which has no handle here.
+  return lock.l_type == F_UNLCK ? 0 : std::max(lock.l_pid, 0);
 }
 
 std::string text_of(const WorkerClaim& claim) {
@@ -55,11 +57,18 @@ std::optional<WorkerClaim> parse_claim(const std::string& text) {
   return words ? std::optional(claim) : std::nullopt;
 }
 
+std::optional<StartRank> announced(const std::filesystem::path& folder,
+                                   const std::optional<StartRank>& rank) {
+  if (rank && !announce_rank(folder, *rank))
+    throw FolderTaken("a later start of the job has " + folder.string());
+  return rank;
+}
+
 }  // namespace
 
 FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim& claim,
-                         std::chrono::milliseconds longest)
-    : lock_(folder / claim_file, O_RDWR | O_CREAT) {
+                         std::chrono::milliseconds longest, std::optional<StartRank> rank)
+    : rank_(announced(folder, rank)), lock_(folder / claim_file, O_RDWR | O_CREAT) {
   const auto end = std::chrono::steady_clock::now() + longest;
   while (!try_lock(lock_)) {
     if (std::chrono::steady_clock::now() > end)
@@ -71,23 +80,20 @@ FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim&
   lock_.write_at(0, text_of(claim));
 }
 
-bool FolderClaim::stands() const {
+std::string FolderClaim::loss() const {
   using Status = struct stat;
   Status held{};
   Status there{};
-  return ::fstat(lock_.descriptor(), &held) == 0 && ::stat(lock_.path().c_str(), &there) == 0 &&
-         held.st_dev == there.st_dev && held.st_ino == there.st_ino;
+  if (::fstat(lock_.descriptor(), &held) != 0 || ::stat(lock_.path().c_str(), &there) != 0 ||
+      held.st_dev != there.st_dev || held.st_ino != there.st_ino)
+    return "the folder of the job is gone";
+  if (rank_ && is_superseded(lock_.path().parent_path(), *rank_))
+    return "a later start of the job has its folder";
+  return {};
 }
 
 void FolderClaim::touch() const {
   ::futimens(lock_.descriptor(), nullptr);
-}
-
-std::optional<std::filesystem::file_time_type> last_sign_of_life(
-    const std::filesystem::path& folder) {
-  std::error_code error;
-  const auto time = std::filesystem::last_write_time(folder / claim_file, error);
-  return error ? std::nullopt : std::optional(time);
 }
 
 std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder) {

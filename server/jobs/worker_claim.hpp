@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/storage/file.hpp"
+#include "server/jobs/worker_order.hpp"
 
 namespace dccast::jobs {
 
@@ -41,17 +42,20 @@ public:
 class FolderClaim {
 public:
   /// @param longest  to wait for a worker that is about to end
+  /// @param rank     of a worker on another machine than its daemon; announced before the lock is
+  ///                 waited for, so that the worker of an earlier start gives it up
   /// @throws FolderTaken           another worker has the folder
   /// @throws storage::StorageError  the file cannot be written
   FolderClaim(const std::filesystem::path& folder, const WorkerClaim& claim,
-              std::chrono::milliseconds longest);
-  /// Whether the folder is still the one that was claimed: not removed, moved or put back from a
-  /// backup.
-  bool stands() const;
+              std::chrono::milliseconds longest, std::optional<StartRank> rank = {});
+  /// Why the folder is no longer this worker's: it was removed, moved or put back from a backup, or
+  /// a later start has it. Empty: it is.
+  std::string loss() const;
   /// A sign of life: sets the time of the file to now.
   void touch() const;
 
 private:
+  std::optional<StartRank> rank_;
   storage::File lock_;
 };
 
@@ -62,10 +66,6 @@ struct ClaimHolder {
   /// Nothing: it has not written who it is, or cannot be understood.
   std::optional<WorkerClaim> claim{};
 };
-
-/// The last sign of life of a worker in this folder, claim included; nothing without a file.
-std::optional<std::filesystem::file_time_type> last_sign_of_life(
-    const std::filesystem::path& folder);
 
 /// Who claims a folder. Not for the holder itself, see FolderClaim. @return nothing if no one does
 /// @throws std::system_error  it cannot be found out

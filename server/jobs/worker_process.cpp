@@ -73,14 +73,18 @@ std::vector<std::string> worker_environment() {
   return variables;
 }
 
-/// posix_spawn with signals as a program expects them: default handlers, none blocked (the daemon
-/// blocks those it waits for). Its end of the socket is the program's standard input; what
-/// libraries print goes to our log. @return 0 or an error number
-int spawn(std::string program, int socket, pid_t* process) {
+[[noreturn]] void fail_to_start(const std::filesystem::path& program, int error) {
+  throw WorkerDidNotAnswer(Why::not_started,
+                           "cannot start " + program.string() + ": " + ::strerror(error));
+}
+
+}  // namespace
+
+int spawn(std::vector<std::string> words, std::vector<std::string> environment,
+          const std::array<int, 3>& files, pid_t* process) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  for (int i = 0; i < 3; ++i) posix_spawn_file_actions_adddup2(&actions, files[i], i);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none, all;
@@ -92,24 +96,18 @@ int spawn(std::string program, int socket, pid_t* process) {
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes,
                            POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::vector<std::string> variables = worker_environment();
-  std::vector<char*> environment;
-  for (std::string& variable : variables) environment.push_back(variable.data());
-  environment.push_back(nullptr);
-  std::array<char*, 2> arguments{program.data(), nullptr};
-  const int error = ::posix_spawn(process, program.c_str(), &actions, &attributes, arguments.data(),
-                                  environment.data());
+  const auto pointers = [](std::vector<std::string>& texts) {
+    std::vector<char*> all_of_them;
+    for (std::string& text : texts) all_of_them.push_back(text.data());
+    all_of_them.push_back(nullptr);
+    return all_of_them;
+  };
+  const int error = ::posix_spawnp(process, words[0].c_str(), &actions, &attributes,
+                                   pointers(words).data(), pointers(environment).data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }
-
-[[noreturn]] void fail_to_start(const std::filesystem::path& program, int error) {
-  throw WorkerDidNotAnswer(Why::not_started,
-                           "cannot start " + program.string() + ": " + ::strerror(error));
-}
-
-}  // namespace
 
 storage::FileDescriptor open_process(pid_t process) {
   // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
@@ -131,7 +129,9 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program)
     fail_to_start(program, errno);
   socket_ = storage::FileDescriptor(ends[0]);
   const storage::FileDescriptor theirs(ends[1]);
-  if (const int error = spawn(program, theirs.get(), &process_)) {
+  // Its end of the socket is the program's standard input; what libraries print goes to our log.
+  if (const int error = spawn({program}, worker_environment(),
+                              {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
     fail_to_start(program, error);
   }

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/worker.pb.h"
@@ -44,6 +46,12 @@ struct CallLimits {
   std::function<bool()> called_off = [] { return false; };
   std::int64_t largest_bytes = 4'000'000'000;  ///< of memory
 };
+
+/// Starts a program, looked for in PATH, with signals as it expects them: default handlers, none
+/// blocked (the daemon blocks those it waits for). @param files  that become its first three
+/// @return 0 or an error number
+int spawn(std::vector<std::string> words, std::vector<std::string> environment,
+          const std::array<int, 3>& files, pid_t* process);
 
 /// A pidfd of a process: readable once the process has ended, and never of another process with the
 /// same id. @return nothing and `errno` when there is no such process, or a kernel without pidfds

@@ -16,6 +16,28 @@ using Unary = SimulationService::Unary;
 
 namespace {
 
+grpc::Status check_case_file(const std::string& text) {
+  constexpr std::size_t longest = 1 << 20;
+  if (text.size() <= longest) return grpc::Status::OK;
+  return {grpc::StatusCode::INVALID_ARGUMENT, "case_file is longer than 1 MiB; leave it empty"};
+}
+
+/// A job that can never start is not taken.
+grpc::Status check_jobs_before(Context& context,
+                               const google::protobuf::RepeatedPtrField<std::string>& after) {
+  constexpr int most = 100;
+  if (after.size() > most)
+    return {grpc::StatusCode::INVALID_ARGUMENT, "a job waits for at most 100 others"};
+  for (const std::string& id : after) {
+    if (const auto status = check_job_id(id); !status.ok()) return status;
+    const auto job = context.scheduler.find(id);
+    if (!job) return job_not_found(id);
+    if (job->state() == v1::FAILED || job->state() == v1::CANCELLED)
+      return wrong_state(*job, "nothing can come after it");
+  }
+  return grpc::Status::OK;
+}
+
 /// SubmitJob's first half: everything that can be wrong with the case.
 grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequest& request,
                      intake::ExaminedCase& examined) {
@@ -24,6 +46,8 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
     return status;
   if (const auto status = check_labels(request.labels()); !status.ok()) return status;
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
+  if (const auto status = check_case_file(request.case_file()); !status.ok()) return status;
+  if (const auto status = check_jobs_before(context, request.after()); !status.ok()) return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
                                     waiting_time(call, context.check_timeout));
   return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
@@ -39,7 +63,17 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.owner = call.caller.name;
   job.labels = {request.labels().begin(), request.labels().end()};
   job.changes = {request.changes().begin(), request.changes().end()};
+  job.case_file = request.case_file();
+  job.after = {request.after().begin(), request.after().end()};
   return context.scheduler.submit(job, request.attachments());
+}
+
+/// Each star doubles what a title may cost.
+grpc::Status check_pattern(const std::string& title) {
+  constexpr std::ptrdiff_t most_stars = 5;
+  if (const auto status = check_text("title", title); !status.ok()) return status;
+  if (std::ranges::count(title, '*') <= most_stars) return grpc::Status::OK;
+  return {grpc::StatusCode::INVALID_ARGUMENT, "the title has more than 5 stars"};
 }
 
 /// Cuts a text between two characters of UTF-8.
@@ -201,6 +235,7 @@ Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* reques
     AgePage page;
     if (const auto status = check_study_of_job(request->study()); !status.ok()) return status;
     if (const auto status = check_labels(request->labels()); !status.ok()) return status;
+    if (const auto status = check_pattern(request->title()); !status.ok()) return status;
     if (const auto status =
             read_page("the list of jobs", request->page_token(), request->page_size(), page);
         !status.ok())
@@ -218,6 +253,8 @@ Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* reques
                             call.caller.name + " reads only jobs of their own (read = \"own\")");
       wanted.owner = call.caller.name;
     }
+    wanted.since_ms = jobs::milliseconds(request->since());
+    wanted.title = request->title();
     wanted.id_prefix = request->id_prefix();
     wanted.labels.assign(request->labels().begin(), request->labels().end());
     fill(context_, std::move(wanted), page.size, *response);

@@ -166,11 +166,31 @@ std::optional<v1::Artifact> artifact_of(const v1::Job& job, const std::string& n
   return std::nullopt;
 }
 
+/// What a job of any state may have beside its results, as it is now.
+grpc::Status open_own_file(Context& context, const v1::Job& job, const std::string& name,
+                           SentFile& sent) {
+  const auto path = context.jobs_directory / job.id() / name;
+  if (!std::filesystem::exists(path))
+    return {grpc::StatusCode::NOT_FOUND,
+            "job " + job.id() +
+                (name == jobs::submitted_file ? " was submitted without the file of its case"
+                                              : " has no worker.log: it has not begun")};
+  sent = {.file = storage::File(path, O_RDONLY), .name = name};
+  sent.size = sent.file.size();
+  std::string content(static_cast<std::size_t>(sent.size), '\0');
+  content.resize(sent.file.read_at(0, content));
+  sent.size = static_cast<std::int64_t>(content.size());
+  sent.sha256 = values::sha256(content);
+  return grpc::Status::OK;
+}
+
 grpc::Status open_artifact(Context& context, const v1::FetchResultRequest& request,
                            SentFile& sent) {
   if (const auto status = check_job_id(request.id()); !status.ok()) return status;
   const auto job = context.scheduler.find(request.id());
   if (!job) return job_not_found(request.id());
+  if (request.artifact() == jobs::submitted_file || request.artifact() == "worker.log")
+    return open_own_file(context, *job, request.artifact(), sent);
   if (job->artifacts().empty())
     return wrong_state(*job, "it has no results yet: watch it until it has ended");
   const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();

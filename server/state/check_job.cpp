@@ -87,7 +87,7 @@ private:
 
   /// A row that has ended although the run in the folder has not.
   void check_running() {
-    if (jobs::is_terminal(record_.job.state()) && jobs::last_sign_of_life(folder_) &&
+    if (jobs::is_terminal(record_.job.state()) && jobs::signs_in(folder_).claimed_ns != 0 &&
         !jobs::scan_event_log(folder_ / "events.log").terminal)
       make_row_again(subject_ + "the store has it as ended");
   }

@@ -70,7 +70,7 @@ void mark_as_accepted(const fs::path& of_job) {
 /// goes when the end of a job has been written. @return its id; empty for none
 std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
   for (const std::string& id : jobs::folder_ids(folder.jobs())) {
-    if (!jobs::last_sign_of_life(folder.jobs() / id)) continue;
+    if (jobs::signs_in(folder.jobs() / id).claimed_ns == 0) continue;
     const auto record = store.find(id);
     if (record && jobs::is_terminal(record->job.state()) &&
         !jobs::scan_event_log(folder.jobs() / id / "events.log").terminal)

@@ -108,7 +108,7 @@ void JobRun::keep(const std::stop_token& stop) {
   auto next_sign = Clock::now();
   while (!stop.stop_requested()) {
     const auto now = Clock::now();
-    if (!claim_.stands()) leave("the folder of the job is gone");
+    if (const std::string loss = claim_.loss(); !loss.empty()) leave(loss);
     if (heartbeat_ > Clock::duration::zero() && now >= next_sign) {
       claim_.touch();
       next_sign = now + heartbeat_;

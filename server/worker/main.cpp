@@ -4,23 +4,25 @@
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <optional>
 #include <string>
 #include <system_error>
 
 #include "core/casting/stored_run.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
+#include "server/jobs/worker_order.hpp"
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
@@ -100,10 +102,15 @@ v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
   return run_job(order, run);
 }
 
+// Until a worker that was killed a moment ago gives up the folder; on another machine until it has
+// seen that it is superseded, and the server of the files has forgotten its lock.
+constexpr std::chrono::seconds longest_claim{5};
+constexpr std::chrono::seconds longest_claim_elsewhere{120};
+
 /// @throws jobs::FolderTaken, std::system_error
-void run_in_folder(v1::SolveCase& order) {
-  constexpr std::chrono::seconds longest{5};  // for a worker that was killed a moment ago
-  const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()}, longest);
+void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
+  const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()},
+                                rank ? longest_claim_elsewhere : longest_claim, rank);
   if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
@@ -114,12 +121,12 @@ void run_in_folder(v1::SolveCase& order) {
 }
 
 /// From now on this process runs a job and nothing else. @return its exit code
-int run_job_of_daemon(v1::SolveCase& order) {
-  if (!order.goes_first()) step_back_behind_queries();
+/// @param rank  of a worker that no daemon started
+int run_whole_job(v1::SolveCase& order, std::optional<jobs::StartRank> rank = {}) {
   JobRun::prepare_signals();
   write_messages_into(std::filesystem::path(order.directory()) / "worker.log");
   try {
-    run_in_folder(order);
+    run_in_folder(order, rank);
     return 0;
   } catch (const std::system_error& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
@@ -127,10 +134,34 @@ int run_job_of_daemon(v1::SolveCase& order) {
   }
 }
 
+/// The job whose order lies in a folder, on a machine that Slurm chose. What it does there does not
+/// depend on a daemon.
+int run_ordered(const std::string& folder, int attempt) {
+  auto order = jobs::read_order(folder);
+  if (!order || order->attempt() != attempt) {
+    std::cerr << "dccast-worker: " << folder << " has no order for attempt " << attempt << '\n';
+    return exit_not_begun;
+  }
+  ::prctl(PR_SET_NAME, "dccast-job");
+  if (jobs::has_begun(folder, attempt)) {
+    std::cerr << "dccast-worker: attempt " << attempt << " has begun before\n";
+    return jobs::exit_begun_before;
+  }
+  order->set_directory(folder);
+  return run_whole_job(*order, jobs::StartRank{.attempt = attempt});
+}
+
 /// What lists of processes show of a process at work.
 const char* name_of(const v1::WorkerRequest& request) {
   if (request.has_solve()) return request.solve().job_id().empty() ? "dccast-query" : "dccast-job";
   return request.has_check() ? "dccast-check" : "dccast-read";
+}
+
+/// A worker of the daemon's own machine follows one that Slurm may not have ended yet.
+std::optional<jobs::StartRank> rank_of(const v1::SolveCase& order) {
+  const auto file = std::filesystem::path(order.directory()) / jobs::rank_file;
+  if (::access(file.c_str(), F_OK) != 0) return std::nullopt;
+  return jobs::StartRank{.attempt = order.attempt()};
 }
 
 /// Answers requests until the daemon closes the link, or one is the run of a job.
@@ -142,18 +173,24 @@ int serve_daemon() {
     if (!google::protobuf::util::ParseDelimitedFromZeroCopyStream(&request, &input, nullptr))
       return 0;
     ::prctl(PR_SET_NAME, name_of(request));
-    if (!request.solve().job_id().empty()) return run_job_of_daemon(*request.mutable_solve());
+    if (!request.solve().job_id().empty()) {
+      v1::SolveCase& order = *request.mutable_solve();
+      if (!order.goes_first()) step_back_behind_queries();
+      return run_whole_job(order, rank_of(order));
+    }
     if (!send_answer(STDIN_FILENO, answer(request, STDIN_FILENO))) return exit_link_broken;
   }
 }
 
 }  // namespace
 
-int main(int, char**) {
+int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   name_memory_exhaustion();
   try {
+    if (argc == 4 && argv[1] == std::string("--run"))
+      return run_ordered(argv[2], std::atoi(argv[3]));
     const std::string parent = take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) return refuse_to_run_alone();
     return tie_to_parent(parent) ? serve_daemon() : exit_daemon_gone;

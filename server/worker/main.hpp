@@ -5,10 +5,13 @@
 namespace dccast::worker {
 
 /// The worker program. dccastd starts it, with its own process id in the environment, and sends it
-/// requests on its standard input: worker.proto. Exit codes:
+/// requests on its standard input: worker.proto. As `dccast-worker --run FOLDER ATTEMPT` it runs
+/// the job whose order lies in a folder (server/jobs/worker_order.hpp), without a daemon. Exit codes:
 ///   0  the daemon has closed the link, or the end of the run is in the event log of the job
 ///   1  it could not begin: another worker writes into the folder of the job, for example
-///  70  the folder of the job is gone, or no daemon came in time and the run did not stop
+///  70  the folder of the job is gone, a later start of the job has it, or no daemon
+///     came in time and the run did not stop
+///  75  the attempt has begun before
 ///  71, 74  jobs::exit_out_of_memory, jobs::exit_storage
 /// Once it has claimed the folder of a job it outlives the daemon, as long as the order permits.
 int main(int argc, char** argv);

@@ -15,7 +15,8 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 BUILD = os.path.join(ROOT, "build", "release")
-FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies", "access")
+FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies",
+            "slurm", "access")
 
 
 def arguments():

@@ -44,6 +44,53 @@ TEST(JobQueue, ALowJobThatHasWaitedLongGoesFirst) {
   for (const char* next : {"just before", "low", "just after"}) EXPECT_EQ(take_first(queue), next);
 }
 
+v1::Job job_of(const std::string& owner, const std::string& id, v1::Priority priority,
+               std::int64_t created_ms) {
+  v1::Job result = job(id, priority, created_ms);
+  result.set_owner(owner);
+  return result;
+}
+
+// Two owners of whom one has filled the queue first.
+TEST(JobQueue, OwnersTakeTurnsAsTheyUseTheProcessors) {
+  JobQueue queue;
+  for (int i = 0; i < 4; ++i)
+    queue.push(job_of("anna", "a" + std::to_string(i), v1::NORMAL, start + i));
+  queue.push(job_of("ben", "b low", v1::LOW, start + 10));
+  queue.push(job_of("ben", "b high", v1::HIGH, start + 11));
+  EXPECT_EQ(queue.position("a0"), 2) << "priority is inside an owner's share, and between equals";
+  EXPECT_EQ(queue.position("b low"), 3);
+  EXPECT_EQ(queue.position("a3"), 6);
+  const auto next = [&queue] {
+    const auto id = take_first(queue).value();
+    queue.charge(id.front() == 'a' ? "anna" : "ben", JobQueue::start_charge_s, start);
+    return id;
+  };
+  for (const char* expected : {"b high", "a0", "a1", "b low", "a2", "a3"})
+    EXPECT_EQ(next(), expected);
+}
+
+TEST(JobQueue, UseOfAWhileAgoCountsLess) {
+  constexpr std::int64_t day_ms = 24 * 3600 * 1000;
+  JobQueue queue;
+  queue.push(job_of("anna", "a", v1::NORMAL, start));
+  queue.push(job_of("ben", "b", v1::NORMAL, start + 1));
+  queue.charge("anna", 1000.0, start);
+  EXPECT_EQ(queue.front(), "b");
+  queue.charge("ben", 600.0, start + day_ms);
+  EXPECT_EQ(queue.front(), "a") << "1000 s of yesterday are 500 s";
+  queue.charge("anna", 200.0, start + 2000 * day_ms);  // years later
+  EXPECT_EQ(queue.front(), "b");
+}
+
+TEST(JobQueue, WithoutSharesThereIsOneOrder) {
+  JobQueue queue(std::chrono::seconds(0));
+  queue.push(job_of("anna", "a", v1::NORMAL, start));
+  queue.push(job_of("ben", "b", v1::NORMAL, start + 1));
+  queue.charge("anna", 1000.0, start);
+  EXPECT_EQ(queue.front(), "a");
+}
+
 TEST(JobQueue, HoldsAJobOnce) {
   JobQueue queue;
   queue.push(job("a", v1::NORMAL, start));

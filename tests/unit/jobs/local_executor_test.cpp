@@ -26,7 +26,8 @@ struct Ends {
                   const std::lock_guard lock(mutex);
                   ended.push_back(job_id + " " + std::to_string(attempt) + ": " + exit.how);
                   changed.notify_all();
-                }};
+                },
+            .waits = [](auto&&...) {}};
   }
   std::string wait_for_one() {
     std::unique_lock lock(mutex);

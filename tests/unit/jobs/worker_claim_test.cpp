@@ -66,11 +66,11 @@ TEST(WorkerClaim, StandsUntilTheFolderGoesOrIsPutBack) {
   const fs::path folder = parent / "job";
   fs::create_directory(folder);
   const FolderClaim claim(folder, {.job_id = "a-job", .attempt = 1}, std::chrono::seconds(0));
-  EXPECT_TRUE(claim.stands());
+  EXPECT_EQ(claim.loss(), "");
   fs::rename(folder, parent / "elsewhere");
-  EXPECT_FALSE(claim.stands());
+  EXPECT_NE(claim.loss(), "");
   fs::copy(parent / "elsewhere", folder, fs::copy_options::recursive);
-  EXPECT_FALSE(claim.stands()) << "a copy";
+  EXPECT_NE(claim.loss(), "") << "a copy";
 }
 
 TEST(WorkerClaim, IsTheOwnersAlone) {

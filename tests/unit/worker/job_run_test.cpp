@@ -89,9 +89,9 @@ TEST_F(JobRunTest, FollowsARequestInItsFolder) {
 TEST_F(JobRunTest, GivesSignsOfLife) {
   order_.set_heartbeat_interval_s(0.01);
   const JobRun run(order_, *claim_);
-  const auto first = jobs::last_sign_of_life(order_.directory());
+  const auto first = jobs::signs_in(order_.directory()).claimed_ns;
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_NE(jobs::last_sign_of_life(order_.directory()), first);
+  EXPECT_NE(jobs::signs_in(order_.directory()).claimed_ns, first);
 }
 
 TEST_F(JobRunTest, StopsAtACheckpointWhenNoDaemonComes) {
