@@ -9,6 +9,8 @@ int main(int argc, char** argv) {
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
   dccast::client::commands::Program program;
   program.configuration = dccast::client::configuration_file();
+  if (!program.configuration.empty())
+    program.servers = program.configuration.parent_path() / "servers.toml";
   dccast::client::interrupt_by_signals(program.interruption);
   return dccast::client::run_command_line({argv + 1, argv + argc}, program);
 }

@@ -14,10 +14,13 @@ namespace dccast::client::commands {
 
 /// What the command line has for every command.
 struct Program {
-  std::string server;                     ///< address of the daemon
+  std::string server;                     ///< name or address of the daemon; empty: the default
   std::filesystem::path configuration{};  ///< the user's settings; empty: none
+  std::filesystem::path servers{};        ///< logins of the user; empty: none
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
-  Connection connect() const { return Connection(server, interruption); }
+  /// To the server that is meant: one of a login, else one on loopback. Throws CommandFailed.
+  Endpoint endpoint() const;
+  Connection connect() const { return {endpoint(), interruption}; }
 };
 
 void add_new(cli::CommandLine& line, Program& program);
@@ -53,6 +56,10 @@ void add_studies(cli::CommandLine& line, Program& program);
 void add_report(cli::CommandLine& line, Program& program);
 void add_schema(cli::CommandLine& line, Program& program);
 void add_alloys(cli::CommandLine& line, Program& program);
+void add_login(cli::CommandLine& line, Program& program);
+void add_logout(cli::CommandLine& line, Program& program);
+void add_whoami(cli::CommandLine& line, Program& program);
+void add_doctor(cli::CommandLine& line, Program& program);
 void add_info(cli::CommandLine& line, Program& program);
 
 /// Follows a job as `watch` does and reports how it ended; results on stdout unless

@@ -32,7 +32,7 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   web::add_dashboard(
       server,
       [&program](std::shared_ptr<Interruption> gone) {
-        return Connection(program.server, std::move(gone));
+        return Connection(program.endpoint(), std::move(gone));
       },
       options.cases);
   const std::string address = server.address();

@@ -36,7 +36,7 @@ v1::ListJobsRequest request_of(Connection& connection, const ListOptions& option
   for (const std::string& state : options.states) request.add_states(state_names.at(state));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   if (!options.study.empty()) request.set_study(resolve_study(connection, options.study));
-  request.set_owner(options.mine ? user_name() : options.owner);
+  request.set_owner(options.mine ? user_name(connection) : options.owner);
   if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
   request.set_title(options.name);
   return request;

@@ -7,6 +7,7 @@
 #include "client/cli/configuration.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/json.hpp"
+#include "client/session/servers.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::commands {
@@ -54,6 +55,12 @@ constexpr const char* completion_examples =
 
 }  // namespace
 
+Endpoint Program::endpoint() const {
+  const StoredServers stored(servers);
+  if (const StoredServer* server = stored.find(this->server)) return server->endpoint;
+  return endpoint_of(server.empty() ? "127.0.0.1" : server);
+}
+
 void add_info(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<InfoOptions>();
   const cli::Command command =
@@ -96,17 +103,19 @@ const char* const guide =
 
 void add_commands(cli::CommandLine& line, commands::Program& program) {
   for (const auto add :
-       {commands::add_new,         commands::add_validate,     commands::add_query,
-        commands::add_submit,      commands::add_watch,        commands::add_wait,
-        commands::add_list,        commands::add_show,         commands::add_curl, commands::add_dashboard,
-        commands::add_contraction, commands::add_compare,      commands::add_fetch,
-        commands::add_report,      commands::add_convergence,  commands::add_sweep,
-        commands::add_predict,     commands::add_uncertainty,  commands::add_sensitivity,
-        commands::add_calibrate,   commands::add_design_mould, commands::add_design_recipe,
-        commands::add_studies,     commands::add_cancel,       commands::add_pause,
-        commands::add_resume,      commands::add_delete,       commands::add_schema,
-        commands::add_alloys,      commands::add_info,         commands::add_completion,
-        commands::add_usage,       commands::add_case,         commands::add_logs})
+       {commands::add_new,           commands::add_validate,    commands::add_query,
+        commands::add_submit,        commands::add_watch,       commands::add_wait,
+        commands::add_list,          commands::add_show,        commands::add_curl,
+        commands::add_dashboard,     commands::add_contraction, commands::add_compare,
+        commands::add_fetch,         commands::add_report,      commands::add_convergence,
+        commands::add_sweep,         commands::add_predict,     commands::add_uncertainty,
+        commands::add_sensitivity,   commands::add_calibrate,   commands::add_design_mould,
+        commands::add_design_recipe, commands::add_studies,     commands::add_cancel,
+        commands::add_pause,         commands::add_resume,      commands::add_delete,
+        commands::add_schema,        commands::add_login,       commands::add_logout,
+        commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
+        commands::add_info,          commands::add_completion,
+        commands::add_usage,         commands::add_case,        commands::add_logs})
     add(line, program);
 }
 
@@ -120,7 +129,6 @@ std::string reason_against_output() {
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
-  if (program.server.empty()) program.server = std::string("127.0.0.1") + default_port;
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
   add_commands(line, program);
@@ -128,8 +136,10 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
   std::cout.exceptions(std::ios::badbit);
   try {
     apply_configuration(program.configuration, line, program.server);
-    line.global_option("--server", program.server,
-                       "Address of dccastd; also before or after a command", "DCCAST_SERVER");
+    line.global_option(
+        "--server", program.server,
+        "Name of a login, or address of dccastd on this machine; also after a command",
+        "DCCAST_SERVER");
     const ExitCode code = line.run(arguments);
     std::cout.flush();
     return static_cast<int>(code);

@@ -10,9 +10,7 @@
 #include <thread>
 
 namespace dccast::client {
-namespace {
 
-/// The address with the port of dccastd where none is given.
 std::string address_of(const std::string& server) {
   if (server.starts_with("unix:")) return server;
   if (server.find("://") != std::string::npos)
@@ -23,10 +21,24 @@ std::string address_of(const std::string& server) {
   return has_port ? server : server + default_port;
 }
 
+namespace {
+
+std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Endpoint& endpoint) {
+  if (endpoint.ca.empty()) return grpc::InsecureChannelCredentials();
+  auto tls = grpc::SslCredentials({.pem_root_certs = endpoint.ca,
+                                   .pem_private_key = endpoint.key,
+                                   .pem_cert_chain = endpoint.certificate});
+  if (endpoint.token.empty()) return tls;
+  return grpc::CompositeChannelCredentials(tls, grpc::AccessTokenCredentials(endpoint.token));
+}
+
 }  // namespace
 
 Connection::Connection(const std::string& server, std::shared_ptr<Interruption> interruption)
-    : server_(address_of(server)), interruption_(std::move(interruption)) {
+    : Connection(Endpoint{.address = address_of(server)}, std::move(interruption)) {}
+
+Connection::Connection(const Endpoint& endpoint, std::shared_ptr<Interruption> interruption)
+    : server_(endpoint.address), interruption_(std::move(interruption)) {
   grpc::ChannelArguments arguments;
   // Histories and frames of long runs exceed gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);
@@ -38,7 +50,7 @@ Connection::Connection(const std::string& server, std::shared_ptr<Interruption> 
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   stub_ = v1::SimulationService::NewStub(
-      grpc::CreateCustomChannel(server_, grpc::InsecureChannelCredentials(), arguments));
+      grpc::CreateCustomChannel(server_, credentials_of(endpoint), arguments));
 }
 
 void Connection::announce_retry(const grpc::Status& status, int attempts_made) const {

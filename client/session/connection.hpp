@@ -64,12 +64,29 @@ struct CallPolicy {
 /// Port of a daemon whose address names none.
 inline constexpr const char* default_port = ":7117";
 
+/// The address with the port of dccastd where none is given. Throws CommandFailed for a URL.
+std::string address_of(const std::string& server);
+
+/// Where a daemon is and what it knows us by. Texts are PEM where nothing else is stated.
+struct Endpoint {
+  std::string address;               ///< with its port
+  std::string ca{};                  ///< trusted alone; empty: there is no TLS
+  std::string token{};               ///< of `dccast login`; not PEM
+  std::string certificate{}, key{};  ///< of this client; empty: none
+  bool is_plain() const {
+    return ca.empty() && (address.starts_with("127.") || address.starts_with("localhost:") ||
+                          address.starts_with("[::1]") || address.starts_with("unix:"));
+  }
+};
+
 /// Connection to a daemon. It is established by the first call, and never through a proxy:
 /// http_proxy and similar variables are ignored.
 class Connection {
 public:
+  /// Without TLS, for loopback.
   explicit Connection(const std::string& server, std::shared_ptr<Interruption> interruption =
                                                      std::make_shared<Interruption>());
+  Connection(const Endpoint& endpoint, std::shared_ptr<Interruption> interruption);
 
   Stub& stub() { return *stub_; }
   const std::string& server() const { return server_; }

@@ -18,15 +18,23 @@ constexpr std::size_t shortest = 8;
 constexpr int most_candidates = 5;  // that are listed
 
 std::string last_job(Connection& connection) {
+  constexpr int most_looked_at = 5000;
   v1::ListJobsRequest request;
-  request.set_page_size(1);
-  request.set_owner(user_name());
-  const auto found = connection.call(&Stub::ListJobs, request);
-  if (found.jobs().empty())
-    throw CommandFailed(ExitCode::not_found, "'last': no job on " + connection.server() +
-                                                 " belongs to " + user_name() +
-                                                 "; name one by its id (dccast list)");
-  return found.jobs(0).id();
+  request.set_owner(user_name(connection));
+  const std::string owner = request.owner();
+  // Pages, because a study's runs may be newer.
+  for (int looked_at = 0; looked_at < most_looked_at;) {
+    const auto found = connection.call(&Stub::ListJobs, request);
+    for (const v1::Job& job : found.jobs())
+      if (job.study().empty()) return job.id();
+    looked_at += found.jobs_size();
+    request.set_page_token(found.next_page_token());
+    if (request.page_token().empty()) break;
+  }
+  throw CommandFailed(ExitCode::not_found, "'last': no job on " + connection.server() +
+                                               " belongs to " + owner +
+                                               ", besides runs of studies; name one by its id "
+                                               "(dccast list)");
 }
 
 std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& found) {
@@ -72,7 +80,10 @@ bool can_begin_an_id(const std::string& text) {
          text.find_first_not_of("0123456789abcdef-") == std::string::npos;
 }
 
-std::string user_name() {
+std::string user_name(Connection& connection) {
+  v1::WhoAmIResponse who;
+  if (connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who).ok() && !who.name().empty())
+    return who.name();
   const passwd* const user = ::getpwuid(::getuid());
   return user == nullptr ? "" : user->pw_name;
 }

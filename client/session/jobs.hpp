@@ -11,14 +11,15 @@
 namespace dccast::client {
 
 /// The id of the job that a user means: a complete id, a unique beginning of one, or `last` for the
-/// newest job of this user. Any other text is passed on for the server to reject. Throws
-/// CommandFailed: no such job (not_found), or several (invalid), which the message lists.
+/// newest job of this user that is no run of a study. Any other text is passed on for the server to
+/// reject. Throws CommandFailed: no such job (not_found), or several (invalid), which the message
+/// lists.
 std::string resolve_job(Connection& connection, const std::string& text);
 /// Whether a text is the beginning of an id, and no complete one.
 bool can_begin_an_id(const std::string& text);
-/// The user whose newest job or study `last` is. The server calls the owner by the name of the
-/// local user; over a tunnel that may be another one.
-std::string user_name();
+/// The user whose newest job or study `last` is: whom the server takes us for; where it is of an
+/// earlier version, the local user.
+std::string user_name(Connection& connection);
 std::vector<std::string> resolve_jobs(Connection& connection,
                                       const std::vector<std::string>& texts);
 

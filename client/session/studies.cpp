@@ -130,7 +130,7 @@ std::vector<v1::Study> list_studies(Connection& connection, int limit) {
 
 std::string resolve_study(Connection& connection, const std::string& text) {
   if (text != "last" && !can_begin_an_id(text)) return text;
-  const std::string user = user_name();
+  const std::string user = text == "last" ? user_name(connection) : "";
   std::string found;
   for (const v1::Study& study : list_studies(connection, std::numeric_limits<int>::max())) {
     if (text == "last" && study.owner() == user) return study.id();

@@ -36,6 +36,76 @@ CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const 
   return *added;
 }
 
+/// Adds `dccastd GROUP VERB`.
+CLI::App& add_verb(CLI::App& group, CommandLine& line, const char* verb, const char* what) {
+  CLI::App& added = add_command(group, line, verb, what, Command::administrate);
+  added.callback([&line, text = group.get_name() + " " + verb] {
+    line.command = Command::administrate;
+    line.administration.verb = text;
+  });
+  return added;
+}
+
+CLI::App& add_group(CLI::App& app, const char* name, const char* what) {
+  CLI::App* group = app.add_subcommand(name, what);
+  group->require_subcommand(1);
+  return *group;
+}
+
+void add_user_commands(CLI::App& app, CommandLine& line) {
+  CLI::App& group =
+      add_group(app, "user", "Users of other machines; dccastd may be running or not");
+  AdministrationCommand& asked = line.administration;
+  const auto named = [&](const char* verb, const char* what) -> CLI::App& {
+    CLI::App& added = add_verb(group, line, verb, what);
+    added.add_option("NAME", asked.name, "As jobs name their owner")->required();
+    return added;
+  };
+  named("add", "Add a user, and print the line to hand over")
+      .add_option("--role", asked.role, "viewer, submitter or admin")
+      ->capture_default_str();
+  named("rotate", "Revoke what a user has, and print a new line");
+  named("remove", "Remove a user; their jobs stay");
+  named("disable", "Answer no call of a user");
+  named("enable", "Undo disable");
+  named("role", "Change a role")
+      .add_option("ROLE", asked.role, "viewer, submitter or admin")
+      ->required();
+  add_verb(group, line, "list", "Users with their tokens");
+}
+
+void add_pki_commands(CLI::App& app, CommandLine& line) {
+  CLI::App& group = add_group(app, "pki", "The daemon's own CA and certificate");
+  AdministrationCommand& asked = line.administration;
+  const auto with_names = [&](const char* verb, const char* what) {
+    CLI::App& added = add_verb(group, line, verb, what);
+    added.add_option("--name", asked.names, "A further name or address of this server")
+        ->allow_extra_args(false);
+    added.add_option("--days", asked.days, "How long the certificate lasts; as a rule 90");
+  };
+  with_names("init", "Make them; serve does so by itself at first need");
+  with_names("renew", "A new certificate of the same CA, taken up without a restart");
+  CLI::App& issue = add_verb(group, line, "issue", "A client certificate in place of a token");
+  issue.add_option("NAME", asked.name, "A user")->required();
+  issue.add_option("--to", asked.directory, "Where NAME.pem and NAME.key are written")->required();
+  issue.add_option("--days", asked.days, "How long it lasts; as a rule 365");
+  add_verb(group, line, "show", "Names, validity and fingerprints");
+}
+
+void add_audit_command(CLI::App& app, CommandLine& line) {
+  AdministrationCommand& asked = line.administration;
+  CLI::App& audit = add_command(app, line, "audit", "Who did what, one line of JSON an event",
+                                Command::administrate);
+  audit.callback([&line] {
+    line.command = Command::administrate;
+    line.administration.verb = "audit";
+  });
+  audit.add_option("--user", asked.filter.user, "Only of this user");
+  audit.add_option("--job", asked.filter.job, "Only of this job; the beginning of an id will do");
+  audit.add_option("--call", asked.filter.call, "Only this call, e.g. SubmitJob");
+  audit.add_option("--since", asked.filter.since, "From this time on, e.g. 2026-11-23T08");
+}
+
 void add_commands(CLI::App& app, CommandLine& line) {
   app.require_subcommand(0, 1);
   add_worker_policy(
@@ -56,6 +126,9 @@ void add_commands(CLI::App& app, CommandLine& line) {
               Command::restore)
       .add_option("--from", line.directory, "What dccastd backup wrote")
       ->required();
+  add_user_commands(app, line);
+  add_pki_commands(app, line);
+  add_audit_command(app, line);
 }
 
 }  // namespace

@@ -3,11 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "server/daemon/administration.hpp"
 #include "server/daemon/worker_policy.hpp"
 
 namespace dccast::daemon {
 
-enum class Command { serve, check, backup, restore };
+enum class Command { serve, check, backup, restore, administrate };
 
 struct CommandLine {
   Command command = Command::serve;
@@ -18,7 +19,8 @@ struct CommandLine {
   std::string config_file;             ///< empty: all defaults
   std::vector<std::string> overrides;  ///< "key=value"
   WorkerPolicy workers;                ///< of serve
-  int exit_code = -1;                  ///< 0 or more: leave with it, everything is printed
+  AdministrationCommand administration;
+  int exit_code = -1;  ///< 0 or more: leave with it, everything is printed
 };
 
 /// Reads the command line; prints help, version or what is wrong with it.

@@ -1,5 +1,6 @@
 #include "server/daemon/daemon.hpp"
 
+#include <pwd.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -7,15 +8,19 @@
 
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "server/daemon/administration.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
@@ -179,11 +184,72 @@ std::size_t connection_count(const v1::DaemonConfig& config) {
 
 void refuse_open_address(const std::string& listen) {
   if (service::is_loopback(listen)) return;
-  throw std::runtime_error(
-      "listen = \"" + listen +
-      "\" can be reached from other machines, which needs TLS, and this version "
-      "has none yet; use a loopback address such as 127.0.0.1:7117 and reach it "
-      "through an SSH tunnel");
+  throw std::runtime_error("listen = \"" + listen +
+                           "\" can be reached from other machines, and has no TLS; set listen_tls "
+                           "to it, and listen to a loopback address such as 127.0.0.1:7117");
+}
+
+std::string own_user_name() {
+  const passwd* entry = ::getpwuid(::geteuid());
+  return entry == nullptr ? std::to_string(::geteuid()) : entry->pw_name;
+}
+
+access::Authority::Policy policy(const v1::DaemonConfig& config) {
+  return {.local_role = config.local_role(),
+          .own_user = own_user_name(),
+          .reads_own_only = config.read() == v1::OWN};
+}
+
+/// Listens over TLS where the settings have it so.
+class TlsListener {
+public:
+  explicit TlsListener(const v1::DaemonConfig& config) : config_(config) {
+    if (config.listen_tls().empty()) return;
+    files_ = prepare_tls(config);
+    listener_.emplace(config.listen_tls());
+    if (files_.own) keeper_ = std::jthread([this](const std::stop_token& stop) { keep(stop); });
+  }
+
+  std::optional<service::TlsListening> listening() {
+    if (!listener_) return std::nullopt;
+    return service::TlsListening{*listener_,
+                                 static_cast<std::size_t>(config_.maximum_connections_per_peer()),
+                                 files_.certificate, files_.key, files_.client_ca};
+  }
+  std::string address() const { return listener_ ? listener_->address() : ""; }
+
+private:
+  /// Renews a certificate of our own a month before its end.
+  void keep(const std::stop_token& stop) {
+    constexpr std::chrono::hours between_looks{1};
+    std::mutex mutex;
+    std::condition_variable_any ended;
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, stop, between_looks, [&] { return stop.stop_requested(); })) {
+      try {
+        prepare_tls(config_);
+      } catch (const std::exception& error) {
+        log::error("the certificate cannot be renewed: {}", error.what());
+      }
+    }
+  }
+
+  const v1::DaemonConfig config_;
+  TlsFiles files_;
+  std::optional<service::Listener> listener_;
+  std::jthread keeper_;
+};
+
+service::Gate::Limits gate_limits(const v1::DaemonConfig& config) {
+  return {.calls_per_s = config.maximum_calls_per_s(),
+          .streams = static_cast<std::size_t>(config.maximum_streams()),
+          .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())};
+}
+
+/// Of a job or study, where there is one.
+template <typename Found>
+std::optional<std::string> owner_of(const Found& found) {
+  return found ? std::optional(found->owner()) : std::nullopt;
 }
 
 /// @return SIGTERM or SIGINT
@@ -208,12 +274,13 @@ struct Serving {
   jobs::Executor& executor;
 };
 
-void log_address(const v1::DaemonConfig& config, const service::PublicServer& server,
+void log_address(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
                  const DataDirectory& directory) {
   if (!config.port_file().empty())
-    storage::replace_file(config.port_file(), server.address() + "\n");
-  log::info("dccastd {} serves on {}, data in {}, {} workers", DCCAST_VERSION, server.address(),
-            directory.path().string(), capacity(config));
+    storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
+  log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
+            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(),
+            capacity(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -268,12 +335,24 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
                             executor);
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
+  scheduler.recover();
+  studies.recover();
+  service::Listener listener(config.listen());
+  TlsListener tls(config);
+  access::UserStore users(directory.path());
+  access::AuditLog audit(directory.path());
+  access::Authority authority(users, policy(config));
+  service::Gate gate(authority, audit, gate_limits(config),
+                     {.job = [&](const std::string& id) { return owner_of(scheduler.find(id)); },
+                      .study = [&](const std::string& id) { return owner_of(studies.find(id)); }},
+                     listener.address());
   service::Context context{
       .scheduler = scheduler,
       .logs = logs,
       .store = store,
       .studies = studies,
       .intake = intake,
+      .gate = gate,
       .warm_workers = warm_workers,
       .solver = solver,
       .query_directory = directory.check(),
@@ -281,6 +360,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .version = DCCAST_VERSION,
       .workers = capacity(config),
       .maximum_queued = config.maximum_queued(),
+      .maximum_queued_per_user = config.maximum_queued_per_user(),
+      .token_lifetime_s = std::llround(config.token_lifetime_s()),
       .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
       .checks_at_once = number_or_cores(config.checkers()),
       .queries_at_once = number_or_cores(config.query_workers()),
@@ -288,12 +369,10 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .maximum_waiting_checks = config.maximum_waiting_checks(),
       .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
       .maximum_connections = connections};
-  scheduler.recover();
-  studies.recover();
-  service::PublicServer server(context, config.listen());
+  service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
-  log_address(config, server, directory);
+  log_address(config, listener.address(), tls.address(), directory);
   // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
   const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);
   serve_until_signal({server, studies, scheduler, context, logs, executor}, left_running);

@@ -45,17 +45,17 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
 }
 
 /// gRPC and the system take a port modulo 65536.
-void check_listen(const std::string& listen, std::string& faults) {
+void check_listen(const std::string& key, const std::string& listen, std::string& faults) {
   const auto colon = listen.rfind(':');
   if (colon == std::string::npos) {
-    faults += "listen = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7117\n";
+    faults += key + " = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7117\n";
     return;
   }
   unsigned port = 0;
   const char* end = listen.data() + listen.size();
   const auto [rest, error] = std::from_chars(listen.data() + colon + 1, end, port);
   if (error == std::errc() && rest == end && port <= 65535) return;
-  faults += "listen = " + listen + ": the port is out of range; permitted: 0 to 65535; 0 takes a " +
+  faults += key + " = " + listen + ": the port is out of range; permitted: 0 to 65535; 0 takes a " +
             "free one, see port_file\n";
 }
 
@@ -73,7 +73,8 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
   if (!known_level)
     faults +=
         "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
-  check_listen(config.listen(), faults);
+  check_listen("listen", config.listen(), faults);
+  if (!config.listen_tls().empty()) check_listen("listen_tls", config.listen_tls(), faults);
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;
 }

@@ -1,10 +1,12 @@
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <exception>
 #include <iostream>
 
+#include "server/access/users.hpp"
 #include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
@@ -39,6 +41,9 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
   switch (line.command) {
     case Command::serve:
       return dccast::daemon::serve(config, line.workers);
+    case Command::administrate:
+      dccast::daemon::administrate(line.administration, config, std::cout);
+      break;
     case Command::check:
       damages = dccast::state::check(
           folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);
@@ -59,6 +64,7 @@ int main(int argc, char** argv) {
   const auto line = dccast::daemon::read_command_line(argc, argv);
   if (line.exit_code >= 0) return line.exit_code;
   prepare_signals();
+  ::umask(0077);  // what daemon and workers write is the owner's alone
   spdlog::set_default_logger(spdlog::stderr_color_mt("dccastd"));
   try {
     const auto config = dccast::daemon::read_config(line.config_file, line.overrides);
@@ -66,6 +72,9 @@ int main(int argc, char** argv) {
     return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {
     std::cerr << error.what() << '\n';
+    return exit_invalid;
+  } catch (const dccast::access::Refused& refused) {
+    std::cerr << refused.what() << '\n';
     return exit_invalid;
   } catch (const std::exception& error) {
     dccast::log::error("{}", error.what());

@@ -245,6 +245,14 @@ std::int64_t JobStore::unfinished_bytes() {
   return statement.integer(0);
 }
 
+int JobStore::unfinished_of(const std::string& owner) {
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_,
+                      "SELECT COUNT(*) FROM job WHERE state BETWEEN 1 AND 3 AND owner = ?");
+  statement.bind(owner).step();
+  return static_cast<int>(statement.integer(0));
+}
+
 void JobStore::probe() {
   const std::lock_guard lock(mutex_);
   set_durability(Durability::full);

@@ -56,6 +56,8 @@ public:
   std::vector<JobRecord> unfinished();
   /// What the jobs that have not ended hold of cases and attachments [bytes].
   std::int64_t unfinished_bytes();
+  /// Jobs of an owner that have not ended.
+  int unfinished_of(const std::string& owner);
   /// Writes something durably, for no other reason than to see whether that works.
   void probe();
   std::set<std::string> ids();

@@ -1,20 +1,104 @@
 #include "server/service/call.hpp"
 
+#include <grpcpp/security/auth_context.h>
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "server/access/certificates.hpp"
+
 namespace dccast::service {
 
-CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, LocalUsers& users)
-    : peer_(context.peer()), deadline_(context.deadline()), users_(&users) {}
+namespace {
 
-Call CallOrigin::call(std::function<bool()> cancelled) const {
-  return {.caller = users_->name_of(peer_),
-          .role = Role::admin,
-          .deadline = deadline_,
-          .cancelled = std::move(cancelled)};
+std::string property(const grpc::AuthContext& context, const char* name) {
+  const auto values = context.FindPropertyValues(name);
+  return values.empty() ? "" : std::string(values.front().data(), values.front().size());
+}
+
+std::string token_of(const grpc::CallbackServerContext& context) {
+  const auto& metadata = context.client_metadata();
+  const auto found = metadata.find("authorization");
+  if (found == metadata.end()) return "";
+  const std::string value(found->second.data(), found->second.size());
+  constexpr const char* scheme = "Bearer ";
+  return value.starts_with(scheme) ? value.substr(7) : value;
+}
+
+Shown shown_of(const grpc::CallbackServerContext& context) {
+  const auto security = context.auth_context();
+  Shown shown{.peer = context.peer(), .over_tls = true};
+  if (security == nullptr) return shown;
+  // Only the loopback listener takes connections without TLS.
+  shown.over_tls = property(*security, "transport_security_type") != "insecure";
+  if (!shown.over_tls) return shown;
+  shown.token = token_of(context);
+  shown.certificate_name = property(*security, "x509_common_name");
+  if (!shown.certificate_name.empty())
+    shown.certificate_ends_unix =
+        access::read_certificate(property(*security, "x509_pem_cert"), "the client's certificate")
+            .ends_unix;
+  return shown;
+}
+
+/// The field `id` of a request that has one.
+std::string id_of(const google::protobuf::Message& request, const access::CallRule& rule) {
+  if (rule.access.touches() == v1::NOTHING) return "";
+  const auto* field = request.GetDescriptor()->FindFieldByName("id");
+  return field == nullptr ? "" : request.GetReflection()->GetString(request, field);
+}
+
+}  // namespace
+
+CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
+                       const google::protobuf::Message& request)
+    : gate_(&gate),
+      rule_(&access::rule_of(*request.GetDescriptor())),
+      id_(id_of(request, *rule_)),
+      deadline_(context.deadline()) {
+  try {
+    shown_ = shown_of(context);
+    if (!shown_.over_tls) return;
+    caller_ = gate_->identify(shown_);
+    refusal_ = gate_->permit(*caller_, *rule_, shown_.peer);
+    if (!refusal_.ok()) refuse(*caller_, refusal_);
+  } catch (const std::exception& error) {
+    refusal_ = {grpc::StatusCode::UNAVAILABLE, error.what()};
+  }
+}
+
+grpc::Status CallOrigin::admit(std::function<bool()> cancelled, Call& call) {
+  if (cancelled()) return {grpc::StatusCode::CANCELLED, "the caller has left"};
+  if (!caller_) {
+    caller_ = gate_->identify(shown_);
+    const grpc::Status status = gate_->permit(*caller_, *rule_, shown_.peer);
+    if (!status.ok()) {
+      refuse(*caller_, status);
+      return status;
+    }
+  }
+  call.caller = *caller_;
+  call.deadline = deadline_;
+  call.cancelled = std::move(cancelled);
+  if (auto unwanted = no_longer_wanted(call)) return *unwanted;
+  const grpc::Status status = gate_->permit_touch(call.caller, *rule_, id_);
+  if (!status.ok()) refuse(call.caller, status);
+  return status;
+}
+
+void CallOrigin::record(const Call& call, const grpc::Status& status) const {
+  v1::AuditEvent event = *call.note;
+  const v1::Touches touches = rule_->access.touches();
+  if (touches == v1::READS_JOB || touches == v1::CHANGES_JOB) event.set_job(id_);
+  if (touches == v1::READS_STUDY || touches == v1::CHANGES_STUDY) event.set_study(id_);
+  gate_->record(std::move(event), call.caller, *rule_, shown_.peer, status);
+}
+
+void CallOrigin::refuse(const access::Caller& caller, const grpc::Status& status) const {
+  Call call;
+  call.caller = caller;
+  record(call, status);
 }
 
 std::optional<grpc::Status> no_longer_wanted(const Call& call) {

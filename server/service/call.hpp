@@ -1,14 +1,16 @@
 #pragma once
 
+#include <google/protobuf/message.h>
 #include <grpcpp/support/status.h>
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "server/jobs/worker_process.hpp"
-#include "server/service/local_users.hpp"
+#include "server/service/gate.hpp"
 
 namespace grpc {
 class CallbackServerContext;
@@ -16,31 +18,43 @@ class CallbackServerContext;
 
 namespace dccast::service {
 
-/// What a caller may do.
-enum class Role {
-  admin,  ///< everything, with everybody's jobs; any user who reaches the loopback address
-};
-
 /// Who calls and how long they wait.
 struct Call {
-  std::string caller;  ///< name of the local user; empty when it cannot be found
-  Role role = Role::admin;
+  access::Caller caller;
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
   std::function<bool()> cancelled = [] { return false; };
+  /// What the audit log is to have of it besides: what a handler finds or makes.
+  std::shared_ptr<v1::AuditEvent> note = std::make_shared<v1::AuditEvent>();
 };
 
-/// What is kept of a call for its turn in a lane, when its context may be gone already.
+/// What is kept of a call for its turn in a lane, when its context may be gone already. There is
+/// no other way to a Call, and so none past the gate.
 class CallOrigin {
 public:
-  /// @param users  outlives this object
-  CallOrigin(const grpc::CallbackServerContext& context, LocalUsers& users);
-  /// Looks the caller up: for a thread that may wait.
-  Call call(std::function<bool()> cancelled) const;
+  /// Over TLS the caller is judged here, before anything is kept of the call; a local user, whom it
+  /// takes a moment to find, in admit().
+  /// @param gate  outlives this object
+  CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
+             const google::protobuf::Message& request);
+
+  /// Not OK: the call is refused, and recorded.
+  const grpc::Status& refusal() const { return refusal_; }
+  /// For a thread that may wait. @return OK, and sets the call; or why it is not answered, which is
+  /// recorded
+  grpc::Status admit(std::function<bool()> cancelled, Call& call);
+  void record(const Call& call, const grpc::Status& status) const;
+  Gate& gate() const { return *gate_; }
 
 private:
-  std::string peer_;
+  void refuse(const access::Caller& caller, const grpc::Status& status) const;
+
+  Gate* gate_;
+  const access::CallRule* rule_;
+  std::string id_;  ///< of the job or study that the request names
+  Shown shown_;
   std::chrono::system_clock::time_point deadline_;
-  LocalUsers* users_;
+  std::optional<access::Caller> caller_;  ///< once it was judged
+  grpc::Status refusal_;
 };
 
 /// The status of a call that is cancelled or past its deadline; nothing while its caller waits.

@@ -9,6 +9,7 @@
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
+#include "server/service/gate.hpp"
 #include "server/service/query_answers.hpp"
 #include "server/studies/studies.hpp"
 
@@ -21,6 +22,7 @@ struct Context {
   jobs::JobStore& store;
   studies::Studies& studies;
   const intake::CaseIntake& intake;
+  Gate& gate;
   jobs::WarmWorkers& warm_workers;
   std::string solver;  ///< identity of the solver that the workers run; empty: not known
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders
@@ -30,6 +32,8 @@ struct Context {
   std::string version;
   int workers = 1;
   int maximum_queued = 0;
+  int maximum_queued_per_user = 0;
+  std::int64_t token_lifetime_s = 0;
   std::int64_t maximum_message_bytes = 0;
   int checks_at_once = 1;
   int queries_at_once = 1;

@@ -60,7 +60,7 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.request_id = request.request_id();
   job.study = request.study();
   job.priority = request.priority();
-  job.owner = call.caller;
+  job.owner = call.caller.name;
   job.labels = {request.labels().begin(), request.labels().end()};
   job.changes = {request.changes().begin(), request.changes().end()};
   job.case_file = request.case_file();
@@ -187,10 +187,31 @@ Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* requ
     return examine(context_, call, *request, *examined);
   };
   const auto keep = [=, this](const Call& call) {
+    if (const auto status = may_queue(call, request->request_id()); !status.ok()) return status;
     *job = submit(context_, call, *request, *examined);
+    call.note->set_job(job->id());
+    call.note->set_case_sha256(job->case_sha256());
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
+}
+
+grpc::Status SimulationService::may_queue(const Call& call, const std::string& request_id) {
+  const access::Caller& caller = call.caller;
+  if (caller.role >= v1::ADMIN) return grpc::Status::OK;
+  const auto sent_before =
+      request_id.empty() ? std::nullopt : context_.store.find_request(request_id);
+  if (sent_before && sent_before->job.owner() == caller.name) return grpc::Status::OK;
+  if (sent_before)
+    return {grpc::StatusCode::ALREADY_EXISTS,
+            "another user has submitted a job with this request_id; choose a new one"};
+  const int unfinished = context_.store.unfinished_of(caller.name);
+  if (unfinished < context_.maximum_queued_per_user) return grpc::Status::OK;
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          caller.name + " has " + std::to_string(unfinished) +
+              " jobs that have not ended; maximum_queued_per_user = " +
+              std::to_string(context_.maximum_queued_per_user) +
+              "; submit again when some have ended"};
 }
 
 Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {
@@ -210,7 +231,7 @@ Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v
 
 Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
-  const auto work = [=, this](const Call&) {
+  const auto work = [=, this](const Call& call) {
     AgePage page;
     if (const auto status = check_study_of_job(request->study()); !status.ok()) return status;
     if (const auto status = check_labels(request->labels()); !status.ok()) return status;
@@ -226,6 +247,12 @@ Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* reques
       wanted.states.push_back(static_cast<v1::JobState>(state));
     wanted.study = request->study();
     wanted.owner = request->owner();
+    if (context_.gate.authority().reads_own_only(call.caller)) {
+      if (!wanted.owner.empty() && wanted.owner != call.caller.name)
+        return grpc::Status(grpc::StatusCode::PERMISSION_DENIED,
+                            call.caller.name + " reads only jobs of their own (read = \"own\")");
+      wanted.owner = call.caller.name;
+    }
     wanted.since_ms = jobs::milliseconds(request->since());
     wanted.title = request->title();
     wanted.id_prefix = request->id_prefix();
@@ -275,7 +302,7 @@ Unary* SimulationService::DeleteJob(Wire* wire, const v1::DeleteJobRequest* requ
 
 SimulationService::Stream<v1::JobEvent>* SimulationService::WatchJob(
     Wire* wire, const v1::WatchJobRequest* request) {
-  return begin_stream<JobStream>(lanes_.status, origin_of(wire), context_, *request);
+  return begin_stream<JobStream>(lanes_.status, origin_of(wire, *request), context_, *request);
 }
 
 }  // namespace dccast::service

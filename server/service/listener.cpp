@@ -1,8 +1,8 @@
 #include "server/service/listener.hpp"
 
+#include <linux/tcp.h>
 #include <netdb.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -65,6 +66,20 @@ void set(int socket, int level, int option) {
   ::setsockopt(socket, level, option, &yes, sizeof yes);
 }
 
+std::string host_of(const sockaddr_storage& address, socklen_t size) {
+  std::array<char, NI_MAXHOST> host{};
+  ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
+                nullptr, 0, NI_NUMERICHOST);
+  return host.data();
+}
+
+std::uint64_t bytes_received(int socket) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return UINT64_MAX;
+  return info.tcpi_bytes_received;
+}
+
 int port_in_use(int socket) {
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;
@@ -98,8 +113,8 @@ Listener::~Listener() {
   stop();
 }
 
-void Listener::start(std::size_t maximum_connections, std::function<void(int)> admit) {
-  maximum_connections_ = maximum_connections;
+void Listener::start(const Bounds& bounds, std::function<void(int)> admit) {
+  bounds_ = bounds;
   admit_ = std::move(admit);
   thread_ = std::thread([this] { run(); });
 }
@@ -120,32 +135,72 @@ void Listener::run() {
 }
 
 void Listener::accept_one() {
-  const int connection = ::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  sockaddr_storage from{};
+  socklen_t size = sizeof from;
+  const int connection = ::accept4(socket_.get(), reinterpret_cast<sockaddr*>(&from), &size,
+                                   SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (connection < 0) {
     if (errno != EMFILE && errno != ENFILE && errno != ENOMEM && errno != ENOBUFS) return;
     log::warn("cannot take a connection: {}", ::strerror(errno));
     std::this_thread::sleep_for(pause_after_refusal);
     return;
   }
-  const bool was_full = std::exchange(full_, count_open() >= maximum_connections_);
+  const std::string host = host_of(from, size);
+  const bool was_full = std::exchange(full_, !has_room(host));
   if (full_ && !was_full)
-    log::warn("{} connections are open; further ones are closed until one of them ends",
-                 maximum_connections_);
+    log::warn("all connections are in use, or those of {}; further ones are closed until one ends",
+              host);
   if (full_) {
     ::close(connection);
     return;
   }
-  admitted_.emplace_back(connection, socket_behind(connection));
+  admitted_.push_back(
+      {connection, socket_behind(connection), host, std::chrono::steady_clock::now()});
   admit_(connection);
 }
 
+bool Listener::has_room(const std::string& host) {
+  if (open_of(host) >= bounds_.per_peer && !end_a_silent_one(host)) return false;
+  return count_open() < bounds_.connections || end_a_silent_one("");
+}
+
 /// A descriptor that was closed is free, or belongs to something else by now.
+void Listener::forget_closed() {
+  std::erase_if(admitted_, [](const Admitted& connection) {
+    return socket_behind(connection.descriptor) != connection.socket;
+  });
+}
+
 std::size_t Listener::count_open() {
-  if (admitted_.size() >= maximum_connections_)
-    std::erase_if(admitted_, [](const std::pair<int, ino_t>& connection) {
-      return socket_behind(connection.first) != connection.second;
-    });
+  if (admitted_.size() >= bounds_.connections) forget_closed();
   return admitted_.size();
+}
+
+std::size_t Listener::open_of(const std::string& host) {
+  if (bounds_.per_peer >= bounds_.connections) return 0;
+  const auto count = [&] {
+    return static_cast<std::size_t>(
+        std::count_if(admitted_.begin(), admitted_.end(),
+                      [&](const Admitted& connection) { return connection.host == host; }));
+  };
+  if (count() >= bounds_.per_peer) forget_closed();
+  return count();
+}
+
+/// Ends the oldest connection that has not made a request in its first second, for one that may.
+/// gRPC sees its end and closes it. @param host  only one of this; empty: any
+bool Listener::end_a_silent_one(const std::string& host) {
+  constexpr std::chrono::seconds time_to_first_request{1};
+  const auto now = std::chrono::steady_clock::now();
+  for (auto one = admitted_.begin(); one != admitted_.end(); ++one) {
+    if (now - one->since < time_to_first_request) return false;
+    if (!host.empty() && one->host != host) continue;
+    if (bytes_received(one->descriptor) > bounds_.greeting_bytes) continue;
+    ::shutdown(one->descriptor, SHUT_RDWR);
+    admitted_.erase(one);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace dccast::service

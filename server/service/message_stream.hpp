@@ -26,12 +26,14 @@ struct NextMessage {
 /// gRPC has done with it and no one else holds it. Only begin(), wake() and gRPC call it.
 template <class Message>
 class MessageStream : public grpc::ServerWriteReactor<Message>,
+                      public LastingCall,
                       public std::enable_shared_from_this<MessageStream<Message>> {
 public:
   MessageStream(WorkPool& lane, CallOrigin origin) : lane_(lane), origin_(std::move(origin)) {}
 
   void begin() {
     self_ = this->shared_from_this();
+    if (!origin_.refusal().ok()) return end(origin_.refusal());
     const bool taken = lane_.post([self = self_] { self->open_in_lane(); }, kept_bytes());
     if (!taken) end(too_many_waiting());
   }
@@ -63,7 +65,20 @@ public:
     look();
   }
 
-  void OnDone() final { self_.reset(); }
+  void OnDone() final {
+    if (entered_) origin_.gate().leave(call_.caller);
+    self_.reset();
+  }
+
+  /// Ends what is under way, and the stream once its last message has gone.
+  void lapse(const grpc::Status& status) final {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!lapsed_) lapsed_ = status;
+      woken_ = true;
+    }
+    look();
+  }
 
 protected:
   /// Finds what is to be sent; what it throws is answered as guarded() has it.
@@ -83,11 +98,16 @@ protected:
 
 private:
   void open_in_lane() {
-    const grpc::Status status = guarded([&] {
-      const Call call = origin_.call([this] { return cancelled(); });
-      const auto unwanted = no_longer_wanted(call);
-      return unwanted ? *unwanted : open(call);
+    bool admitted = false;
+    grpc::Status status = guarded([&] {
+      const auto refusal = origin_.admit([this] { return cancelled(); }, call_);
+      if (!refusal.ok()) return refusal;
+      admitted = true;
+      const auto limit = origin_.gate().enter(call_.caller, this->weak_from_this());
+      entered_ = limit.ok();
+      return limit.ok() ? open(call_) : limit;
     });
+    if (admitted) origin_.record(call_, status);
     if (!status.ok()) return end(status);
     set_open();
     wake();
@@ -95,7 +115,12 @@ private:
 
   bool cancelled() {
     const std::lock_guard lock(mutex_);
-    return cancelled_;
+    return cancelled_ || lapsed_;
+  }
+
+  std::optional<grpc::Status> lapsed() {
+    const std::lock_guard lock(mutex_);
+    return lapsed_;
   }
 
   void end(const grpc::Status& status) {
@@ -120,6 +145,7 @@ private:
   }
 
   NextMessage<Message> guarded_next() {
+    if (const auto status = lapsed()) return {.end = status};
     if (cancelled()) return {.end = grpc::Status::CANCELLED};
     NextMessage<Message> found;
     const grpc::Status status = guarded([&] {
@@ -144,7 +170,9 @@ private:
   }
 
   WorkPool& lane_;
-  const CallOrigin origin_;
+  CallOrigin origin_;
+  Call call_;             ///< once it was admitted
+  bool entered_ = false;  ///< counted by the gate
   std::shared_ptr<MessageStream> self_;
   std::mutex mutex_;  ///< of all below
   Message message_;
@@ -154,6 +182,7 @@ private:
   bool writing_ = false;
   bool cancelled_ = false;
   bool ended_ = false;
+  std::optional<grpc::Status> lapsed_;
 };
 
 /// Begins a stream that deletes itself when its call is done.

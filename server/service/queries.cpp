@@ -102,7 +102,7 @@ public:
       : context_(context),
         request_(request),
         examined_(examined),
-        caller_(call.caller),
+        call_(call),
         send_(send),
         key_(intake::answer_key(examined.complete, request.attachments())) {}
 
@@ -110,7 +110,9 @@ public:
   bool answer_from_store() {
     if (const auto id = context_.store.find_answer(key_, context_.solver)) {
       const auto job = context_.scheduler.find(*id);
-      const auto answer = job ? answer_of_job(context_, *job) : std::nullopt;
+      const bool own = !context_.gate.authority().reads_own_only(call_.caller) ||
+                       (job && job->owner() == call_.caller.name);
+      const auto answer = job && own ? answer_of_job(context_, *job) : std::nullopt;
       if (answer) return replay(*answer, *id);
     }
     if (request_.keep()) return false;
@@ -134,10 +136,12 @@ public:
   /// Runs it as a job that goes first, which stays.
   grpc::Status run_as_job(const jobs::CallLimits& waiting) {
     jobs::NewJob job = intake::new_job(request_.case_(), request_.attachments(), examined_);
-    job.owner = caller_;
+    job.owner = call_.caller.name;
     job.changes = {request_.changes().begin(), request_.changes().end()};
     job.goes_first = true;
     const std::string id = context_.scheduler.submit(job, request_.attachments()).id();
+    call_.note->set_job(id);
+    call_.note->set_case_sha256(job.case_sha256);
     begin(id);
     const auto log = context_.scheduler.log(id);
     const auto appended = std::make_shared<Appended>();
@@ -222,7 +226,7 @@ private:
   Context& context_;
   const v1::QueryButtCurlRequest& request_;
   const intake::ExaminedCase& examined_;
-  const std::string& caller_;
+  const Call& call_;
   const SendQueryResponse& send_;
   const std::string key_;
   QueryAnswer answer_;
@@ -298,7 +302,7 @@ private:
 
 SimulationService::Stream<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
     Wire* wire, const v1::QueryButtCurlRequest* request) {
-  return begin_stream<QueryStream>(lanes_.queries, origin_of(wire), context_, *request);
+  return begin_stream<QueryStream>(lanes_.queries, origin_of(wire, *request), context_, *request);
 }
 
 }  // namespace dccast::service

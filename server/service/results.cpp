@@ -255,7 +255,8 @@ SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchResu
   const auto open = [this, request = *request](const Call&, SentFile& sent) {
     return open_artifact(context_, request, sent);
   };
-  return begin_stream<FileStream>(lanes_.status, origin_of(wire), request->offset(), open);
+  return begin_stream<FileStream>(lanes_.status, origin_of(wire, *request), request->offset(),
+                                  open);
 }
 
 SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchStudy(
@@ -263,7 +264,8 @@ SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchStud
   const auto open = [this, request = *request](const Call& call, SentFile& sent) {
     return open_study(context_, call, request, sent);
   };
-  return begin_stream<FileStream>(lanes_.checks, origin_of(wire), request->offset(), open);
+  return begin_stream<FileStream>(lanes_.checks, origin_of(wire, *request), request->offset(),
+                                  open);
 }
 
 }  // namespace dccast::service

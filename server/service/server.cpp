@@ -4,6 +4,7 @@
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 #include <grpcpp/support/server_interceptor.h>
@@ -35,6 +36,32 @@ void permit_pings(grpc::ServerBuilder& builder) {
 void end_idle_connections(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000);
+}
+
+// What a client sends before its first request, with some pings: preface, settings, window; with
+// TLS its half of the handshake, too, without a certificate.
+constexpr std::uint64_t greeting_bytes = 200;
+constexpr std::uint64_t tls_greeting_bytes = 1200;
+
+std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls) {
+  constexpr unsigned looked_at_every_s = 1;
+  const bool asks = !tls.client_ca.empty();
+  grpc::experimental::TlsServerCredentialsOptions options(
+      std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
+          tls.key, tls.certificate, tls.client_ca, looked_at_every_s));
+  options.watch_identity_key_cert_pairs();
+  if (asks) options.watch_root_certs();
+  // One who shows no certificate may have a token; one who shows a wrong one is refused.
+  options.set_cert_request_type(asks ? GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY
+                                     : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
+  return grpc::experimental::TlsServerCredentials(options);
+}
+
+std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_with(
+    grpc::ServerBuilder& builder, std::shared_ptr<grpc::ServerCredentials> credentials) {
+  return builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      std::move(credentials));
 }
 
 /// Hands accepted connections to gRPC, see Listener.
@@ -103,6 +130,16 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
   return all;
 }
 
+/// One connection has no more calls open than a busy client needs: what waits beyond is the
+/// client's. Memory of all transports is bounded, too.
+void bound_connections(grpc::ServerBuilder& builder) {
+  constexpr int most_calls_of_a_connection = 200;
+  // out.
+  constexpr std::size_t most_bytes = 256'000'000;
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_calls_of_a_connection);
+  builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(most_bytes));
+}
+
 /// The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
 /// gigabytes, which gRPC would unpack before anything looks at them.
 void refuse_compression(grpc::ServerBuilder& builder) {
@@ -118,23 +155,29 @@ void log_grpc_as_debug() {
   });
 }
 
-PublicServer::PublicServer(Context& context, const std::string& listen)
-    : listener_(listen), service_(context, listener_.address()) {
+PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls)
+    : local_(local), tls_(std::move(tls)), service_(context) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      grpc::InsecureServerCredentials());
+  auto local_acceptor = acceptor_with(builder, grpc::InsecureServerCredentials());
+  const auto tls_acceptor = tls_ ? acceptor_with(builder, tls_credentials(*tls_)) : nullptr;
   builder.experimental().SetInterceptorCreators(interceptors());
   builder.RegisterService(&service_);
   builder.SetMaxReceiveMessageSize(static_cast<int>(context.maximum_message_bytes));
   refuse_compression(builder);
+  bound_connections(builder);
   permit_pings(builder);
   end_idle_connections(builder);
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + listener_.address());
-  listener_.start(context.maximum_connections, hand_over(std::move(acceptor)));
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local_.address());
+  local_.start({.connections = context.maximum_connections, .greeting_bytes = greeting_bytes},
+               hand_over(std::move(local_acceptor)));
+  if (tls_)
+    tls_->listener.start({.connections = context.maximum_connections,
+                          .per_peer = tls_->connections_per_peer,
+                          .greeting_bytes = tls_greeting_bytes},
+                         hand_over(tls_acceptor));
 }
 
 PublicServer::~PublicServer() {
@@ -146,7 +189,8 @@ void PublicServer::announce_end() {
 }
 
 void PublicServer::shut_down() {
-  listener_.stop();  // gRPC takes no connection once it ends
+  local_.stop();  // gRPC takes no connection once it ends
+  if (tls_) tls_->listener.stop();
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
   server_->Wait();
 }

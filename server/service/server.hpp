@@ -2,7 +2,9 @@
 
 #include <grpcpp/server.h>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/service/context.hpp"
@@ -14,22 +16,30 @@ namespace dccast::service {
 /// Sends what gRPC logs to our log, as debug: its lines name its own sources and help no user.
 void log_grpc_as_debug();
 
-/// SimulationService, health and reflection, listening on TCP.
+/// Where users of other machines call. The files are looked at every second: what is renewed holds
+/// for the next handshake.
+struct TlsListening {
+  Listener& listener;
+  std::size_t connections_per_peer = SIZE_MAX;
+  std::string certificate, key;  ///< PEM
+  std::string client_ca;         ///< PEM; empty: certificates of clients are not asked for
+};
+
+/// SimulationService, health and reflection: for local users without TLS on loopback, for others
+/// over TLS.
 class PublicServer {
 public:
-  /// @param listen  host and port; port 0 takes a free one
-  /// @throws std::runtime_error  it cannot listen there
-  PublicServer(Context& context, const std::string& listen);
+  /// @param tls  nothing: local users alone @throws std::runtime_error  gRPC refuses
+  PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls);
   ~PublicServer();
-  /// Host and port in use.
-  const std::string& address() const { return listener_.address(); }
   /// Health is NOT_SERVING from now on.
   void announce_end();
   /// Ends all calls: those that end by themselves within a second do.
   void shut_down();
 
 private:
-  Listener listener_;
+  Listener& local_;
+  std::optional<TlsListening> tls_;
   SimulationService service_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -6,9 +6,8 @@
 
 namespace dccast::service {
 
-SimulationService::SimulationService(Context& context, const std::string& address)
+SimulationService::SimulationService(Context& context)
     : context_(context),
-      users_(address),
       lanes_(context.checks_at_once, context.queries_at_once, context.maximum_waiting_checks) {}
 
 /// A call on its way through its lanes.
@@ -18,27 +17,44 @@ struct SimulationService::UnaryCall {
   CallOrigin origin;
   std::size_t bytes;  ///< of its request
   std::vector<Stage> stages;
+  Call call{};  ///< once it was admitted, before its first stage
+
+  void finish(const grpc::Status& status) {
+    origin.record(call, status);
+    reactor->Finish(status);
+  }
 };
 
 SimulationService::Unary* SimulationService::answer(Wire* wire,
                                                     const google::protobuf::Message& request,
                                                     std::vector<Stage> stages) {
   Unary* reactor = wire->DefaultReactor();
-  do_stage(std::make_shared<const UnaryCall>(wire, reactor, origin_of(wire), request.ByteSizeLong(),
-                                             std::move(stages)),
-           0);
+  CallOrigin origin = origin_of(wire, request);
+  if (!origin.refusal().ok())
+    reactor->Finish(origin.refusal());
+  else
+    do_stage(std::make_shared<UnaryCall>(wire, reactor, std::move(origin), request.ByteSizeLong(),
+                                         std::move(stages)),
+             0);
   return reactor;
 }
 
-void SimulationService::do_stage(std::shared_ptr<const UnaryCall> call, std::size_t number) {
-  if (number == call->stages.size()) return call->reactor->Finish(grpc::Status::OK);
+void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t number) {
+  if (number == call->stages.size()) return call->finish(grpc::Status::OK);
   const auto work = [this, call, number] {
+    bool admitted = number > 0;
     const grpc::Status status = guarded([&] {
-      const Call asked = call->origin.call([&] { return call->wire->IsCancelled(); });
-      const auto unwanted = no_longer_wanted(asked);
-      return unwanted ? *unwanted : call->stages[number].work(asked);
+      if (!admitted) {
+        const auto status =
+            call->origin.admit([wire = call->wire] { return wire->IsCancelled(); }, call->call);
+        if (!status.ok()) return status;
+        admitted = true;
+      }
+      const auto unwanted = no_longer_wanted(call->call);
+      return unwanted ? *unwanted : call->stages[number].work(call->call);
     });
-    if (!status.ok()) return call->reactor->Finish(status);
+    if (!admitted) return call->reactor->Finish(status);
+    if (!status.ok()) return call->finish(status);
     do_stage(call, number + 1);
   };
   if (!call->stages[number].lane.post(work, call->bytes)) call->reactor->Finish(too_many_waiting());

@@ -18,8 +18,7 @@ namespace dccast::service {
 /// thread waits for a stream, and what waits for the disk or computes does so in a lane.
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
-  /// @param address  where it listens
-  SimulationService(Context& context, const std::string& address);
+  explicit SimulationService(Context& context);
 
   using Unary = grpc::ServerUnaryReactor;
   using Wire = grpc::CallbackServerContext;
@@ -41,6 +40,11 @@ public:
   Unary* ResumeJob(Wire*, const v1::ResumeJobRequest*, v1::Job*) override;
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
+
+  // users.cpp
+  Unary* Enrol(Wire*, const v1::EnrolRequest*, v1::EnrolResponse*) override;
+  Unary* WhoAmI(Wire*, const v1::WhoAmIRequest*, v1::WhoAmIResponse*) override;
+  Unary* RevokeToken(Wire*, const v1::RevokeTokenRequest*, v1::RevokeTokenResponse*) override;
 
   // results.cpp
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
@@ -68,16 +72,20 @@ private:
     std::function<grpc::Status(const Call&)> work;
   };
   struct UnaryCall;
+  /// Whether the caller may queue one more job, or has sent this one before. A study begins under
+  /// the same limit; its jobs are queued few at a time.
+  grpc::Status may_queue(const Call& call, const std::string& request_id = {});
 
   /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends
   /// it.
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
-  void do_stage(std::shared_ptr<const UnaryCall> call, std::size_t number);
-  CallOrigin origin_of(const Wire* wire) { return {*wire, users_}; }
+  void do_stage(std::shared_ptr<UnaryCall> call, std::size_t number);
+  CallOrigin origin_of(const Wire* wire, const google::protobuf::Message& request) {
+    return {*wire, context_.gate, request};
+  }
 
   Context& context_;
-  LocalUsers users_;
   Lanes lanes_;
 };
 

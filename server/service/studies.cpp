@@ -129,11 +129,18 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
     const std::string& before = request->sweep().further_of();
     if (!before.empty())
       if (const auto status = check_study_id(before); !status.ok()) return status;
+    if (!before.empty())
+      if (const auto status = context_.gate.permit_touch(
+              call.caller, access::rule_of(*v1::GetStudyRequest::descriptor()), before);
+          !status.ok())
+        return status;
     if (!context_.studies.complete(*request, *whole)) return study_not_found(before);
+    if (const auto status = may_queue(call); !status.ok()) return status;
     return examine(context_, call, *whole);
   };
   const auto create = [=, this](const Call& call) {
-    *study = context_.studies.create(*whole, call.caller);
+    *study = context_.studies.create(*whole, call.caller.name);
+    call.note->set_study(study->id());
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, create}});
@@ -153,14 +160,16 @@ Unary* SimulationService::GetStudy(Wire* wire, const v1::GetStudyRequest* reques
 
 Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* request,
                                       v1::ListStudiesResponse* response) {
-  const auto work = [=, this](const Call&) {
+  const auto work = [=, this](const Call& call) {
     AgePage page;
     if (const auto status =
             read_page("the list of studies", request->page_token(), request->page_size(), page);
         !status.ok())
       return status;
     // One more shows whether there is a next page.
-    auto studies = context_.studies.list({page.before_ms, page.before_id, page.size + 1});
+    const bool own = context_.gate.authority().reads_own_only(call.caller);
+    auto studies = context_.studies.list(
+        {page.before_ms, page.before_id, page.size + 1, own ? call.caller.name : ""});
     const bool more = static_cast<int>(studies.size()) > page.size;
     if (more) studies.pop_back();
     for (v1::Study& study : studies) *response->add_studies() = std::move(study);
@@ -226,7 +235,8 @@ Unary* SimulationService::PredictStudy(Wire* wire, const v1::PredictStudyRequest
 
 SimulationService::Stream<v1::Study>* SimulationService::WatchStudy(
     Wire* wire, const v1::WatchStudyRequest* request) {
-  return begin_stream<StudyStream>(lanes_.status, origin_of(wire), context_, request->id());
+  return begin_stream<StudyStream>(lanes_.status, origin_of(wire, *request), context_,
+                                   request->id());
 }
 
 }  // namespace dccast::service

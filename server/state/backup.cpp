@@ -118,6 +118,13 @@ void copy_studies(const StateFolder& from, const StateFolder& to) {
   }
 }
 
+/// Users, certificates and the audit log (server/access); each file is replaced whole or appended.
+void copy_access(const StateFolder& from, const StateFolder& to) {
+  for (const char* name : {"users.toml", "audit.log"})
+    if (fs::exists(from.path() / name)) fs::copy_file(from.path() / name, to.path() / name);
+  if (fs::exists(from.path() / "pki")) copy_all(from.path() / "pki", to.path() / "pki");
+}
+
 struct ManifestLine {
   std::string sha256;
   fs::path file;
@@ -164,6 +171,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   jobs::JobStore(folder.store()).copy_to(target.store());
   const std::size_t count = copy_jobs(folder, target);
   copy_studies(folder, target);
+  copy_access(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
   sync_file_system(to);
   storage::replace_file(to / manifest_file, manifest_of(to));

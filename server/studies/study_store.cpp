@@ -164,8 +164,10 @@ std::vector<StudyRecord> StudyStore::list(const Page& page) {
   Statement statement(database_,
                       std::string("SELECT ") + columns +
                           "WHERE removing = 0 AND (created_ms < ? OR (created_ms = ? AND id < ?)) "
+                          "AND (? = '' OR owner = ?) "
                           "ORDER BY created_ms DESC, id DESC LIMIT ?");
-  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id).bind(page.size);
+  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id);
+  statement.bind(page.owner).bind(page.owner).bind(page.size);
   std::vector<StudyRecord> records;
   while (statement.step()) records.push_back(record_of(statement));
   return records;

@@ -50,6 +50,7 @@ public:
         INT64_MAX;  ///< only studies created before, or then and with a lesser id
     std::string before_id{};
     int size = 50;
+    std::string owner{};  ///< empty: all
   };
   /// Newest first.
   std::vector<StudyRecord> list(const Page& page);

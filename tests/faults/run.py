@@ -16,7 +16,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 BUILD = os.path.join(ROOT, "build", "release")
 FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies",
-            "slurm")
+            "slurm", "access")
 
 
 def arguments():
@@ -40,8 +40,8 @@ def arguments():
 def set_up_imports(programs):
     """What tests/service shares, and Python's code of the .proto files beside the programs."""
     os.environ["DCCAST_BIN"] = os.path.abspath(programs)
-    beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "tests", "service", "python")
-    built = beside if os.path.isdir(beside) else os.path.join(BUILD, "tests", "service", "python")
+    beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "python")
+    built = beside if os.path.isdir(beside) else os.path.join(BUILD, "python")
     sys.path += [os.path.join(ROOT, "tests", "service"), built]
 
 

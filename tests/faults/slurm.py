@@ -1,7 +1,9 @@
 """Slurm broken while it runs the jobs: tests/service/slurm_cluster.py starts a real one."""
+import contextlib
 import os
 import shutil
 import signal
+import time
 
 from cases import fake
 from fault import Fault
@@ -62,6 +64,16 @@ class OfSlurm(Fault):
 
     def strike(self, scene):
         raise NotImplementedError
+
+    def look(self, scene, count):
+        """Meanwhile the administrator resumes a node that Slurm has drained, as it does when it finds a
+        job of a crash on it. What has not ended by then is the oracle's to report."""
+        def ended():
+            scene.cluster.node_is_ready()
+            time.sleep(0.3)
+            return all(scene.ended(job_id) for job_id in scene.acknowledged)
+        with contextlib.suppress(AssertionError):
+            until(ended, self.patience)
 
 
 class KillSlurmctld(OfSlurm):

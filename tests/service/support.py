@@ -50,7 +50,8 @@ class Daemon:
         if self.process.poll() is not None:
             raise RuntimeError(f"dccastd ended with {self.process.returncode}:\n{self.said()}")
         with open(self.port_file, encoding="ascii") as file:
-            self.address = file.read().strip()
+            self.address, *over_tls = file.read().split()
+            self.tls_address = over_tls[0] if over_tls else None
         return self
 
     def said(self):

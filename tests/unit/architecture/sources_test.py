@@ -212,6 +212,14 @@ class Sources(unittest.TestCase):
             f"{path} includes {include}" for path in SOURCES if path.parts[:2] == ("server", "jobs")
             for include in includes_of(path) if NEVER_IN_JOBS.match(include)])
 
+    def test_access_knows_no_other_room_of_the_server(self):
+        self.assert_none([
+            f"{path} includes {include}"
+            for path in SOURCES if path.parts[:2] == ("server", "access")
+            for include in includes_of(path)
+            if NEVER_IN_JOBS.match(include)
+            or (include.startswith("server/") and not include.startswith("server/access/"))])
+
     def test_no_file_names_a_place_of_one_machine(self):
         # Spelt so that this file does not find itself.
         machine_path = re.compile(r"(?<![A-Za-z0-9_.}~])/(?:work|farm|root|home/[a-z])\w*/")

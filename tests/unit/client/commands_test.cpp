@@ -176,9 +176,16 @@ TEST_F(Commands, TheBeginningOfAnIdIsEnoughWhereItIsTheOnlyOne) {
 }
 
 TEST_F(Commands, TheLastJobIsTheNewestOfThisUser) {
-  EXPECT_EQ(run({"show", "last"}).code, 0);
+  v1::Job run_of_a_study = service.job;
+  run_of_a_study.set_id("11111111-1111-4111-8111-111111111111");
+  run_of_a_study.set_study("22222222-2222-4222-8222-222222222222");
+  service.listed_jobs = {run_of_a_study};
+  EXPECT_EQ(run({"show", "last"}).code, 5);
+  service.listed_jobs.push_back(service.job);
+  const Result shown = run({"show", "last"});
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_THAT(shown.out, HasSubstr(service.job.id()));
   EXPECT_FALSE(service.listed.owner().empty());
-  EXPECT_EQ(service.listed.page_size(), 1);
 }
 
 TEST_F(Commands, AListHasTheColumnsThatSaySomething) {

@@ -1,0 +1,170 @@
+#include <array>
+#include <ctime>
+#include <iostream>
+
+#include "client/commands/commands.hpp"
+#include "client/model/json.hpp"
+#include "client/session/probe.hpp"
+#include "client/session/servers.hpp"
+#include "client/session/socket.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+std::string date(std::int64_t unix_s) {
+  const std::time_t time = unix_s;
+  std::tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
+  return text.data();
+}
+
+std::string text_of(v1::Role role) {
+  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
+}
+
+struct LoginOptions {
+  std::vector<std::string> words;
+  std::string name;
+  bool first = false;
+};
+
+/// The line from the arguments or standard input; a separate address takes the place of its own.
+EnrolmentLine line_of(const std::vector<std::string>& words) {
+  std::string text, address;
+  for (const std::string& word : words)
+    (word.find('/') == std::string::npos ? address : text) = word;
+  if (text.empty()) {
+    std::cerr << "Line of `dccastd user add`: ";
+    std::getline(std::cin, text);
+  }
+  EnrolmentLine line = read_enrolment_line(text);
+  if (!address.empty()) line.address = address;
+  return line;
+}
+
+ExitCode run(const LoginOptions& options, Program& program) {
+  const EnrolmentLine line = line_of(options.words);
+  StoredServers servers(program.servers);
+  const std::string name = options.name.empty() ? host_and_port(line.address).host : options.name;
+  const StoredServer server = log_in(line, name, program.interruption);
+  servers.store(server,
+                options.first || servers.all().empty() || servers.all().front().name == name);
+  std::cerr << "logged in to " << server.endpoint.address << " as " << server.user << "; --server "
+            << name << (servers.all().front().name == name ? " is the default" : "") << '\n';
+  return ExitCode::done;
+}
+
+ExitCode log_out(Program& program) {
+  StoredServers servers(program.servers);
+  const StoredServer* server = servers.find(program.server);
+  if (server == nullptr)
+    throw CommandFailed(ExitCode::not_found, std::string("there is no login") +
+                                                 (program.server.empty() ? "" : " for ") +
+                                                 program.server + "; nothing was changed");
+  const std::string name = server->name;
+  Connection connection(server->endpoint, program.interruption);
+  v1::RevokeTokenResponse response;
+  const grpc::Status status =
+      connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
+  servers.remove(name);
+  std::cerr << "logged out of " << name << '\n';
+  if (!status.ok())
+    std::cerr << "the server could not revoke the token (" << reason_of(status)
+              << "); an admin can: dccastd user rotate\n";
+  return ExitCode::done;
+}
+
+ExitCode who_am_i(bool json, Program& program) {
+  Connection connection = program.connect();
+  const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+  if (json) {
+    std::cout << Json{{"server", connection.server()},
+                      {"name", who.name()},
+                      {"role", text_of(who.role())},
+                      {"proof", who.proof()},
+                      {"expires", who.expires_unix() > 0 ? Json(date(who.expires_unix())) : Json()}}
+                     .dump()
+              << '\n';
+    return ExitCode::done;
+  }
+  std::cout << who.name() << " on " << connection.server() << ", " << text_of(who.role()) << ", by "
+            << who.proof();
+  if (who.expires_unix() > 0) std::cout << " until " << date(who.expires_unix());
+  std::cout << '\n';
+  const StoredServers stored(program.servers);
+  for (const StoredServer& server : stored.all())
+    std::cerr << "login  " << server.name << "  " << server.endpoint.address << "  " << server.user
+              << '\n';
+  return ExitCode::done;
+}
+
+struct DoctorOptions {
+  std::string server, role;
+  int timeout_s = 5;
+};
+
+ExitCode run(const DoctorOptions& options, Program& program) {
+  const std::string text = options.server.empty() ? program.server : options.server;
+  const StoredServers servers(program.servers);
+  const StoredServer* stored = servers.find(text);
+  Endpoint endpoint = stored != nullptr ? stored->endpoint : Endpoint{.address = text};
+  if (endpoint.address.empty()) endpoint.address = std::string("127.0.0.1") + default_port;
+  std::vector<std::string> found;
+  const Diagnosis diagnosis = diagnose(endpoint,
+                                       {.timeout = std::chrono::seconds(options.timeout_s),
+                                        .role = options.role,
+                                        .version = DCCAST_VERSION},
+                                       found, program.interruption);
+  for (const std::string& line : found) std::cout << "ok      " << line << '\n';
+  if (diagnosis.sound()) return ExitCode::done;
+  std::cout << "cause   " << diagnosis.cause << "\nremedy  " << diagnosis.remedy << '\n';
+  return ExitCode::unreachable;
+}
+
+}  // namespace
+
+void add_login(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<LoginOptions>();
+  const cli::Command command =
+      line.command("login", "Log in to a server with the line of `dccastd user add`",
+                   "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
+                   "  dccast login --name north < line.txt");
+  command
+      .option("LINE", options->words,
+              "The line, before it another address if need be; without it standard input")
+      .count(0, 2);
+  command.option("--name", options->name, "Name for --server; else that of the host");
+  command.flag("--default", options->first, "Make it the server of commands without --server");
+  command.action([options, &program] { return run(*options, program); });
+}
+
+void add_logout(cli::CommandLine& line, Program& program) {
+  line.command("logout", "Revoke the token and forget the server", "dccast --server north logout")
+      .action([&program] { return log_out(program); });
+}
+
+void add_whoami(cli::CommandLine& line, Program& program) {
+  const auto json = std::make_shared<bool>(false);
+  const cli::Command command =
+      line.command("whoami", "Name, role and end of the login", "dccast whoami");
+  command.json(*json);
+  command.action([json, &program] { return who_am_i(*json, program); });
+}
+
+void add_doctor(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<DoctorOptions>();
+  const cli::Command command =
+      line.command("doctor", "Why calls to a server fail: the cause and its remedy",
+                   "dccast doctor casthouse:7118");
+  command.option("SERVER", options->server, "Name or address; else the default");
+  command.option("--role", options->role, "Also whether the user has this role")
+      .one_of({"viewer", "submitter", "admin"});
+  command.option("--timeout", options->timeout_s, "Seconds to wait in each step")
+      .between(1, 60)
+      .show_default();
+  command.action([options, &program] { return run(*options, program); });
+}
+
+}  // namespace dccast::client::commands

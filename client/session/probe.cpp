@@ -1,0 +1,366 @@
+#include "client/session/probe.hpp"
+
+#include <arpa/inet.h>
+#include <openssl/bio.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+#include <signal.h>
+#include <time.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "client/session/socket.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::client {
+namespace {
+
+template <auto Free>
+struct Freed {
+  template <typename Thing>
+  void operator()(Thing* thing) const {
+    Free(thing);
+  }
+};
+using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
+using Session = std::unique_ptr<SSL, Freed<SSL_free>>;
+using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
+using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+
+const std::string greeting("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
+
+enum class Speaks { http2, tls, http1, nothing, something_else };
+
+/// What a server answers to the greeting of HTTP/2 without TLS.
+Speaks language_of(const std::string& answer) {
+  if (answer.empty()) return Speaks::nothing;
+  if (answer.starts_with("HTTP/1") || answer.starts_with("<")) return Speaks::http1;
+  if (answer[0] == 0x15 || answer[0] == 0x16) return Speaks::tls;
+  return answer.size() >= 9 && answer[0] == 0 && answer[3] == 4 ? Speaks::http2
+                                                                : Speaks::something_else;
+}
+
+/// A proxy of the environment, e.g. "https_proxy=http://proxy:3128"; empty: none.
+std::string proxy() {
+  for (const char* name : {"https_proxy", "HTTPS_PROXY", "http_proxy", "HTTP_PROXY", "grpc_proxy",
+                           "all_proxy", "ALL_PROXY"})
+    if (const char* value = std::getenv(name); value != nullptr && *value != '\0')
+      return std::string(name) + "=" + values::escaped(value);
+  return "";
+}
+
+Diagnosis without_connection(Socket::Outcome outcome, const HostAndPort& to,
+                             const std::string& reason, const ProbeOptions& options) {
+  using Outcome = Socket::Outcome;
+  const std::string where = to.host + " port " + to.port;
+  if (outcome == Outcome::no_name)
+    return {"the name " + to.host + " cannot be resolved (" + reason + ")",
+            "check its spelling, or give the address in numbers"};
+  if (const std::string through = proxy(); !through.empty())
+    return {"there is no direct connection to " + where + " (" + reason +
+                "), and dccast never uses a proxy, which the environment names (" + through + ")",
+            "ask for a direct way to that port, or use a tunnel: ssh -L 7117:127.0.0.1:7117 " +
+                to.host};
+  if (outcome == Outcome::refused)
+    return {"the machine answers, but no program listens at " + where,
+            "start dccastd there with listen_tls at this port, or give the port that it has "
+            "(its log names it)"};
+  if (outcome == Outcome::timed_out)
+    return {"nothing answers from " + where + " within " +
+                std::to_string(options.timeout.count() / 1000.0).substr(0, 4) +
+                " s: a firewall drops the connection, or the machine is off",
+            "ask for port " + to.port + " to be opened from here to there"};
+  if (outcome == Outcome::no_route)
+    return {"there is no route to " + where + " (" + reason + ")",
+            "check this machine's network or VPN"};
+  return {"the connection to " + where + " failed: " + reason, "check the address"};
+}
+
+std::string date(const ASN1_TIME* time) {
+  tm parts{};
+  ASN1_TIME_to_tm(time, &parts);
+  std::array<char, 32> text{};
+  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
+  return text.data();
+}
+
+std::string clock_now() {
+  const std::time_t now = ::time(nullptr);
+  tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
+  return text.data();
+}
+
+std::string names_of(X509* certificate) {
+  auto* all = static_cast<GENERAL_NAMES*>(
+      X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
+  std::string names;
+  for (int i = 0; i < sk_GENERAL_NAME_num(all); ++i) {
+    const GENERAL_NAME* name = sk_GENERAL_NAME_value(all, i);
+    std::string text;
+    if (name->type == GEN_DNS)
+      text.assign(reinterpret_cast<const char*>(ASN1_STRING_get0_data(name->d.dNSName)),
+                  static_cast<std::size_t>(ASN1_STRING_length(name->d.dNSName)));
+    if (name->type == GEN_IPADD) {
+      std::array<char, INET6_ADDRSTRLEN> number{};
+      ::inet_ntop(ASN1_STRING_length(name->d.iPAddress) == 4 ? AF_INET : AF_INET6,
+                  ASN1_STRING_get0_data(name->d.iPAddress), number.data(), number.size());
+      text = number.data();
+    }
+    if (!text.empty()) names += (names.empty() ? "" : ", ") + values::escaped(text);
+  }
+  GENERAL_NAMES_free(all);
+  return names.empty() ? "none" : names;
+}
+
+bool is_number(const std::string& host) {
+  std::array<unsigned char, 16> bytes;
+  return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 ||
+         ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
+}
+
+Certificate parse(const std::string& pem) {
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  return Certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+}
+
+/// A handshake over a connected socket. Verification does not end it: what it found is asked after.
+struct Handshake {
+  Context context;
+  Session session;
+  bool made = false;
+};
+
+Handshake shake_hands(const Socket& socket, const HostAndPort& to, const std::string& ca) {
+  Handshake hands{Context(SSL_CTX_new(TLS_client_method())), nullptr};
+  SSL_CTX_set_verify(hands.context.get(), SSL_VERIFY_PEER, [](int, X509_STORE_CTX*) { return 1; });
+  if (const Certificate trusted = ca.empty() ? nullptr : parse(ca))
+    X509_STORE_add_cert(SSL_CTX_get_cert_store(hands.context.get()), trusted.get());
+  hands.session.reset(SSL_new(hands.context.get()));
+  constexpr std::array<unsigned char, 3> http2{2, 'h', '2'};
+  SSL_set_alpn_protos(hands.session.get(), http2.data(), http2.size());
+  if (is_number(to.host)) {
+    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(hands.session.get()), to.host.c_str());
+  } else {
+    SSL_set_tlsext_host_name(hands.session.get(), to.host.c_str());
+    SSL_set1_host(hands.session.get(), to.host.c_str());
+  }
+  SSL_set_fd(hands.session.get(), socket.descriptor());
+  // OpenSSL writes to a connection that the other side may have closed.
+  const auto before = ::signal(SIGPIPE, SIG_IGN);
+  hands.made = SSL_connect(hands.session.get()) == 1;
+  ::signal(SIGPIPE, before);
+  return hands;
+}
+
+bool takes_tls(const HostAndPort& to, const ProbeOptions& options) {
+  Socket socket;
+  std::string reason;
+  return socket.connect(to, options.timeout, reason) == Socket::Outcome::connected &&
+         shake_hands(socket, to, "").made;
+}
+
+/// Without TLS, which only loopback and tunnels have.
+Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& address,
+                const ProbeOptions& options, std::vector<std::string>& found) {
+  Speaks language = language_of(socket.exchange(greeting));
+  // gRPC behind TLS closes without a sign of its own.
+  if (language == Speaks::nothing && takes_tls(to, options)) language = Speaks::tls;
+  switch (language) {
+    case Speaks::http2:
+      found.push_back("it speaks gRPC without TLS");
+      return {};
+    case Speaks::tls:
+      return {"the server speaks TLS at " + address + ", and there is no login for it here",
+              "log in with the line of `dccastd user add`: dccast login"};
+    case Speaks::http1:
+      return {"a web server answers at " + address + ", not dccastd",
+              "give the port of dccastd; its log names it"};
+    case Speaks::nothing:
+      return {"the server at " + address + " closes the connection without an answer",
+              "it may have too many of them; try again later"};
+    default:
+      return {"what answers at " + address + " does not speak gRPC",
+              "give the port of dccastd; its log names it"};
+  }
+}
+
+/// The first thing that is wrong with the server's certificate for this host and CA.
+Diagnosis judge_certificate(SSL* session, const HostAndPort& to) {
+  const long verdict = SSL_get_verify_result(session);
+  X509* shown = SSL_get0_peer_certificate(session);
+  if (verdict == X509_V_OK || shown == nullptr) return {};
+  const std::string here = "; this machine's clock has " + clock_now();
+  switch (verdict) {
+    case X509_V_ERR_CERT_HAS_EXPIRED:
+      return {"the server's certificate has expired on " + date(X509_get0_notAfter(shown)) + here,
+              "have it renewed (dccastd pki renew), or set the clock right"};
+    case X509_V_ERR_CERT_NOT_YET_VALID:
+      return {"the server's certificate is not yet valid, but from " +
+                  date(X509_get0_notBefore(shown)) + " on" + here,
+              "set the clock of this machine right, or wait until then"};
+    case X509_V_ERR_HOSTNAME_MISMATCH:
+    case X509_V_ERR_IP_ADDRESS_MISMATCH:
+      return {"the server's certificate is not for " + to.host + ", but for " + names_of(shown),
+              "use one of these names, or have it renewed for this one: dccastd pki renew --name " +
+                  to.host};
+    case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+    case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
+    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
+    case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
+    case X509_V_ERR_CERT_SIGNATURE_FAILURE:
+      return {
+          "the server's certificate is of a CA that is unknown here: another server, a proxy "
+          "that reads along, or a CA made anew",
+          "ask an admin whether the CA was changed; if so log in again with a new line"};
+    default:
+      return {std::string("the server's certificate is refused: ") +
+                  X509_verify_cert_error_string(verdict),
+              "ask an admin to look at `dccastd pki show`"};
+  }
+}
+
+/// Why there was no handshake: what the server speaks instead.
+Diagnosis no_handshake(const HostAndPort& to, const std::string& address,
+                       const ProbeOptions& options) {
+  Socket second;
+  std::string reason;
+  if (second.connect(to, options.timeout, reason) != Socket::Outcome::connected)
+    return {"the server at " + address + " ends each connection at once",
+            "it may have too many of them; try again later"};
+  switch (language_of(second.exchange(greeting))) {
+    case Speaks::http2:
+      return {"the server speaks no TLS at " + address + ", and this client does",
+              "give the port of listen_tls; the log of dccastd names it"};
+    case Speaks::tls:
+      return {"the server at " + address + " speaks TLS and refuses this client's greeting",
+              "it may be too old, or ask for a certificate: ask an admin"};
+    case Speaks::http1:
+      return {"a web server without TLS answers at " + address + ", not dccastd",
+              "give the port of listen_tls; the log of dccastd names it"};
+    default:
+      return {"what answers at " + address + " does not speak TLS",
+              "give the port of listen_tls; the log of dccastd names it"};
+  }
+}
+
+Diagnosis secure(const Socket& socket, const HostAndPort& to, const Endpoint& endpoint,
+                 const ProbeOptions& options, std::vector<std::string>& found) {
+  const Handshake hands = shake_hands(socket, to, endpoint.ca);
+  if (!hands.made) return no_handshake(to, endpoint.address, options);
+  found.push_back(std::string("it speaks ") + SSL_get_version(hands.session.get()));
+  if (endpoint.ca.empty())
+    return {"the server speaks TLS, and there is no login for " + endpoint.address + " here",
+            "log in with the line of `dccastd user add`: dccast login"};
+  if (const Diagnosis wrong = judge_certificate(hands.session.get(), to); !wrong.sound())
+    return wrong;
+  found.push_back("its certificate is good for " + to.host);
+  const unsigned char* protocol = nullptr;
+  unsigned size = 0;
+  SSL_get0_alpn_selected(hands.session.get(), &protocol, &size);
+  if (size != 2)
+    return {"what answers at " + endpoint.address + " speaks TLS, but not HTTP/2",
+            "give the port of listen_tls; a proxy in between has to let HTTP/2 through"};
+  return {};
+}
+
+std::string role_text(v1::Role role) {
+  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
+}
+
+/// With a call: token, version, role.
+Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
+               std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
+  Connection connection(endpoint, std::move(interruption));
+  connection.set_policy({.attempts = 1});
+  v1::WhoAmIResponse who;
+  const grpc::Status status = connection.try_call(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
+  if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
+    return {"the server is of an earlier version than this client, " + options.version +
+                ", and knows no users",
+            "use a client of the server's version"};
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED) {
+    const std::string& message = status.error_message();
+    const auto end = message.find("; ");
+    return {message.substr(0, end),
+            end == std::string::npos ? "log in again" : message.substr(end + 2)};
+  }
+  if (!status.ok())
+    return {"the server does not answer a call: " + reason_of(status), "look into its log"};
+  found.push_back("you are " + (who.name().empty() ? "a local user" : who.name()) + ", " +
+                  role_text(who.role()) + ", by " + who.proof());
+  v1::GetServerInfoResponse info;
+  if (connection.try_call(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
+      info.version() != options.version)
+    return {"the server is dccastd " + info.version() + ", and this client is dccast " +
+                options.version,
+            "use a client of the server's version"};
+  if (!options.role.empty() && who.role() < (options.role == "admin" ? v1::ADMIN : v1::SUBMITTER) &&
+      options.role != "viewer")
+    return {"the role of " + who.name() + " is " + role_text(who.role()) + ", which is below " +
+                options.role,
+            "ask an admin: dccastd user role " + who.name() + " " + options.role};
+  return {};
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
+                   std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
+  const std::string& address = endpoint.address;
+  if (const auto scheme = address.find("://"); scheme != std::string::npos)
+    return {
+        "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",
+        "write " + address.substr(scheme + 3) + " alone"};
+  const HostAndPort to = host_and_port(address);
+  if (to.port.empty())
+    return {"the address " + address + " names no port",
+            "write " + address + ":7118, or the port of listen_tls that the log of dccastd names"};
+  Socket socket;
+  std::string reason;
+  const auto outcome = socket.connect(to, options.timeout, reason);
+  if (outcome != Socket::Outcome::connected)
+    return without_connection(outcome, to, reason, options);
+  found.push_back("connected to " + address);
+  const Diagnosis wire = endpoint.is_plain() ? plain(socket, to, address, options, found)
+                                             : secure(socket, to, endpoint, options, found);
+  return wire.sound() ? call(endpoint, options, found, std::move(interruption)) : wire;
+}
+
+std::string certificate_with_fingerprint(const std::string& address, const std::string& fingerprint,
+                                         const ProbeOptions& options) {
+  const auto refuse = [](const Diagnosis& why) {
+    return CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
+  };
+  const HostAndPort to = host_and_port(address);
+  Socket socket;
+  std::string reason;
+  const auto outcome = socket.connect(to, options.timeout, reason);
+  if (outcome != Socket::Outcome::connected)
+    throw refuse(without_connection(outcome, to, reason, options));
+  const Handshake hands = shake_hands(socket, to, "");
+  if (!hands.made) throw refuse(no_handshake(to, address, options));
+  STACK_OF(X509)* chain = SSL_get_peer_cert_chain(hands.session.get());
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+    unsigned size = 0;
+    X509_digest(sk_X509_value(chain, i), EVP_sha256(), digest.data(), &size);
+    if (values::hexadecimal({digest.data(), size}) != fingerprint) continue;
+    const Bio bio(BIO_new(BIO_s_mem()));
+    PEM_write_bio_X509(bio.get(), sk_X509_value(chain, i));
+    char* bytes = nullptr;
+    const long length = BIO_get_mem_data(bio.get(), &bytes);
+    return {bytes, static_cast<std::size_t>(length)};
+  }
+  throw refuse({"the server at " + address +
+                    " does not show the CA with the fingerprint of the "
+                    "line: it is another server, or some program in between",
+                "do not go on; ask the admin who gave you the line"});
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,187 @@
+#include "client/session/servers.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+#include "client/session/probe.hpp"
+#include "client/session/socket.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* sha256_begins = "sha256:";
+
+std::string text(const toml::table& table, const char* key) {
+  return table[key].value_or(std::string());
+}
+
+StoredServer read(const toml::table& table) {
+  return {text(table, "name"),
+          {.address = text(table, "address"),
+           .ca = text(table, "ca"),
+           .token = text(table, "token"),
+           .certificate = text(table, "certificate"),
+           .key = text(table, "key")},
+          text(table, "user")};
+}
+
+toml::table table_of(const StoredServer& server) {
+  toml::table table;
+  const Endpoint& to = server.endpoint;
+  const std::array<std::pair<const char*, const std::string*>, 7> texts{
+      {{"name", &server.name},
+       {"address", &to.address},
+       {"user", &server.user},
+       {"token", &to.token},
+       {"certificate", &to.certificate},
+       {"key", &to.key},
+       {"ca", &to.ca}}};
+  for (const auto& [key, value] : texts)
+    if (!value->empty()) table.insert(key, *value);
+  return table;
+}
+
+std::string host_name() {
+  std::array<char, 200> name{};
+  ::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+[[noreturn]] void fail(const fs::path& file, const std::string& what) {
+  throw CommandFailed(ExitCode::invalid, file.string() + ": " + what);
+}
+
+bool is_loopback(const std::string& address) {
+  const std::string host = host_and_port(address).host;
+  return address.starts_with("unix:") || host == "localhost" || host == "::1" ||
+         host.starts_with("127.");
+}
+
+}  // namespace
+
+StoredServers::StoredServers(fs::path file) : file_(std::move(file)) {
+  std::error_code error;
+  if (file_.empty() || !fs::exists(file_, error)) return;
+  struct stat status;
+  if (::stat(file_.c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
+    fail(file_, "other users may read the tokens in it; chmod 600 " + file_.string());
+  try {
+    const toml::table all = toml::parse_file(file_.string());
+    if (const toml::array* servers = all["server"].as_array())
+      for (const toml::node& one : *servers)
+        if (one.is_table()) all_.push_back(read(*one.as_table()));
+  } catch (const toml::parse_error& error_in_file) {
+    fail(file_, "not valid TOML (" + std::string(error_in_file.description()) +
+                    "); remove it and log in again");
+  }
+}
+
+const StoredServer* StoredServers::find(const std::string& text) const {
+  for (const StoredServer& server : all_)
+    if (text.empty() || server.name == text || server.endpoint.address == text) return &server;
+  for (const StoredServer& server : all_)
+    if (host_and_port(server.endpoint.address).host == text) return &server;
+  return nullptr;
+}
+
+void StoredServers::store(const StoredServer& server, bool first) {
+  std::erase_if(all_, [&](const StoredServer& one) { return one.name == server.name; });
+  all_.insert(first ? all_.begin() : all_.end(), server);
+  write();
+}
+
+void StoredServers::remove(const std::string& name) {
+  std::erase_if(all_, [&](const StoredServer& one) { return one.name == name; });
+  write();
+}
+
+/// A new file in place of the old one, never readable by others.
+void StoredServers::write() const {
+  if (file_.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "there is no folder for the login: set HOME or XDG_CONFIG_HOME");
+  toml::array servers;
+  for (const StoredServer& server : all_) servers.push_back(table_of(server));
+  std::ostringstream content;
+  content << "# Written by dccast login; whoever reads it calls as you.\n"
+          << toml::table{{"server", servers}} << '\n';
+  std::error_code error;
+  fs::create_directories(file_.parent_path(), error);
+  const std::string whole = content.str(), part = file_.string() + ".part";
+  ::unlink(part.c_str());
+  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const bool written =
+      descriptor >= 0 &&
+      ::write(descriptor, whole.data(), whole.size()) == static_cast<ssize_t>(whole.size()) &&
+      ::fsync(descriptor) == 0;
+  const int reason = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (written && ::rename(part.c_str(), file_.c_str()) == 0) return;
+  ::unlink(part.c_str());
+  fail(file_, std::string("cannot be written: ") + std::strerror(written ? errno : reason));
+}
+
+Endpoint endpoint_of(const std::string& server) {
+  const Endpoint endpoint{.address = address_of(server)};
+  if (is_loopback(endpoint.address)) return endpoint;
+  throw CommandFailed(ExitCode::unreachable,
+                      "there is no login for " + endpoint.address +
+                          "; log in with the line of `dccastd user add`: dccast login. Why a "
+                          "connection fails: dccast doctor " +
+                          endpoint.address);
+}
+
+EnrolmentLine read_enrolment_line(const std::string& line) {
+  std::string words = line;
+  while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
+  if (const auto blank = words.find_last_of(" \t"); blank != std::string::npos)
+    words = words.substr(blank + 1);  // "dccast login LINE" as it was printed
+  const auto first = words.find('/');
+  const auto second = first == std::string::npos ? first : words.find('/', first + 1);
+  const std::string fingerprint =
+      second == std::string::npos ? "" : words.substr(first + 1, second - first - 1);
+  constexpr std::size_t digits = 64;
+  if (!fingerprint.starts_with(sha256_begins) ||
+      fingerprint.size() != std::strlen(sha256_begins) + digits)
+    throw CommandFailed(ExitCode::invalid, "\"" + values::escaped(values::shortened(line)) +
+                                               "\" is not the line of `dccastd user add`: "
+                                               "HOST:PORT/sha256:FINGERPRINT/SECRET");
+  return {words.substr(0, first), fingerprint.substr(std::strlen(sha256_begins)),
+          words.substr(second + 1)};
+}
+
+StoredServer log_in(const EnrolmentLine& line, const std::string& name,
+                    std::shared_ptr<Interruption> interruption) {
+  StoredServer server{name, {.address = line.address}, ""};
+  server.endpoint.ca = certificate_with_fingerprint(line.address, line.fingerprint, {});
+  // Not repeated: a secret that was used is worth nothing.
+  Connection connection(server.endpoint, interruption);
+  v1::EnrolRequest request;
+  request.set_secret(line.secret);
+  request.set_machine(host_name());
+  v1::EnrolResponse response;
+  const grpc::Status status = connection.try_once(&Stub::Enrol, request, response);
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    std::vector<std::string> found;
+    const Diagnosis why = diagnose(server.endpoint, {}, found, interruption);
+    if (!why.sound()) throw CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
+  }
+  check(status, line.address);
+  server.endpoint.token = response.token();
+  server.user = response.user().name();
+  return server;
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+namespace dccast::client {
+
+/// "casthouse:7118" or "[::1]:7118" in its parts; the port may be empty.
+struct HostAndPort {
+  std::string host;  ///< without brackets
+  std::string port;
+};
+HostAndPort host_and_port(const std::string& address);
+
+/// A TCP connection with a time limit for each step. Neither gRPC nor a proxy is involved.
+class Socket {
+public:
+  enum class Outcome { connected, no_name, refused, timed_out, no_route, failed };
+
+  Socket() = default;
+  Socket(const Socket&) = delete;
+  Socket(Socket&& other) noexcept;
+  ~Socket();
+
+  /// @param reason  is set to the system's words if it is not connected
+  Outcome connect(const HostAndPort& to, std::chrono::milliseconds timeout, std::string& reason);
+  /// What arrives within the time limit, up to 64 bytes, after `sent` was sent.
+  std::string exchange(const std::string& sent);
+  int descriptor() const { return descriptor_; }
+
+private:
+  int descriptor_ = -1;
+};
+
+}  // namespace dccast::client

@@ -1,0 +1,91 @@
+#include "server/access/audit.hpp"
+
+#include <fcntl.h>
+#include <google/protobuf/util/json_util.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <ostream>
+
+#include "core/storage/storage_error.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::access {
+
+namespace {
+
+constexpr std::size_t longest_text = 300;  // of each field: a line stays below one block
+
+std::filesystem::path log_of(const std::filesystem::path& directory) {
+  return directory / "audit.log";
+}
+
+std::string time_now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  tm utc{};
+  ::gmtime_r(&now.tv_sec, &utc);
+  char text[32], all[40];
+  ::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+  ::snprintf(all, sizeof all, "%s.%03ldZ", text, now.tv_nsec / 1'000'000);
+  return all;
+}
+
+google::protobuf::util::JsonPrintOptions names_as_in_the_schema() {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  return options;
+}
+
+/// What comes from outside is one printable line, and not long.
+void make_inert(v1::AuditEvent& event) {
+  const auto* reflection = event.GetReflection();
+  for (int i = 0; i < event.descriptor()->field_count(); ++i) {
+    const auto* field = event.descriptor()->field(i);
+    const std::string text = reflection->GetString(event, field);
+    reflection->SetString(&event, field, values::shortened(values::escaped(text), longest_text));
+  }
+}
+
+bool passes(const v1::AuditEvent& event, const AuditFilter& filter) {
+  return (filter.user.empty() || event.user() == filter.user) &&
+         (filter.job.empty() || event.job().starts_with(filter.job)) &&
+         (filter.call.empty() || event.call() == filter.call) && event.time() >= filter.since;
+}
+
+}  // namespace
+
+AuditLog::AuditLog(const std::filesystem::path& directory)
+    : file_(log_of(directory), O_WRONLY | O_APPEND | O_CREAT, storage::owner_only) {}
+
+void AuditLog::append(v1::AuditEvent event) {
+  event.set_time(time_now());
+  make_inert(event);
+  std::string line;
+  const auto written =
+      google::protobuf::util::MessageToJsonString(event, &line, names_as_in_the_schema());
+  if (!written.ok()) line = "{\"reason\":\"an event that is no JSON\"}";
+  line += '\n';
+  if (::write(file_.descriptor(), line.data(), line.size()) != static_cast<ssize_t>(line.size()))
+    throw storage::StorageError(errno, file_.path().string(), "cannot be written");
+}
+
+std::size_t print_audit(const std::filesystem::path& directory, const AuditFilter& filter,
+                        std::ostream& out) {
+  std::ifstream in(log_of(directory));
+  if (!in) throw storage::StorageError(errno, log_of(directory).string(), "cannot be read");
+  std::size_t printed = 0;
+  for (std::string line; std::getline(in, line);) {
+    v1::AuditEvent event;
+    // A line that a full disk has cut is shown, too: it is part of what happened.
+    const bool whole = google::protobuf::util::JsonStringToMessage(line, &event).ok();
+    if (whole && !passes(event, filter)) continue;
+    out << (whole ? line : values::escaped(line)) << '\n';
+    ++printed;
+  }
+  return printed;
+}
+
+}  // namespace dccast::access

@@ -1,0 +1,280 @@
+#include "server/access/certificates.hpp"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+#include <openssl/bio.h>
+#include <openssl/ec.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/rand.h>
+#include <openssl/x509v3.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
+#include "server/access/users.hpp"
+
+namespace dccast::access {
+
+namespace {
+
+template <auto Free>
+struct Freed {
+  template <typename Thing>
+  void operator()(Thing* thing) const {
+    Free(thing);
+  }
+};
+using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
+using X509Pointer = std::unique_ptr<X509, Freed<X509_free>>;
+using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
+
+constexpr int ca_days = 3650;
+// A desk whose clock is somewhat behind takes a new certificate, too.
+constexpr long begins_before_s = 3600;
+
+[[noreturn]] void fail(const std::string& what) {
+  std::array<char, 256> reason{};
+  ERR_error_string_n(ERR_get_error(), reason.data(), reason.size());
+  throw Refused(what + ": " + reason.data());
+}
+
+std::string content_of(BIO* bio) {
+  char* bytes = nullptr;
+  const long size = BIO_get_mem_data(bio, &bytes);
+  return {bytes, static_cast<std::size_t>(size)};
+}
+
+std::string pem_of(X509* certificate) {
+  const Bio bio(BIO_new(BIO_s_mem()));
+  PEM_write_bio_X509(bio.get(), certificate);
+  return content_of(bio.get());
+}
+
+std::string pem_of(EVP_PKEY* key) {
+  const Bio bio(BIO_new(BIO_s_mem()));
+  PEM_write_bio_PrivateKey(bio.get(), key, nullptr, nullptr, 0, nullptr, nullptr);
+  return content_of(bio.get());
+}
+
+Bio reader_of(const std::string& text) {
+  return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+X509Pointer parse(const std::string& pem, const std::string& where) {
+  X509Pointer certificate(PEM_read_bio_X509(reader_of(pem).get(), nullptr, nullptr, nullptr));
+  if (!certificate) fail(where + " holds no certificate in PEM form");
+  return certificate;
+}
+
+void extend(X509* certificate, X509* issuer, int kind, const std::string& value) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, issuer, certificate, nullptr, nullptr, 0);
+  X509_EXTENSION* extension = X509V3_EXT_conf_nid(nullptr, &context, kind, value.c_str());
+  if (extension == nullptr) fail("a certificate cannot state " + value);
+  X509_add_ext(certificate, extension, -1);
+  X509_EXTENSION_free(extension);
+}
+
+struct Wanted {
+  std::string name;
+  int days = 0;
+  std::vector<std::pair<int, std::string>> extensions;
+};
+
+/// A certificate for `key`. @param issuer, issuer_key  null: signs itself
+X509Pointer make(const Wanted& wanted, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key) {
+  X509Pointer made(X509_new());
+  X509_set_version(made.get(), 2);
+  std::array<unsigned char, 16> serial;
+  if (RAND_bytes(serial.data(), serial.size()) != 1) fail("no random numbers");
+  serial[0] &= 0x7f;  // a serial number is positive
+  BIGNUM* number = BN_bin2bn(serial.data(), serial.size(), nullptr);
+  BN_to_ASN1_INTEGER(number, X509_get_serialNumber(made.get()));
+  BN_free(number);
+  X509_gmtime_adj(X509_getm_notBefore(made.get()), -begins_before_s);
+  X509_time_adj_ex(X509_getm_notAfter(made.get()), wanted.days, 0, nullptr);
+  X509_set_pubkey(made.get(), key);
+  X509_NAME* subject = X509_get_subject_name(made.get());
+  X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_UTF8,
+                             reinterpret_cast<const unsigned char*>(wanted.name.c_str()), -1, -1,
+                             0);
+  X509_set_issuer_name(made.get(), issuer ? X509_get_subject_name(issuer) : subject);
+  for (const auto& [kind, value] : wanted.extensions)
+    extend(made.get(), issuer ? issuer : made.get(), kind, value);
+  if (X509_sign(made.get(), issuer_key ? issuer_key : key, EVP_sha256()) == 0)
+    fail("a certificate cannot be signed");
+  return made;
+}
+
+bool is_address(const std::string& name) {
+  std::array<unsigned char, 16> bytes;
+  return ::inet_pton(AF_INET, name.c_str(), bytes.data()) == 1 ||
+         ::inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
+}
+
+std::string alternative_names(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    if (name.empty() || name.find_first_of(",: \n") != std::string::npos) {
+      if (!is_address(name)) throw Refused("\"" + name + "\" is no name of a host");
+    }
+    text += (text.empty() ? "" : ",") + std::string(is_address(name) ? "IP:" : "DNS:") + name;
+  }
+  return text;
+}
+
+std::int64_t unix_time(const ASN1_TIME* time) {
+  tm parts{};
+  ASN1_TIME_to_tm(time, &parts);
+  return ::timegm(&parts);
+}
+
+std::string text_of(const GENERAL_NAME& name) {
+  if (name.type == GEN_DNS) {
+    const ASN1_STRING* text = name.d.dNSName;
+    return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
+            static_cast<std::size_t>(ASN1_STRING_length(text))};
+  }
+  if (name.type != GEN_IPADD) return "";
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  const int family = ASN1_STRING_length(name.d.iPAddress) == 4 ? AF_INET : AF_INET6;
+  ::inet_ntop(family, ASN1_STRING_get0_data(name.d.iPAddress), text.data(), text.size());
+  return text.data();
+}
+
+std::vector<std::string> names_of(X509* certificate) {
+  auto* all = static_cast<GENERAL_NAMES*>(
+      X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
+  std::vector<std::string> names;
+  for (int i = 0; i < sk_GENERAL_NAME_num(all); ++i)
+    if (std::string name = text_of(*sk_GENERAL_NAME_value(all, i)); !name.empty())
+      names.push_back(std::move(name));
+  GENERAL_NAMES_free(all);
+  return names;
+}
+
+struct Issuer {
+  X509Pointer certificate;
+  Key key;
+};
+
+Issuer read_issuer(const std::filesystem::path& certificate, const std::filesystem::path& key) {
+  const std::string text = storage::read_file(key);
+  Issuer issuer{parse(storage::read_file(certificate), certificate.string()),
+                Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
+  if (!issuer.key) fail(key.string() + " holds no private key");
+  return issuer;
+}
+
+Key new_key() {
+  Key key(EVP_EC_gen("P-256"));
+  if (!key) fail("no key can be made");
+  return key;
+}
+
+}  // namespace
+
+Certificate read_certificate(const std::string& pem, const std::string& where) {
+  const X509Pointer parsed = parse(pem, where);
+  Certificate certificate;
+  std::array<char, 256> name{};
+  X509_NAME_get_text_by_NID(X509_get_subject_name(parsed.get()), NID_commonName, name.data(),
+                            name.size());
+  certificate.name = name.data();
+  certificate.names = names_of(parsed.get());
+  certificate.begins_unix = unix_time(X509_get0_notBefore(parsed.get()));
+  certificate.ends_unix = unix_time(X509_get0_notAfter(parsed.get()));
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+  unsigned size = 0;
+  X509_digest(parsed.get(), EVP_sha256(), digest.data(), &size);
+  certificate.sha256 = values::hexadecimal({digest.data(), size});
+  return certificate;
+}
+
+bool Pki::exists() const {
+  std::error_code error;
+  return std::filesystem::exists(ca_key(), error);
+}
+
+void Pki::init() const {
+  if (exists())
+    throw Refused("there is a CA in " + directory_.string() +
+                  " already; remove that folder to begin anew: all clients then log in again");
+  std::filesystem::create_directories(directory_);
+  std::filesystem::permissions(directory_, std::filesystem::perms::owner_all);
+  const Key key = new_key();
+  // The name tells CAs of several daemons apart; trust rests on the fingerprint.
+  const std::string name = "dccast CA " + values::random_hexadecimal(4);
+  const X509Pointer ca = make({name,
+                               ca_days,
+                               {{NID_basic_constraints, "critical,CA:TRUE,pathlen:0"},
+                                {NID_key_usage, "critical,keyCertSign,cRLSign"},
+                                {NID_subject_key_identifier, "hash"}}},
+                              key.get(), nullptr, nullptr);
+  storage::replace_file(this->ca(), pem_of(ca.get()));
+  storage::replace_file(ca_key(), pem_of(key.get()));
+}
+
+void Pki::issue_server(const std::vector<std::string>& names, int days) const {
+  if (names.empty()) throw Refused("a certificate of a server needs a name");
+  const Issuer issuer = read_issuer(ca(), ca_key());
+  const Key key = new_key();
+  const X509Pointer made = make({names.front().substr(0, 64),
+                                 days,
+                                 {{NID_basic_constraints, "critical,CA:FALSE"},
+                                  {NID_key_usage, "critical,digitalSignature"},
+                                  {NID_ext_key_usage, "serverAuth"},
+                                  {NID_authority_key_identifier, "keyid"},
+                                  {NID_subject_alt_name, alternative_names(names)}}},
+                                key.get(), issuer.certificate.get(), issuer.key.get());
+  storage::replace_file(server_key(), pem_of(key.get()));
+  // With the CA behind it a client sees whose fingerprint it has, before it trusts anything.
+  storage::replace_file(server(), pem_of(made.get()) + pem_of(issuer.certificate.get()));
+}
+
+void Pki::issue_user(const std::string& user, int days,
+                     const std::filesystem::path& directory) const {
+  const Issuer issuer = read_issuer(ca(), ca_key());
+  const Key key = new_key();
+  const X509Pointer made = make({user,
+                                 days,
+                                 {{NID_basic_constraints, "critical,CA:FALSE"},
+                                  {NID_key_usage, "critical,digitalSignature"},
+                                  {NID_ext_key_usage, "clientAuth"},
+                                  {NID_authority_key_identifier, "keyid"}}},
+                                key.get(), issuer.certificate.get(), issuer.key.get());
+  storage::replace_file(directory / (user + ".key"), pem_of(key.get()));
+  storage::replace_file(directory / (user + ".pem"), pem_of(made.get()));
+}
+
+std::vector<std::string> names_of_this_machine() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  std::vector<std::string> names{host.data(), "localhost"};
+  ifaddrs* all = nullptr;
+  if (::getifaddrs(&all) != 0) return names;
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr) continue;
+    const int family = one->ifa_addr->sa_family;
+    const void* bytes = nullptr;
+    if (family == AF_INET) bytes = &reinterpret_cast<sockaddr_in*>(one->ifa_addr)->sin_addr;
+    if (family == AF_INET6) bytes = &reinterpret_cast<sockaddr_in6*>(one->ifa_addr)->sin6_addr;
+    std::array<char, INET6_ADDRSTRLEN> text{};
+    if (bytes == nullptr) continue;
+    ::inet_ntop(family, bytes, text.data(), text.size());
+    const std::string name = text.data();
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  ::freeifaddrs(all);
+  return names;
+}
+
+}  // namespace dccast::access

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace dccast::access {
+
+/// So many calls a second, each user on its own: a bucket that holds ten seconds' worth. Safe to
+/// use from several threads.
+class CallRate {
+public:
+  using Time = std::chrono::steady_clock::time_point;
+  explicit CallRate(double per_s) : per_s_(per_s) {}
+  double per_s() const { return per_s_; }
+  /// @return whether one more call of `who` is permitted now
+  bool take(const std::string& who, Time now);
+
+private:
+  struct Bucket {
+    double left = 0.0;
+    Time seen{};
+  };
+  const double per_s_;
+  std::mutex mutex_;
+  std::map<std::string, Bucket> buckets_;
+};
+
+/// How many of something are open, in all and for each user. Safe to use from several threads.
+class OpenCount {
+public:
+  OpenCount(std::size_t most, std::size_t most_per_user)
+      : most_(most), most_per_user_(most_per_user) {}
+  /// @return which limit refuses one more; empty where it was counted, until leave()
+  std::string enter(const std::string& who, const std::string& what);
+  void leave(const std::string& who);
+
+private:
+  const std::size_t most_, most_per_user_;
+  std::mutex mutex_;
+  std::size_t all_ = 0;
+  std::map<std::string, std::size_t> of_;
+};
+
+}  // namespace dccast::access

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/access.pb.h"
+#include "server/access/users.hpp"
+
+namespace dccast::access {
+
+/// How it is known who calls.
+enum class ProvenBy { local_user, token, certificate };
+std::string text_of(ProvenBy proof);
+
+struct Caller {
+  std::string name;  ///< empty where the system does not know the local user
+  v1::Role role = v1::ROLE_UNSPECIFIED;
+  ProvenBy by = ProvenBy::local_user;
+  std::string credential{};       ///< id of the token
+  std::int64_t expires_unix = 0;  ///< of token or certificate [s since 1970]; 0: never
+  std::string refusal{};          ///< why no one was proved: a sentence with the remedy
+};
+
+/// A call of service.proto with what it requires.
+struct CallRule {
+  std::string name;  ///< "CancelJob"
+  v1::CallAccess access;
+};
+
+/// The rule of the call whose request this is: no two calls have the same. A request that no call
+/// has requires an admin.
+const CallRule& rule_of(const google::protobuf::Descriptor& request);
+
+/// Who callers are and what they may do, by the list of users and the settings.
+class Authority {
+public:
+  struct Policy {
+    v1::Role local_role = v1::SUBMITTER;  ///< of local users who are not listed
+    std::string own_user{};               ///< of the daemon: admin like root
+    bool reads_own_only = false;          ///< whoever is no admin
+  };
+
+  Authority(UserStore& users, Policy policy) : users_(users), policy_(std::move(policy)) {}
+
+  Caller local_user(const std::string& name);
+  Caller by_token(const std::string& token, std::int64_t now);
+  /// @param name  the common name of a certificate whose chain was verified
+  Caller by_certificate(const std::string& name, std::int64_t expires, std::int64_t now);
+
+  /// Why a caller who was proved is one no longer; empty while nothing has changed. For calls that
+  /// last.
+  std::string lapse(const Caller& caller, std::int64_t now);
+
+  /// Why the role does not permit the call; empty where it does.
+  std::string role_fault(const Caller& caller, const CallRule& rule);
+  /// Why a job or study of `owner` is not to be touched so; empty where it is.
+  /// @param what  "job" or "study", with its id
+  std::string owner_fault(const Caller& caller, const CallRule& rule, const std::string& owner,
+                          const std::string& what);
+  /// Whether lists, too, are of the caller's own alone.
+  bool reads_own_only(const Caller& caller) const {
+    return policy_.reads_own_only && caller.role < v1::ADMIN;
+  }
+
+  UserStore& users() { return users_; }
+
+private:
+  std::string whom_to_ask();
+
+  UserStore& users_;
+  const Policy policy_;
+};
+
+}  // namespace dccast::access

@@ -1,0 +1,189 @@
+#include "server/service/gate.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "server/jobs/log.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+constexpr std::chrono::milliseconds between_looks{200};
+constexpr double recorded_refusals_per_s =
+    10.0;  // a peer that guesses tokens must not fill the disk
+
+const char* name_of(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::OK:
+      return "OK";
+    case grpc::StatusCode::UNAUTHENTICATED:
+      return "UNAUTHENTICATED";
+    case grpc::StatusCode::PERMISSION_DENIED:
+      return "PERMISSION_DENIED";
+    case grpc::StatusCode::INVALID_ARGUMENT:
+      return "INVALID_ARGUMENT";
+    case grpc::StatusCode::NOT_FOUND:
+      return "NOT_FOUND";
+    case grpc::StatusCode::FAILED_PRECONDITION:
+      return "FAILED_PRECONDITION";
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return "RESOURCE_EXHAUSTED";
+    default:
+      return "FAILED";
+  }
+}
+
+/// The address without its port: connections of one machine share a limit.
+std::string host_of(const std::string& peer) {
+  return peer.substr(0, peer.rfind(':'));
+}
+
+grpc::Status unauthenticated(const std::string& why) {
+  return {grpc::StatusCode::UNAUTHENTICATED, why};
+}
+
+bool is_refusal(grpc::StatusCode code) {
+  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED;
+}
+
+}  // namespace
+
+std::int64_t unix_now() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits,
+           Owners owners, std::string address)
+    : authority_(authority),
+      audit_(audit),
+      local_users_(std::move(address)),
+      owners_(std::move(owners)),
+      rate_(limits.calls_per_s),
+      unproven_rate_(limits.calls_per_s / 10.0),
+      recorded_refusals_(recorded_refusals_per_s),
+      streams_(limits.streams, limits.streams_per_user),
+      watcher_([this] { watch_for_lapses(); }) {}
+
+Gate::~Gate() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+  watcher_.join();
+}
+
+access::Caller Gate::identify(const Shown& shown) {
+  if (!shown.over_tls) return authority_.local_user(local_users_.name_of(shown.peer));
+  if (!shown.token.empty()) return authority_.by_token(shown.token, unix_now());
+  if (!shown.certificate_name.empty())
+    return authority_.by_certificate(shown.certificate_name, shown.certificate_ends_unix,
+                                     unix_now());
+  return {.by = access::ProvenBy::token,
+          .refusal =
+              "this call has no token; log in first: dccast login, with the line of "
+              "`dccastd user add`"};
+}
+
+grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,
+                          const std::string& peer) {
+  const bool proven = caller.refusal.empty();
+  const std::string who = proven && !caller.name.empty() ? caller.name : host_of(peer);
+  access::CallRate& rate = proven ? rate_ : unproven_rate_;
+  if (!rate.take(who, std::chrono::steady_clock::now()))
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+            who + " makes more calls a second than maximum_calls_per_s = " +
+                std::to_string(rate_.per_s()) + " permits " +
+                (proven ? "one user" : "one who has proved nothing (a tenth of it)") +
+                "; wait a moment, then try again"};
+  if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
+  if (!proven) return unauthenticated(caller.refusal);
+  if (const std::string fault = authority_.role_fault(caller, rule); !fault.empty())
+    return {grpc::StatusCode::PERMISSION_DENIED, fault};
+  return grpc::Status::OK;
+}
+
+grpc::Status Gate::permit_touch(const access::Caller& caller, const access::CallRule& rule,
+                                const std::string& id) {
+  const v1::Touches touches = rule.access.touches();
+  const bool changes = touches == v1::CHANGES_JOB || touches == v1::CHANGES_STUDY;
+  if (touches == v1::NOTHING || caller.role >= v1::ADMIN) return grpc::Status::OK;
+  if (!changes && !authority_.reads_own_only(caller)) return grpc::Status::OK;
+  const bool of_study = touches == v1::READS_STUDY || touches == v1::CHANGES_STUDY;
+  const auto owner = (of_study ? owners_.study : owners_.job)(id);
+  if (!owner) return grpc::Status::OK;  // the call finds that out itself
+  const std::string fault =
+      authority_.owner_fault(caller, rule, *owner, (of_study ? "study " : "job ") + id);
+  if (fault.empty()) return grpc::Status::OK;
+  return {grpc::StatusCode::PERMISSION_DENIED, fault};
+}
+
+grpc::Status Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
+  if (const std::string limit = streams_.enter(caller.name, "streams"); !limit.empty())
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, limit + "; end one, then try again"};
+  const std::lock_guard lock(mutex_);
+  std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
+  lasting_.push_back({caller, std::move(stream)});
+  return grpc::Status::OK;
+}
+
+void Gate::leave(const access::Caller& caller) {
+  streams_.leave(caller.name);
+}
+
+/// A look at the file of users costs a stat: five a second make a revocation hold at once for
+/// people.
+void Gate::watch_for_lapses() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, between_looks, [this] { return ended_; })) {
+    if (lasting_.empty()) continue;
+    lock.unlock();
+    try {
+      end_lapsed(unix_now());
+    } catch (const std::exception& error) {
+      log::error("{}", error.what());
+    }
+    lock.lock();
+  }
+}
+
+void Gate::end_lapsed(std::int64_t now) {
+  std::vector<Lasting> all;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
+    all = lasting_;
+  }
+  for (const Lasting& one : all) {
+    const std::string why = authority_.lapse(one.caller, now);
+    if (why.empty()) continue;
+    if (const auto stream = one.stream.lock()) stream->lapse(unauthenticated(why));
+  }
+}
+
+void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
+                  const std::string& peer, const grpc::Status& status) {
+  const bool refused = is_refusal(status.error_code());
+  const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
+  if (reads && !refused) return;
+  if (refused && !recorded_refusals_.take("", std::chrono::steady_clock::now())) return;
+  if (event.user().empty()) event.set_user(caller.name);
+  if (caller.refusal.empty()) {
+    event.set_role(access::text_of(caller.role));
+    event.set_proof(access::text_of(caller.by));
+  }
+  event.set_from(peer);
+  event.set_call(rule.name);
+  event.set_outcome(name_of(status.error_code()));
+  if (!status.ok()) event.set_reason(status.error_message());
+  try {
+    audit_.append(std::move(event));
+  } catch (const std::exception& error) {
+    log::error("{}", error.what());  // what was done is done: the log has it
+  }
+}
+
+}  // namespace dccast::service

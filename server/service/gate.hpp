@@ -1,0 +1,100 @@
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/access/audit.hpp"
+#include "server/access/limits.hpp"
+#include "server/access/rules.hpp"
+#include "server/service/local_users.hpp"
+
+namespace dccast::service {
+
+/// A call that lasts: it is ended when its caller is one no longer.
+class LastingCall {
+public:
+  virtual ~LastingCall() = default;
+  virtual void lapse(const grpc::Status& status) = 0;
+};
+
+/// What a client has shown of itself with a call.
+struct Shown {
+  std::string peer;       ///< as gRPC writes it
+  bool over_tls = false;  ///< else over loopback
+  std::string token{};
+  std::string certificate_name{};          ///< verified; empty: none
+  std::int64_t certificate_ends_unix = 0;  ///< [s since 1970]
+};
+
+/// Who owns a job or study; nothing where there is none.
+using OwnerOf = std::function<std::optional<std::string>(const std::string& id)>;
+
+/// What every call passes: who calls, what the role permits, whose the job is, the limits on calls
+/// and streams, and the audit log. Safe to use from several threads.
+class Gate {
+public:
+  struct Limits {
+    double calls_per_s = 1000.0;  ///< of one user
+    std::size_t streams = 2000, streams_per_user = 1000;
+  };
+  struct Owners {
+    OwnerOf job, study;
+  };
+
+  /// @param address  where local users call
+  Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners,
+       std::string address);
+  ~Gate();
+
+  /// Looks local users up, which may wait; others are judged at once.
+  access::Caller identify(const Shown& shown);
+  /// Role and rate.
+  grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,
+                      const std::string& peer);
+  /// Owner of the job or study with this id; OK where there is none. Reads the store.
+  grpc::Status permit_touch(const access::Caller& caller, const access::CallRule& rule,
+                            const std::string& id);
+
+  /// Counts a stream, and ends it once its caller has lapsed; leave() undoes the first.
+  grpc::Status enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
+  void leave(const access::Caller& caller);
+
+  void record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
+              const std::string& peer, const grpc::Status& status);
+
+  access::Authority& authority() { return authority_; }
+
+private:
+  struct Lasting {
+    access::Caller caller;
+    std::weak_ptr<LastingCall> stream;
+  };
+  void watch_for_lapses();
+  void end_lapsed(std::int64_t now);
+
+  access::Authority& authority_;
+  access::AuditLog& audit_;
+  LocalUsers local_users_;
+  const Owners owners_;
+  access::CallRate rate_, unproven_rate_, recorded_refusals_;
+  access::OpenCount streams_;
+  std::mutex mutex_;  ///< of all below
+  std::condition_variable changed_;
+  bool ended_ = false;
+  std::vector<Lasting> lasting_;
+  std::thread watcher_;
+};
+
+/// Seconds since 1970, as tokens and certificates count.
+std::int64_t unix_now();
+
+}  // namespace dccast::service

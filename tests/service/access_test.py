@@ -1,0 +1,433 @@
+"""Users of other machines: lines, tokens, roles, owners, TLS, certificates, limits, the audit log."""
+import contextlib
+import json
+import os
+import re
+import socket
+import stat
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+import grpc
+
+from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc
+from support import BIN, Daemon, ServiceTest, fake_case as fake, until
+
+NOBODY = 65534
+
+
+class Remote:
+    """A client over TLS as python3-grpc makes one: with a token, a certificate, or neither."""
+
+    def __init__(self, daemon, token="", certificate=None):
+        own = os.path.join(daemon.settings["data_directory"], "pki", "ca.pem")
+        with open(daemon.settings.get("certificate_ca", own), "rb") as file:
+            ca = file.read()
+        key, chain = certificate or (None, None)
+        credentials = grpc.ssl_channel_credentials(ca, key, chain)
+        if token:
+            credentials = grpc.composite_channel_credentials(
+                credentials, grpc.access_token_call_credentials(token))
+        self.channel = grpc.secure_channel(daemon.tls_address, credentials,
+                                           [("grpc.enable_http_proxy", 0)])
+        self.stub = service_pb2_grpc.SimulationServiceStub(self.channel)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *unused):
+        self.channel.close()
+
+
+class AccessTest(ServiceTest):
+    """A daemon that listens over TLS, too."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="dccast-service-")
+        self.daemon = Daemon(self.folder)
+        self.clients = []
+
+    def start(self, **settings):
+        settings.setdefault("listen_tls", "127.0.0.2:0")
+        settings.setdefault("public_address", "127.0.0.2:7118")
+        self.daemon = Daemon(self.folder, **settings).start()
+        return self.daemon
+
+    def admin(self, *words, code=0):
+        command = [os.path.join(BIN, "dccastd"), *words]
+        for key, value in self.daemon.settings.items():
+            command += ["--set", f"{key}={value}"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def secret_of(self, text):
+        return re.search(r"dccast-enrol-\w+-\w+", text)[0]
+
+    def token_of(self, name, role="submitter"):
+        secret = self.secret_of(self.admin("user", "add", name, "--role", role))
+        with Remote(self.daemon) as client:
+            return client.stub.Enrol(
+                service_pb2.EnrolRequest(secret=secret, machine="desk"), timeout=10).token
+
+    def remote(self, token="", certificate=None):
+        client = Remote(self.daemon, token, certificate)
+        self.addCleanup(client.channel.close)
+        return client.stub
+
+    def local(self):
+        channel = grpc.insecure_channel(self.daemon.address, [("grpc.enable_http_proxy", 0)])
+        self.addCleanup(channel.close)
+        return service_pb2_grpc.SimulationServiceStub(channel)
+
+    def refusal(self, code, call, request):
+        return self.refused(code, call, request, timeout=10).details()
+
+    def submit(self, stub, words="steps=3"):
+        return stub.SubmitJob(service_pb2.SubmitJobRequest(case=fake(words)), timeout=20)
+
+    def audit(self, *filters):
+        return [json.loads(line) for line in self.admin("audit", *filters).splitlines()]
+
+
+class Tokens(AccessTest):
+    def test_a_line_buys_one_token_and_the_token_makes_the_owner(self):
+        self.start()
+        secret = self.secret_of(self.admin("user", "add", "anna", "--role", "submitter"))
+        enrol = service_pb2.EnrolRequest(secret=secret, machine="desk")
+        answer = self.remote().Enrol(enrol, timeout=10)
+        self.assertEqual(answer.user.name, "anna")
+        self.assertEqual(answer.user.role, access_pb2.SUBMITTER)
+        self.refusal(grpc.StatusCode.UNAUTHENTICATED, self.remote().Enrol, enrol)
+        anna = self.remote(answer.token)
+        self.assertEqual(anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10).proof, "token")
+        self.assertEqual(self.submit(anna).owner, "anna")
+        self.assertIn("desk", self.admin("user", "list"))
+
+    def test_without_a_right_token_nothing_is_answered(self):
+        self.start()
+        info = service_pb2.GetServerInfoRequest()
+        for token in ("", "dccast-token-" + "0" * 16 + "-" + "0" * 64, "x", "x" * 5000):
+            details = self.refusal(grpc.StatusCode.UNAUTHENTICATED,
+                                   self.remote(token).GetServerInfo, info)
+            self.assertIn("dccast login", details)
+
+    def test_what_a_command_changes_holds_at_once(self):
+        self.start()
+        token = self.token_of("anna")
+        anna = self.remote(token)
+        self.submit(anna)
+        self.admin("user", "role", "anna", "viewer")
+        details = self.refusal(grpc.StatusCode.PERMISSION_DENIED, anna.SubmitJob,
+                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
+        for part in ("anna has the role viewer", "SubmitJob needs submitter", "root"):
+            self.assertIn(part, details)
+        self.admin("user", "disable", "anna")
+        self.assertIn("disabled", self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.ListJobs,
+                                               service_pb2.ListJobsRequest()))
+        self.admin("user", "enable", "anna")
+        anna.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        self.admin("user", "rotate", "anna")
+        self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.ListJobs, service_pb2.ListJobsRequest())
+
+    def test_a_token_expires(self):
+        self.start(token_lifetime="2 s")
+        anna = self.remote(self.token_of("anna"))
+        anna.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        until(lambda: self.is_refused(anna), 10)
+        self.assertIn("expired", self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.ListJobs,
+                                              service_pb2.ListJobsRequest()))
+
+    def is_refused(self, stub):
+        try:
+            stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        except grpc.RpcError as error:
+            return error.code() == grpc.StatusCode.UNAUTHENTICATED
+        return False
+
+    def test_a_user_takes_the_token_back(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        anna.RevokeToken(service_pb2.RevokeTokenRequest(), timeout=10)
+        self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.WhoAmI, service_pb2.WhoAmIRequest())
+        self.refusal(grpc.StatusCode.FAILED_PRECONDITION, self.local().RevokeToken,
+                     service_pb2.RevokeTokenRequest())
+
+
+class Lapses(AccessTest):
+    """A watch ends when its caller is one no longer; the job goes on."""
+
+    def watch(self, stub, job):
+        ended = {}
+
+        def follow():
+            try:
+                for event in stub.WatchJob(service_pb2.WatchJobRequest(id=job.id), timeout=60):
+                    ended.setdefault("events", []).append(event)
+            except grpc.RpcError as error:
+                ended["code"], ended["details"] = error.code(), error.details()
+
+        thread = threading.Thread(target=follow)
+        thread.start()
+        self.addCleanup(thread.join)
+        until(lambda: ended.get("events"), 20)
+        return ended
+
+    def lapses(self, ended, job):
+        until(lambda: "code" in ended, 15)
+        self.assertEqual(ended["code"], grpc.StatusCode.UNAUTHENTICATED)
+        found = self.local().GetJob(service_pb2.GetJobRequest(id=job.id), timeout=10)
+        self.assertEqual(found.state, job_pb2.RUNNING)
+        self.local().CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
+        return ended["details"]
+
+    def test_a_revoked_token_ends_its_watch(self):
+        self.start()
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        job = self.submit(anna, "steps=100000 sleep_ms=20")
+        of_anna, of_bert = self.watch(anna, job), self.watch(bert, job)
+        self.admin("user", "rotate", "anna")
+        self.assertIn("revoked", self.lapses(of_anna, job))
+        until(lambda: of_bert["events"][-1].HasField("state_change") or "code" in of_bert, 20)
+        self.assertNotEqual(of_bert.get("code"), grpc.StatusCode.UNAUTHENTICATED)
+
+    def test_a_token_that_expires_ends_its_watch(self):
+        self.start(token_lifetime="4 s")
+        anna = self.remote(self.token_of("anna"))
+        job = self.submit(anna, "steps=100000 sleep_ms=20")
+        self.assertIn("expired", self.lapses(self.watch(anna, job), job))
+
+    def test_a_removed_user_stops_a_query(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        call = anna.QueryButtCurl(
+            service_pb2.QueryButtCurlRequest(case=fake("steps=100000 sleep_ms=20")), timeout=60)
+        next(call)
+        self.admin("user", "remove", "anna")
+        with self.assertRaises(grpc.RpcError) as caught:
+            list(call)
+        self.assertEqual(caught.exception.code(), grpc.StatusCode.UNAUTHENTICATED)
+
+
+class Owners(AccessTest):
+    def test_only_the_owner_and_an_admin_change_a_job(self):
+        self.start()
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        kalle = self.remote(self.token_of("kalle", "admin"))
+        job = self.submit(anna, "steps=100000 sleep_ms=20")
+        for name, request in (("CancelJob", service_pb2.CancelJobRequest(id=job.id)),
+                              ("PauseJob", service_pb2.PauseJobRequest(id=job.id)),
+                              ("ResumeJob", service_pb2.ResumeJobRequest(id=job.id)),
+                              ("DeleteJob", service_pb2.DeleteJobRequest(id=job.id))):
+            details = self.refusal(grpc.StatusCode.PERMISSION_DENIED, getattr(bert, name), request)
+            self.assertIn("of anna", details)
+            self.assertIn("kalle", details)
+        bert.GetJob(service_pb2.GetJobRequest(id=job.id), timeout=10)
+        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
+        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
+                                  timeout=10).state == job_pb2.CANCELLED, 20)
+        kalle.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+
+    def test_own_jobs_alone_are_read_where_the_settings_have_it(self):
+        self.start(read="own")
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        job = self.submit(anna)
+        listed = service_pb2.ListJobsRequest()
+        self.assertEqual([one.id for one in anna.ListJobs(listed, timeout=10).jobs], [job.id])
+        self.assertEqual(len(bert.ListJobs(listed, timeout=10).jobs), 0)
+        self.assertEqual(len(self.local().ListJobs(listed, timeout=10).jobs), 1)
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.GetJob,
+                     service_pb2.GetJobRequest(id=job.id))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.WatchJob,
+                     service_pb2.WatchJobRequest(id=job.id))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
+                     service_pb2.ListJobsRequest(owner="anna"))
+
+    @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
+    def test_another_local_user_does_not_delete_roots_job(self):
+        self.start()
+        job = self.submit(self.local())
+        until(lambda: self.local().GetJob(service_pb2.GetJobRequest(id=job.id),
+                                          timeout=10).HasField("end_time"), 20)
+        done = subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "delete", job.id],
+            capture_output=True, text=True, timeout=30, check=False, user=NOBODY,
+            env={"HOME": "/nonexistent"})
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("of root", done.stderr)
+        self.local().DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+
+
+class Certificates(AccessTest):
+    def test_a_client_certificate_stands_for_a_token(self):
+        self.start()
+        self.admin("user", "add", "anna", "--role", "viewer")
+        self.daemon.terminate()
+        self.daemon.end_workers()
+        ca = os.path.join(self.daemon.settings["data_directory"], "pki", "ca.pem")
+        self.start(client_ca=ca)
+        self.admin("pki", "issue", "anna", "--to", self.folder)
+        self.admin("pki", "issue", "carl", "--to", self.folder)
+        anna = self.remote(certificate=self.pair("anna"))
+        who = anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.assertEqual((who.name, who.proof), ("anna", "certificate"))
+        self.assertIn("not listed", self.refusal(
+            grpc.StatusCode.UNAUTHENTICATED, self.remote(certificate=self.pair("carl")).WhoAmI,
+            service_pb2.WhoAmIRequest()))
+        self.refusal(grpc.StatusCode.UNAUTHENTICATED, self.remote().WhoAmI,
+                     service_pb2.WhoAmIRequest())
+
+    def pair(self, name):
+        def read(ending):
+            with open(os.path.join(self.folder, name + ending), "rb") as file:
+                return file.read()
+        return read(".key"), read(".pem")
+
+    def fingerprint(self):
+        shown = subprocess.run(
+            f"openssl s_client -connect {self.daemon.tls_address} -alpn h2 </dev/null 2>/dev/null |"
+            " openssl x509 -noout -fingerprint -sha256", shell=True, capture_output=True, text=True,
+            timeout=20, check=False)
+        return shown.stdout
+
+    def test_a_renewed_certificate_is_taken_up_and_a_watch_goes_on(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        job = self.submit(anna, "steps=100000 sleep_ms=20")
+        watch = anna.WatchJob(service_pb2.WatchJobRequest(id=job.id), timeout=60)
+        next(watch)
+        before = self.fingerprint()
+        self.admin("pki", "renew", "--name", "casthouse")
+        until(lambda: self.fingerprint() not in ("", before), 15)
+        self.assertIn("casthouse", self.admin("pki", "show"))
+        for _ in range(20):
+            next(watch)
+        self.assertEqual(self.submit(anna).owner, "anna")  # nor does a new connection need more
+        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
+
+    def test_loopback_without_tls_is_all_that_listen_takes(self):
+        daemon = Daemon(self.folder, listen="0.0.0.0:0")
+        with self.assertRaises(RuntimeError) as caught:
+            daemon.start()
+        self.assertIn("listen_tls", str(caught.exception))
+
+
+class Limits(AccessTest):
+    def test_jobs_of_one_user(self):
+        self.start(maximum_queued_per_user=2)
+        anna = self.remote(self.token_of("anna"))
+        jobs = [self.submit(anna, "steps=100000 sleep_ms=20") for _ in range(2)]
+        details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
+                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
+        self.assertIn("anna has 2 jobs", details)
+        self.assertIn("maximum_queued_per_user = 2", details)
+        self.submit(self.local())
+        for job in jobs:
+            anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
+
+    def test_streams_of_one_user(self):
+        self.start(maximum_streams_per_user=2)
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        job = self.submit(anna, "steps=100000 sleep_ms=20")
+        request = service_pb2.WatchJobRequest(id=job.id)
+        held = [anna.WatchJob(request, timeout=60) for _ in range(2)]
+        for watch in held:
+            next(watch)
+        self.assertIn("maximum_streams_per_user = 2", self.refusal(
+            grpc.StatusCode.RESOURCE_EXHAUSTED, anna.WatchJob, request))
+        next(bert.WatchJob(request, timeout=60))
+        held[0].cancel()
+        until(lambda: self.opens(anna, request), 10)
+        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
+
+    def opens(self, stub, request):
+        with contextlib.suppress(grpc.RpcError):
+            return next(stub.WatchJob(request, timeout=10)) is not None
+        return False
+
+    def test_calls_a_second(self):
+        self.start(maximum_calls_per_s=2)
+        anna = self.remote(self.token_of("anna"))
+        codes = []
+        for _ in range(40):
+            try:
+                anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+                codes.append(grpc.StatusCode.OK)
+            except grpc.RpcError as error:
+                codes.append(error.code())
+        self.assertIn(grpc.StatusCode.RESOURCE_EXHAUSTED, codes)
+        self.assertGreaterEqual(codes.count(grpc.StatusCode.OK), 20)
+
+
+class Audit(AccessTest):
+    def test_who_did_what_from_where(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        job = self.submit(anna)
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED,
+                     self.remote(self.token_of("vera", "viewer")).DeleteJob,
+                     service_pb2.DeleteJobRequest(id=job.id))
+        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id, reason="no\u2014need"), timeout=10)
+        submitted, = self.audit("--call", "SubmitJob")
+        self.assertEqual(submitted["user"], "anna")
+        self.assertEqual(submitted["job"], job.id)
+        self.assertEqual(submitted["case_sha256"], job.case_sha256)
+        self.assertTrue(submitted["from"].startswith("ipv4:127.0.0."), submitted)
+        self.assertEqual([event["outcome"] for event in self.audit("--job", job.id)],
+                         ["OK", "PERMISSION_DENIED", "OK"])
+        self.assertEqual(len(self.audit("--call", "Enrol")), 2)
+        self.assertEqual(self.audit("--user", "vera")[-1]["role"], "viewer")
+
+    def test_a_flood_of_wrong_tokens_does_not_fill_the_disk(self):
+        self.start()
+        stub = self.remote("wrong")
+        for _ in range(300):
+            self.refusal(grpc.StatusCode.UNAUTHENTICATED, stub.WhoAmI, service_pb2.WhoAmIRequest())
+        self.assertLess(len(self.audit("--call", "WhoAmI")), 200)
+
+    def test_the_data_directory_is_the_owners_alone(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        job = self.submit(anna)
+        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
+                                  timeout=10).HasField("end_time"), 20)
+        data = self.daemon.settings["data_directory"]
+        self.assertEqual(stat.S_IMODE(os.stat(data).st_mode), 0o700)
+        for folder, folders, files in os.walk(data):
+            for name in folders + files:
+                mode = os.stat(os.path.join(folder, name)).st_mode
+                self.assertEqual(mode & 0o077, 0, os.path.join(folder, name))
+
+
+class Silence(AccessTest):
+    def test_silent_connections_give_way(self):
+        self.start(maximum_connections=50)
+        host, port = self.daemon.address.rsplit(":", 1)
+        silent = []
+        self.addCleanup(lambda: [one.close() for one in silent])
+        for number in range(200):
+            one = socket.create_connection((host, int(port)), 5)
+            if number % 2:  # an HTTP/2 greeting, and then nothing
+                one.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0]))
+            silent.append(one)
+        start = time.monotonic()
+        until(lambda: self.answers(), 10)
+        print(f"another client was served after {time.monotonic() - start:.1f} s")
+
+    def answers(self):
+        channel = grpc.insecure_channel(self.daemon.address, [("grpc.enable_http_proxy", 0)])
+        try:
+            stub = service_pb2_grpc.SimulationServiceStub(channel)
+            stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=2)
+            return True
+        except grpc.RpcError:
+            return False
+        finally:
+            channel.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,144 @@
+#include "server/access/rules.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "dccast/v1/service.pb.h"
+#include "tests/support/temporary_folder.hpp"
+
+namespace dccast::access {
+namespace {
+
+constexpr std::int64_t now = 1'800'000'000;
+constexpr std::int64_t day = 86400;
+
+const google::protobuf::ServiceDescriptor& service() {
+  return *v1::SubmitJobRequest::descriptor()->file()->FindServiceByName("SimulationService");
+}
+
+TEST(Rules, EveryCallHasOneAndARequestOfItsOwn) {
+  std::set<const google::protobuf::Descriptor*> requests;
+  for (int i = 0; i < service().method_count(); ++i) {
+    const auto& method = *service().method(i);
+    EXPECT_TRUE(method.options().HasExtension(v1::access)) << method.name();
+    const v1::CallAccess& access = method.options().GetExtension(v1::access);
+    EXPECT_NE(access.role(), v1::ROLE_UNSPECIFIED) << method.name();
+    EXPECT_TRUE(requests.insert(method.input_type()).second) << method.name();
+    EXPECT_EQ(rule_of(*method.input_type()).name, method.name());
+    if (access.touches() != v1::NOTHING)
+      EXPECT_NE(method.input_type()->FindFieldByName("id"), nullptr) << method.name();
+    if (access.role() == v1::ANYONE) EXPECT_EQ(method.name(), "Enrol");
+  }
+}
+
+TEST(Rules, ARequestOfNoCallNeedsAnAdmin) {
+  EXPECT_EQ(rule_of(*v1::Job::descriptor()).access.role(), v1::ADMIN);
+}
+
+/// What reads and what changes, by the names that calls have.
+TEST(Rules, CallsThatChangeNeedASubmitter) {
+  for (int i = 0; i < service().method_count(); ++i) {
+    const std::string name = service().method(i)->name();
+    const v1::CallAccess& access = rule_of(*service().method(i)->input_type()).access;
+    for (const char* verb : {"Submit", "Create", "Cancel", "Pause", "Resume", "Delete"})
+      if (name.starts_with(verb)) EXPECT_GE(access.role(), v1::SUBMITTER) << name;
+    for (const char* verb : {"Cancel", "Pause", "Resume", "Delete"})
+      if (name.starts_with(verb))
+        EXPECT_EQ(access.touches(), name.ends_with("Study") ? v1::CHANGES_STUDY : v1::CHANGES_JOB);
+  }
+}
+
+struct AuthorityTest : ::testing::Test {
+  TemporaryFolder folder;
+  UserStore users{folder.path()};
+  Authority authority{users, {.local_role = v1::SUBMITTER, .own_user = "dccast"}};
+  const CallRule& cancel = rule_of(*v1::CancelJobRequest::descriptor());
+  const CallRule& get = rule_of(*v1::GetJobRequest::descriptor());
+  const CallRule& submit = rule_of(*v1::SubmitJobRequest::descriptor());
+};
+
+TEST_F(AuthorityTest, TheDaemonsOwnUserAndRootAreAdmins) {
+  EXPECT_EQ(authority.local_user("root").role, v1::ADMIN);
+  EXPECT_EQ(authority.local_user("dccast").role, v1::ADMIN);
+  EXPECT_EQ(authority.local_user("nobody").role, v1::SUBMITTER);
+  EXPECT_EQ(authority.local_user("").role, v1::SUBMITTER);
+}
+
+TEST_F(AuthorityTest, AListedLocalUserHasTheRoleOfTheList) {
+  users.add("anna", v1::VIEWER, now, now + day);
+  EXPECT_EQ(authority.local_user("anna").role, v1::VIEWER);
+  users.set_disabled("anna", true);
+  EXPECT_NE(authority.local_user("anna").refusal, "");
+}
+
+TEST_F(AuthorityTest, ARoleTooLowNamesUserRoleNeedAndAdmins) {
+  users.add("kalle", v1::ADMIN, now, now + day);
+  const Caller anna{.name = "anna", .role = v1::VIEWER};
+  const std::string fault = authority.role_fault(anna, submit);
+  for (const char* part : {"anna has the role viewer", "SubmitJob needs submitter", "kalle"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(authority.role_fault(anna, get), "");
+}
+
+TEST_F(AuthorityTest, OnlyTheOwnerOrAnAdminChanges) {
+  const Caller anna{.name = "anna", .role = v1::SUBMITTER};
+  EXPECT_EQ(authority.owner_fault(anna, cancel, "anna", "job 1"), "");
+  const std::string fault = authority.owner_fault(anna, cancel, "bert", "job 1");
+  for (const char* part : {"job 1 is of bert", "anna (submitter)", "ask bert"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(authority.owner_fault({.name = "kalle", .role = v1::ADMIN}, cancel, "bert", "job 1"),
+            "");
+  EXPECT_EQ(authority.owner_fault(anna, get, "bert", "job 1"), "");
+}
+
+// Neither a job nor a caller without a name belongs to the other.
+TEST_F(AuthorityTest, NoNameIsNoOwner) {
+  EXPECT_NE(authority.owner_fault({.role = v1::SUBMITTER}, cancel, "", "job 1"), "");
+}
+
+TEST_F(AuthorityTest, ReadingIsOneOwnWhereTheSettingsHaveIt) {
+  Authority strict(users, {.own_user = "dccast", .reads_own_only = true});
+  const Caller anna{.name = "anna", .role = v1::SUBMITTER};
+  EXPECT_NE(strict.owner_fault(anna, get, "bert", "job 1"), "");
+  EXPECT_EQ(strict.owner_fault(anna, get, "anna", "job 1"), "");
+  EXPECT_TRUE(strict.reads_own_only(anna));
+  EXPECT_FALSE(strict.reads_own_only({.name = "kalle", .role = v1::ADMIN}));
+}
+
+TEST_F(AuthorityTest, AProvenCallerLapses) {
+  std::string token;
+  users.enrol(users.add("anna", v1::SUBMITTER, now, now + day), "", now, now + day, token);
+  const Caller anna = authority.by_token(token, now);
+  ASSERT_EQ(anna.refusal, "");
+  EXPECT_EQ(authority.lapse(anna, now), "");
+  EXPECT_NE(authority.lapse(anna, now + day).find("expired"), std::string::npos);
+  users.revoke("anna", anna.credential);
+  EXPECT_NE(authority.lapse(anna, now).find("revoked"), std::string::npos);
+  users.remove("anna");
+  EXPECT_NE(authority.lapse(anna, now).find("removed"), std::string::npos);
+}
+
+TEST_F(AuthorityTest, ADisabledAdminOfAnotherMachineIsOneNoLonger) {
+  std::string token;
+  users.enrol(users.add("kalle", v1::ADMIN, now, now + day), "", now, now + day, token);
+  const Caller kalle = authority.by_token(token, now);
+  ASSERT_EQ(kalle.role, v1::ADMIN);
+  users.set_disabled("kalle", true);
+  EXPECT_NE(authority.lapse(kalle, now), "");
+  EXPECT_NE(authority.by_certificate("kalle", now + day, now).refusal, "");
+}
+
+TEST_F(AuthorityTest, ACertificateStandsForAListedUser) {
+  EXPECT_NE(authority.by_certificate("anna", now + day, now).refusal, "");
+  users.add("anna", v1::VIEWER, now, now + day);
+  const Caller anna = authority.by_certificate("anna", now + day, now);
+  EXPECT_EQ(anna.refusal, "");
+  EXPECT_EQ(anna.role, v1::VIEWER);
+  EXPECT_NE(authority.lapse(anna, now + day), "");
+  users.set_disabled("anna", true);
+  EXPECT_NE(authority.by_certificate("anna", now + day, now).refusal, "");
+}
+
+}  // namespace
+}  // namespace dccast::access
