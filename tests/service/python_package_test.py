@@ -21,6 +21,7 @@ import zipfile
 import numpy as np
 
 import dccast
+from doctor_test import ClientTest
 from support import BIN, ServiceTest, main, until
 
 CASE = "start-2d-thickness"
@@ -275,6 +276,33 @@ class Steering(PackageTest):
         self.assertEqual(self.service.studies()[0].id, study.id)
         study.delete()
         self.assertEqual(self.service.studies(), [])
+
+
+class Remote(ClientTest):
+    """A daemon in another building: what `dccast login` stored serves the package."""
+
+    def connect(self, role):
+        self.start()
+        self.log_in("anna", role)
+        variables = {"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")}
+        with unittest.mock.patch.dict(os.environ, variables):
+            for name in ("DCCAST_SERVER", "DCCAST_CONFIG"):
+                os.environ.pop(name, None)
+            return dccast.connect()
+
+    def test_a_login_makes_the_owner(self):
+        service = self.connect("submitter")
+        self.assertEqual(service.server, self.daemon.tls_address)
+        job = service.submit(CASE, QUICK, title="steps=3").wait()
+        self.assertEqual(job.message.owner, "anna")
+        self.assertEqual(service.job("last").id, job.id)
+
+    def test_a_viewer_reads_cases_and_submits_none(self):
+        service = self.connect("viewer")
+        service.validate(CASE, QUICK)
+        with self.assertRaises(dccast.DccastError) as caught:
+            service.submit(CASE, QUICK)
+        self.assertEqual(caught.exception.code, "PERMISSION_DENIED")
 
 
 class Packaging(unittest.TestCase):

@@ -1,7 +1,6 @@
 """The face of a server: cases in, jobs, answers and studies out."""
 from __future__ import annotations
 
-import getpass
 import json
 import os
 import shutil
@@ -112,15 +111,16 @@ class Service:
         return answer
 
     def job(self, job: str) -> Job:
-        """A job by its id, the unique beginning of one, or "last": the newest one of this user."""
-        request = service_pb2.ListJobsRequest(page_size=2)
+        """A job by its id, the unique beginning of one, or "last": the newest one of this user, besides
+        runs of studies."""
         if job == "last":
-            request.owner = getpass.getuser()
+            user = self._transport.call("WhoAmI", service_pb2.WhoAmIRequest()).name
+            found = [one.message for one in self.jobs(owner=user, limit=1000) if not one.message.study]
         elif len(job) < 36:
-            request.id_prefix = job
+            request = service_pb2.ListJobsRequest(page_size=2, id_prefix=job)
+            found = list(self._transport.call("ListJobs", request).jobs)
         else:
             return Job(self._transport, self._transport.call("GetJob", service_pb2.GetJobRequest(id=job)))
-        found = self._transport.call("ListJobs", request).jobs
         if not found:
             raise errors.DccastError("NOT_FOUND", f"no job {job!r} on {self.server}")
         if job != "last" and len(found) > 1:
