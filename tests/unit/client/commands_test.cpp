@@ -143,7 +143,10 @@ TEST_F(Commands, SeveralFilesAreSubmittedOrNone) {
   EXPECT_EQ(none.code, 2);
   EXPECT_EQ(none.out, "");
   EXPECT_FALSE(service.submitted.has_case_());
-  EXPECT_EQ(run({"submit", "--request-id", "x", file, file}).code, 2);
+  EXPECT_EQ(run({"submit", "--watch", file, file}).code, 2);
+  // Each has a request id of its own: submitted again, the jobs are the same.
+  EXPECT_EQ(run({"submit", "--request-id", "x", file, file}).code, 0);
+  EXPECT_EQ(service.submitted.request_id(), "x.2");
 }
 
 TEST_F(Commands, ChangesGoWithTheCaseAndAreCheckedAsTheFileIs) {
