@@ -13,22 +13,16 @@
 
 #include "client/session/socket.hpp"
 #include "proto/values/digests.hpp"
+#include "proto/values/owned.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {
 
-template <auto Free>
-struct Freed {
-  template <typename Thing>
-  void operator()(Thing* thing) const {
-    Free(thing);
-  }
-};
-using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
-using Session = std::unique_ptr<SSL, Freed<SSL_free>>;
-using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
-using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+using Context = values::Owned<SSL_CTX, SSL_CTX_free>;
+using Session = values::Owned<SSL, SSL_free>;
+using Bio = values::Owned<BIO, BIO_free>;
+using Certificate = values::Owned<X509, X509_free>;
 
 const std::string greeting("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "proto/values/owned.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
@@ -56,14 +57,8 @@ namespace {
 
 constexpr std::size_t maximum_unit_length = 64;  // longer ones are no unit anybody writes
 
-struct FreeUnit {
-  void operator()(ut_unit* unit) const { ut_free(unit); }
-};
-struct FreeConverter {
-  void operator()(cv_converter* converter) const { cv_free(converter); }
-};
-using Unit = std::unique_ptr<ut_unit, FreeUnit>;
-using Converter = std::unique_ptr<cv_converter, FreeConverter>;
+using Unit = values::Owned<ut_unit, ut_free>;
+using Converter = values::Owned<cv_converter, cv_free>;
 
 /// UDUNITS-2 keeps its parser's state in globals, so one call at a time.
 std::mutex& udunits_mutex() {

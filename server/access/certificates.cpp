@@ -19,22 +19,16 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
+#include "proto/values/owned.hpp"
 #include "server/access/users.hpp"
 
 namespace dccast::access {
 
 namespace {
 
-template <auto Free>
-struct Freed {
-  template <typename Thing>
-  void operator()(Thing* thing) const {
-    Free(thing);
-  }
-};
-using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
-using X509Pointer = std::unique_ptr<X509, Freed<X509_free>>;
-using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
+using Key = values::Owned<EVP_PKEY, EVP_PKEY_free>;
+using X509Pointer = values::Owned<X509, X509_free>;
+using Bio = values::Owned<BIO, BIO_free>;
 
 constexpr int ca_days = 3650;
 // A desk whose clock is somewhat behind takes a new certificate, too.
