@@ -76,6 +76,9 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   attempt->record = std::move(record);
   attempt->sign = signs_in(folder_of(*attempt)).claimed_ns;
   forgive_silence(*attempt, Clock::now());
+  if (const auto early = ended_unknown_.find({attempt->job_id, attempt->number});
+      adopted && early != ended_unknown_.end())
+    attempt->exit = early->second;
   return attempts_[attempt->job_id] = attempt;
 }
 
@@ -157,7 +160,16 @@ void Attempts::worker_waits(const std::string& job_id, int number, const std::st
 }
 
 void Attempts::worker_ended(const std::string& job_id, int number, const WorkerExit& exit) {
-  if (const auto attempt = find(job_id); attempt && attempt->number == number) attempt->exit = exit;
+  const auto attempt = find(job_id);
+  if (attempt && attempt->number == number)
+    attempt->exit = exit;
+  else if (recovering_)
+    ended_unknown_[{job_id, number}] = exit;
+}
+
+void Attempts::end_recovery() {
+  recovering_ = false;
+  ended_unknown_.clear();
 }
 
 AttemptFacts Attempts::facts_of(const Attempt& attempt) const {

@@ -114,6 +114,8 @@ public:
   /// @param why  empty: it waits no more
   void worker_waits(const std::string& job_id, int number, const std::string& why);
   void worker_ended(const std::string& job_id, int number, const WorkerExit& exit);
+  /// Every worker of an earlier daemon was added. Until then one may end before it is.
+  void end_recovery();
 
   /// Kills workers that do not leave in time or hang.
   void kill_overdue(Clock::time_point now);
@@ -133,6 +135,8 @@ private:
 
   const AttemptOptions options_;
   Executor& executor_;
+  bool recovering_ = true;
+  std::map<std::pair<std::string, int>, WorkerExit> ended_unknown_;  ///< by job and attempt
   bool shutting_down_ = false;
   std::map<std::string, std::shared_ptr<Attempt>> attempts_;  ///< by job
   /// Attempts in a row that ended because something could not be written, and got no further.

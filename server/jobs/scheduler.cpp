@@ -72,6 +72,7 @@ void Scheduler::recover() {
     if (attempt->record.requested_action != RequestedAction::none) attempts_.expect_stop(*attempt);
     logs_.follow(id);
   }
+  attempts_.end_recovery();
   if (!recovered.daemon_lacks.empty()) hold(recovered.daemon_lacks);
 }
 

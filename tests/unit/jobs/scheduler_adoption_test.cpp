@@ -24,8 +24,9 @@ protected:
     daemon.executor.end(launch_, "exit code 0", 0);
   }
   /// The folder's next daemon, whose executor finds the worker.
-  std::unique_ptr<Daemon> restarted(WatchdogLimits watchdog = {}) {
-    auto daemon = std::make_unique<Daemon>(crashed_, watchdog, v1::BEGIN_ANEW, true);
+  std::unique_ptr<Daemon> restarted(WatchdogLimits watchdog = {},
+                                    WorkersOfBefore workers = WorkersOfBefore::found) {
+    auto daemon = std::make_unique<Daemon>(crashed_, watchdog, v1::BEGIN_ANEW, workers);
     daemon->scheduler.start();
     return daemon;
   }
@@ -57,6 +58,14 @@ TEST_F(SchedulerAdoption, AWorkerThatIsFoundGoesOnAndItsHistoryHasNoHole) {
   EXPECT_THAT(steps_in_the_log(*daemon), ElementsAre(1, 2, 3, 4, 5));
   EXPECT_EQ(daemon->executor.launches(), 0u) << "its job was started twice";
   EXPECT_EQ(daemon->store.find(id_)->solver, "the version before");
+}
+
+// Recovery takes its time, and workers end in it: the job must not be taken for one at work.
+TEST_F(SchedulerAdoption, AWorkerThatEndsWhileTheOthersAreLookedForIsNotMissed) {
+  crash_after_three_steps();
+  const auto daemon = restarted({}, WorkersOfBefore::found_at_their_end);
+  EXPECT_EQ(daemon->executor.wait_for_launch(1).attempt, 2) << "it was lost, and goes on";
+  EXPECT_EQ(daemon->store.find(id_)->losses, 1);
 }
 
 // Its run ended while there was no daemon: nothing is computed again.

@@ -24,6 +24,9 @@ namespace dccast::jobs {
 namespace fs = std::filesystem;
 using v1::RunEnd;
 
+/// Workers of an earlier daemon: one that ends as it is found has ended before it is led on.
+enum class WorkersOfBefore { gone, found, found_at_their_end };
+
 /// Starts nothing; the test says what becomes of the workers.
 class ScriptedExecutor : public Executor {
 public:
@@ -46,7 +49,10 @@ public:
   }
   Adoption adopt(const WorkerLaunch& launch, bool wanted) override {
     asked_for.push_back("attempt " + std::to_string(launch.attempt) + (wanted ? "" : " to end it"));
-    return workers_survive && wanted ? Adoption::found : Adoption::gone;
+    if (workers == WorkersOfBefore::gone || !wanted) return Adoption::gone;
+    if (workers == WorkersOfBefore::found_at_their_end)
+      report_end(launch.job_id, launch.attempt, {"signal 9 (Killed)"});
+    return Adoption::found;
   }
   WorkerLaunch wait_for_launch(std::size_t number) {
     std::unique_lock lock(mutex_);
@@ -61,7 +67,7 @@ public:
     calls_.not_started(launch.job_id, launch.attempt, why);
   }
   std::atomic<bool> lacks_something = false;
-  bool workers_survive = false;  ///< a restart of the daemon
+  WorkersOfBefore workers = WorkersOfBefore::gone;
   std::vector<std::string> asked_for;
   int kills() const { return kills_; }
   int stops() const { return stops_; }
@@ -176,7 +182,7 @@ private:
 /// Everything a daemon has, over one folder; made again it stands for a daemon started again.
 struct Daemon {
   explicit Daemon(const fs::path& folder, WatchdogLimits watchdog = {},
-                  v1::OtherVersion other_version = v1::BEGIN_ANEW, bool workers_survive = false)
+                  v1::OtherVersion other_version = v1::BEGIN_ANEW, WorkersOfBefore workers = WorkersOfBefore::gone)
       : store(folder / "jobs.sqlite"),
         logs(folder),
         executor(1),
@@ -188,7 +194,7 @@ struct Daemon {
                                 .job_threads = 2},
                    .maximum_queued = 2},
                   store, logs, executor) {
-    executor.workers_survive = workers_survive;
+    executor.workers = workers;
     scheduler.recover();
   }
   FailingStore store;
