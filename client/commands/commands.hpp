@@ -20,7 +20,7 @@ struct Program {
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   /// To the server that is meant: one of a login, else one on loopback. Throws CommandFailed.
   Endpoint endpoint() const;
-  Connection connect() const { return {endpoint(), interruption}; }
+  Connection connect() const { return Connection(endpoint(), interruption); }
 };
 
 void add_new(cli::CommandLine& line, Program& program);

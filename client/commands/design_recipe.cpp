@@ -54,7 +54,7 @@ void follow_own(Connection& connection, const std::string& id) {
   try {
     follow_with_progress(connection, id, {});
   } catch (const Interrupted&) {
-    cancel_after_interruption(connection.server(), id);
+    cancel_after_interruption(connection, id);
     throw Interrupted("study " + id + " is cancelled; the same command goes on with it");
   }
 }

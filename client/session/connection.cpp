@@ -34,11 +34,8 @@ std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Endpoint& endpoin
 
 }  // namespace
 
-Connection::Connection(const std::string& server, std::shared_ptr<Interruption> interruption)
-    : Connection(Endpoint{.address = address_of(server)}, std::move(interruption)) {}
-
-Connection::Connection(const Endpoint& endpoint, std::shared_ptr<Interruption> interruption)
-    : server_(endpoint.address), interruption_(std::move(interruption)) {
+Connection::Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption)
+    : endpoint_(std::move(endpoint)), interruption_(std::move(interruption)) {
   grpc::ChannelArguments arguments;
   // Histories and frames of long runs exceed gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);
@@ -50,11 +47,11 @@ Connection::Connection(const Endpoint& endpoint, std::shared_ptr<Interruption> i
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   stub_ = v1::SimulationService::NewStub(
-      grpc::CreateCustomChannel(server_, credentials_of(endpoint), arguments));
+      grpc::CreateCustomChannel(endpoint_.address, credentials_of(endpoint_), arguments));
 }
 
 void Connection::announce_retry(const grpc::Status& status, int attempts_made) const {
-  std::cerr << "dccast: no answer from " << server_ << " (" << reason_of(status)
+  std::cerr << "dccast: no answer from " << server() << " (" << reason_of(status)
             << "); trying again (" << attempts_made << " of " << policy_.attempts - 1 << ")"
             << std::endl;
 }

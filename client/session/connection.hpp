@@ -83,13 +83,15 @@ struct Endpoint {
 /// http_proxy and similar variables are ignored.
 class Connection {
 public:
-  /// Without TLS, for loopback.
-  explicit Connection(const std::string& server, std::shared_ptr<Interruption> interruption =
-                                                     std::make_shared<Interruption>());
-  Connection(const Endpoint& endpoint, std::shared_ptr<Interruption> interruption);
+  explicit Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption =
+                                             std::make_shared<Interruption>());
+  /// To the same server, by the same login, for another thread or after an interruption.
+  Connection another(std::shared_ptr<Interruption> interruption) const {
+    return Connection(endpoint_, std::move(interruption));
+  }
 
   Stub& stub() { return *stub_; }
-  const std::string& server() const { return server_; }
+  const std::string& server() const { return endpoint_.address; }
   /// Must be observed by any code that waits for this server, during or between calls.
   Interruption& interruption() { return *interruption_; }
 
@@ -98,7 +100,7 @@ public:
   Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                 const Request& request) {
     Response response;
-    check(try_call(method, request, response), server_);
+    check(try_call(method, request, response), server());
     return response;
   }
 
@@ -108,7 +110,7 @@ public:
   Response call_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                      const Request& request) {
     Response response;
-    check(attempt(method, request, response), server_);
+    check(attempt(method, request, response), server());
     return response;
   }
 
@@ -154,7 +156,7 @@ private:
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
   static constexpr std::chrono::seconds deadline{60};  // enough for a case with large attachments
-  std::string server_;
+  Endpoint endpoint_;
   std::unique_ptr<Stub> stub_;
   std::shared_ptr<Interruption> interruption_;
   CallPolicy policy_;

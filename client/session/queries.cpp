@@ -68,9 +68,9 @@ constexpr std::chrono::milliseconds look{20};  // interval between checks for an
 /// One query in a thread, with an interruption of its own.
 class Question {
 public:
-  Question(const std::string& server, CaseUnderCheck& checked)
-      : answer_(std::async(std::launch::async, [server, own = own_, &checked] {
-          Connection connection(server, own);
+  Question(const Connection& command, CaseUnderCheck& checked)
+      : answer_(std::async(std::launch::async, [&command, own = own_, &checked] {
+          Connection connection = command.another(own);
           return ask_query(connection, checked, false);
         })) {}
   Question(Question&&) = default;
@@ -143,7 +143,7 @@ std::vector<std::optional<Answer>> ask_queries(Connection& connection,
     std::vector<Question> questions;
     const std::size_t end = std::min(cases.size(), answers.size() + at_once);
     for (std::size_t i = answers.size(); i < end; ++i)
-      questions.emplace_back(connection.server(), cases[i]);
+      questions.emplace_back(connection, cases[i]);
     for (Question& question : questions)
       answers.push_back(question.answer(connection.interruption()));
   }

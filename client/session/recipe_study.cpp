@@ -164,8 +164,8 @@ v1::Study taken_up(Connection& connection, const v1::Study& study) {
   return connection.call_once(&Stub::ResumeStudy, request);
 }
 
-void cancel_after_interruption(const std::string& server, const std::string& id) {
-  Connection connection(server);
+void cancel_after_interruption(const Connection& interrupted, const std::string& id) {
+  Connection connection = interrupted.another(std::make_shared<Interruption>());
   v1::CancelStudyRequest request;
   request.set_id(id);
   request.set_reason("interrupted");

@@ -32,6 +32,6 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
 v1::Study taken_up(Connection& connection, const v1::Study& study);
 
 /// Cancels a study after an interruption, over a connection of its own.
-void cancel_after_interruption(const std::string& server, const std::string& id);
+void cancel_after_interruption(const Connection& interrupted, const std::string& id);
 
 }  // namespace dccast::client

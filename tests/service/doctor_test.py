@@ -74,6 +74,19 @@ class Login(ClientTest):
         self.assertNotIn("token", self.admin("user", "list"))
         self.assertEqual(self.dccast("--server", self.daemon.tls_address, "list").returncode, 4)
 
+    def test_queries_side_by_side_go_by_the_login(self):
+        self.start()
+        self.log_in("anna")
+        for name, speed in (("a", "50"), ("b", "60")):
+            case = self.dccast("new", "start-2d-thickness").stdout
+            case = re.sub(r"(?m)^title = .*$", f'title = "steps=3 {name}"', case)
+            with open(os.path.join(self.folder, name + ".toml"), "w", encoding="utf-8") as file:
+                file.write(re.sub(r"(?m)^casting_speed = .*$",
+                                  f'casting_speed = "{speed} mm/min"', case))
+        done = self.dccast("compare", *(os.path.join(self.folder, name + ".toml") for name in "ab"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("corner", done.stdout)
+
     def test_several_servers_have_names_and_one_is_the_default(self):
         self.start()
         self.log_in("anna")

@@ -20,7 +20,7 @@ public:
   FakeService();
   ~FakeService() override;
 
-  Connection connect() const { return Connection(address_); }
+  Connection connect() const { return Connection(Endpoint{.address = address_}); }
   const std::string& address() const { return address_; }
 
   // Answers.
