@@ -57,7 +57,6 @@ const std::map<std::string, Call>& calls() {
       {"GetStudy", unary(&Stub::GetStudy)},
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
       {"PredictStudy", unary(&Stub::PredictStudy)},
-      {"CancelStudy", unary(&Stub::CancelStudy)},
   };
   return all;
 }
@@ -356,12 +355,14 @@ void add_results(WebServer& server, const Connect& connect) {
     Connection connection = connected(connect);
     return comparison(connection, request.values("job"));
   });
-  server.events("/watch", [=](const Request& request, const auto& gone, const Send& send) {
-    Connection connection = connect(gone);
-    std::ostringstream unseen;  // a browser takes the connection up again by itself
-    follow_job(
-        connection, request.name, 1,
-        [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
+  server.events("/watch", [=](const Request& request) {
+    return [=](const auto& gone, const Send& send) {
+      Connection connection = connect(gone);
+      std::ostringstream unseen;  // a browser takes the connection up again by itself
+      follow_job(
+          connection, request.name, 1,
+          [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
+    };
   });
 }
 
@@ -369,9 +370,11 @@ void add_what_if(WebServer& server, const Connect& connect, const std::vector<st
   const auto bases = std::make_shared<const Bases>(cases);
   server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
   server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
-  server.events("/ask", [=](const Request& request, const auto& gone, const Send& send) {
-    Connection connection = connect(gone);
-    ask(connection, bases->read(request), send);
+  server.events("/ask", [=](const Request& request) {
+    return [=](const auto& gone, const Send& send) {
+      Connection connection = connect(gone);
+      ask(connection, bases->read(request), send);
+    };
   });
   server.post("/keep", [=](const Request& request) {
     Connection connection = connected(connect);
@@ -392,7 +395,10 @@ void add_dashboard(WebServer& server, const Connect& connect,
     return Reply{call->second(connection, request.body)};
   });
   server.get("/server", [=](const Request&) {
-    return Reply{Json{{"address", connected(connect).server()}}.dump()};
+    Connection connection = connected(connect);
+    const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+    return Reply{
+        Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
   });
   server.post("/another", [&server](const Request&) {
     return Reply{Json{{"address", server.address()}}.dump()};
