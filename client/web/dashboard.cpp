@@ -12,7 +12,7 @@
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/job_report.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/comparison.hpp"
@@ -20,7 +20,6 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
-#include "client/session/studies.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client/web/assets.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -184,16 +183,10 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
 }
 
 Reply report(Connection& connection, const std::string& id) {
-  constexpr int most_frames = 12;
   v1::GetJobRequest request;
   request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
-  v1::QueryResultResponse result;
-  const bool has_frame = try_query_result(connection, id, true, result).ok();
-  if (!has_frame) result = query_result(connection, id);
-  const FrameSeries frames =
-      has_frame ? fetch_frames(connection, id, result, most_frames) : FrameSeries{};
-  return {.body = render::report_page(job, result, study_around(connection, job), frames),
+  std::ostringstream unseen;  // the page itself states what it lacks
+  return {.body = render::report_of(connection, connection.call(&Stub::GetJob, request), unseen),
           .type = "text/html; charset=utf-8",
           .stands_alone = true};
 }
@@ -216,9 +209,8 @@ public:
   explicit Bases(const std::vector<std::string>& files) : files_(files) {}
 
   Json names() const {
-    Json names = Json::array();
-    for (const std::string& file : files_) names.push_back(file);
-    for (const auto& shipped : shipped::case_templates()) names.push_back(shipped.name);
+    Json names(files_);
+    for (const auto& name : shipped::names_of(shipped::case_templates())) names.push_back(name);
     return names;
   }
 
@@ -241,8 +233,8 @@ private:
   CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
     // Only files that were named when the dashboard was started: a page reads no others.
     if (std::ranges::find(files_, name) != files_.end()) return read_case(name, changes);
-    for (const auto& shipped : shipped::case_templates())
-      if (shipped.name == name) return read_case_text(shipped.text, name, changes);
+    if (const auto* shipped = shipped::find(shipped::case_templates(), name))
+      return read_case_text(shipped->text, name, changes);
     throw CommandFailed(ExitCode::not_found, "there is no case " + name);
   }
 
