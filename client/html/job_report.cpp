@@ -12,18 +12,13 @@
 namespace dccast::client::render {
 namespace {
 
-/// The result with the last frame; without it if the job has none or it is too large for a
-/// response.
+/// The result with the last frame; without it if there is none, if it is too large for a response,
+/// or if the stored results cannot be read.
 v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
                                   std::ostream& notes) {
   v1::QueryResultResponse result;
   const grpc::Status status = try_query_result(connection, id, true, result);
-  const auto code = status.error_code();
-  if (code != grpc::StatusCode::FAILED_PRECONDITION &&
-      code != grpc::StatusCode::RESOURCE_EXHAUSTED) {
-    check(status, connection.server());
-    return result;
-  }
+  if (status.ok()) return result;
   notes << "dccast: " << status.error_message()
         << "; the report goes without a picture of the slab\n";
   return query_result(connection, id);
