@@ -13,6 +13,11 @@ namespace {
 
 Water start_up_water(double temperature = 25.0) {
   Water water;
+  water.enabled = true;
+  water.from = 0.065;
+  water.critical_heat_flux = 4e6;
+  water.film_boiling_coefficient = 500.0;
+  water.film_boiling_above = 350.0;
   water.temperature = Curve(temperature);
   water.boiling_follows_flow = true;
   water.wetting = testing::wetting();
