@@ -38,7 +38,7 @@ public:
   }
   void show(const std::string& page) const {
     std::string text = "\033[H";
-    for (const char c : page) text += c == '\n' ? std::string("\033[K\r\n") : std::string(1, c);
+    for (const char c : page) text += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
     write(text + "\033[J");
   }
   bool reads_keys() const { return keys_; }

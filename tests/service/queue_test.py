@@ -300,7 +300,7 @@ class Limits(QueueTest):
 
 
 class RunningLimit(QueueTest):
-    settings = {"maximum_running_per_user": 1}
+    settings = {"maximum_running_per_user": 1, "stop_grace": "0.5 s"}
 
     def test_one_user_leaves_workers_to_others(self):
         first, second = [self.client.submit(fake_case("steps=1000 wait_at=3")).id for _ in range(2)]
