@@ -11,6 +11,7 @@
 #include <cstdio>
 
 #include "core/storage/storage_error.hpp"
+#include "core/storage/sync_totals.hpp"
 
 namespace dccast::storage {
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "core/storage/sync_totals.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"
 #include "server/jobs/events.hpp"
