@@ -37,16 +37,17 @@ protected:
 };
 
 TEST_F(After, OnlyThoseThatWaitForAJobAreLookedAtWhenItEnds) {
-  constexpr int others = 200;
+  constexpr int others = 60;
   LongQueue daemon(folder_.path());
   const auto blocker = submit(daemon), first = submit(daemon);
   for (const auto& id : {blocker, first}) daemon.scheduler.pause(id);
   for (int i = 0; i < others; ++i) submit(daemon, {blocker});
   const auto waits = submit(daemon, {first});
   const auto waits_for_both = submit(daemon, {first, blocker});
+  const int at_start = daemon.store.reads;
   daemon.scheduler.start();
-  EXPECT_TRUE(eventually([&] { return daemon.store.reads > others; }));  // the first look at all
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  // The first look is at all, at each job that one waits for.
+  EXPECT_TRUE(eventually([&] { return daemon.store.reads - at_start >= others + 3; }));
   const int before = daemon.store.reads;
   daemon.scheduler.cancel(first, "");
   EXPECT_TRUE(becomes(daemon, waits, v1::CANCELLED));
