@@ -5,6 +5,8 @@
 
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
+#include "server/service/call.hpp"
+#include "server/service/context.hpp"
 
 namespace dccast::service {
 
@@ -97,6 +99,24 @@ grpc::Status read_page(const std::string& list, const std::string& token, int si
 
 std::string age_token(std::int64_t created_ms, const std::string& id) {
   return std::to_string(created_ms) + "." + id;
+}
+
+grpc::Status may_queue(Context& context, const Call& call, const std::string& request_id) {
+  const access::Caller& caller = call.caller;
+  if (caller.role >= v1::ADMIN) return grpc::Status::OK;
+  const auto sent_before =
+      request_id.empty() ? std::nullopt : context.store.find_request(request_id);
+  if (sent_before && sent_before->job.owner() == caller.name) return grpc::Status::OK;
+  if (sent_before)
+    return {grpc::StatusCode::ALREADY_EXISTS,
+            "another user has submitted a job with this request_id; choose a new one"};
+  const int unfinished = context.store.unfinished_of(caller.name);
+  if (unfinished < context.maximum_queued_per_user) return grpc::Status::OK;
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          caller.name + " has " + std::to_string(unfinished) +
+              " jobs that have not ended; maximum_queued_per_user = " +
+              std::to_string(context.maximum_queued_per_user) +
+              "; submit again when some have ended"};
 }
 
 }  // namespace dccast::service
