@@ -21,9 +21,12 @@
 
 #include "core/storage/file.hpp"
 #include "server/daemon/administration.hpp"
+#include "server/daemon/metrics.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/jobs/end_hook.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/retention.hpp"
 #include "server/jobs/slurm_executor.hpp"
 #include "server/jobs/warm_workers.hpp"
 #include "server/service/server.hpp"
@@ -127,11 +130,13 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .other_version = config.other_version(),
                        .solver = solver,
                        .job_threads = config.job_threads(),
-                       .first_threads = query_threads(config)},
+                       .first_threads = query_threads(config),
+                       .maximum_time_s = config.maximum_time_s()},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
-          .share_half_life = whole_seconds(config.share_half_life_s())};
+          .share_half_life = whole_seconds(config.share_half_life_s()),
+          .maximum_running_per_user = config.maximum_running_per_user()};
 }
 
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
@@ -217,6 +222,7 @@ public:
                                  files_.certificate, files_.key, files_.client_ca};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
+  const std::string& certificate() const { return files_.certificate; }
 
 private:
   /// Renews a certificate of our own a month before its end.
@@ -279,8 +285,7 @@ void log_address(const v1::DaemonConfig& config, const std::string& local, const
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
-            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(),
-            capacity(config));
+            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(), capacity(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -331,8 +336,14 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::LocalExecutor local(warm_workers, worker_count(config));
   const auto slurm = slurm_executor(config, directory, local);
   jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
+  jobs::Tally tally;
+  jobs::EndHook end_hook(config.job_end_hook());
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
+  scheduler.observe_transitions([&](const v1::Job& job, v1::JobState from) {
+    tally.count(job, from);
+    end_hook.on_transition(job, from);
+  });
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
   scheduler.recover();
@@ -361,6 +372,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .workers = capacity(config),
       .maximum_queued = config.maximum_queued(),
       .maximum_queued_per_user = config.maximum_queued_per_user(),
+      .maximum_time_s = config.maximum_time_s(),
+      .maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes(),
       .token_lifetime_s = std::llround(config.token_lifetime_s()),
       .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
       .checks_at_once = number_or_cores(config.checkers()),
@@ -372,6 +385,16 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
+  const jobs::Retention retention({.jobs_directory = directory.jobs(),
+                                   .time = whole_seconds(config.keep_time_s()),
+                                   .bytes = std::llround(config.keep_size_bytes())},
+                                  store, scheduler);
+  std::optional<MetricsServer> metrics;
+  if (!config.metrics().empty()) {
+    metrics.emplace(config.metrics(),
+                    MetricSources{context, tally, directory.path(), tls.certificate()});
+    log::info("metrics on http://{}/metrics", metrics->address());
+  }
   log_address(config, listener.address(), tls.address(), directory);
   // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
   const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);

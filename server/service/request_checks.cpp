@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
@@ -110,6 +111,12 @@ grpc::Status may_queue(Context& context, const Call& call, const std::string& re
   if (sent_before)
     return {grpc::StatusCode::ALREADY_EXISTS,
             "another user has submitted a job with this request_id; choose a new one"};
+  if (const double most = context.maximum_disk_per_user_bytes; most > 0.0)
+    if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              "the jobs of " + caller.name + " hold " + std::to_string(held) +
+                  " bytes on the server; maximum_disk_per_user = " +
+                  std::to_string(std::llround(most)) + " bytes; delete some (dccast delete)"};
   const int unfinished = context.store.unfinished_of(caller.name);
   if (unfinished < context.maximum_queued_per_user) return grpc::Status::OK;
   return {grpc::StatusCode::RESOURCE_EXHAUSTED,
