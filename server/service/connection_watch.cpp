@@ -62,16 +62,16 @@ public:
     if ((grown_ += bytes) < between_looks) return;
     grown_ = 0;
     const std::lock_guard lock(mutex_);
-    std::erase_if(all_,
-                  [](const auto& one) { return one.second->ended || !one.second->is_open(); });
-    std::size_t sum = 0;
-    for (const auto& [descriptor, one] : all_) sum += one->unfinished;
-    while (sum > most_unfinished_ && !all_.empty()) {
-      const auto largest = std::ranges::max_element(
-          all_, {}, [](const auto& one) { return one.second->unfinished.load(); });
-      sum -= largest->second->unfinished;
-      largest->second->end("requests that are not finished hold too much memory");
-      all_.erase(largest);
+    // One that was ended stays until gRPC has closed it: what had come already is not read.
+    std::erase_if(all_, [](const auto& one) { return !one.second->is_open(); });
+    const auto held = [](const auto& one) { return one.second->unfinished.load(); };
+    for (;;) {
+      std::size_t sum = 0;
+      for (const auto& one : all_) sum += held(one);
+      if (sum <= most_unfinished_) return;
+      Connection& largest = *std::ranges::max_element(all_, {}, held)->second;
+      largest.end("requests that are not finished hold too much memory");
+      largest.unfinished = 0;
     }
   }
 
