@@ -249,7 +249,7 @@ material::AlloyCard metal_of(const StefanData& stefan) {
 /// No heat passes but through what the caller opens.
 CoolingSpec insulated() {
   CoolingSpec cooling;
-  cooling.top = Top::held;
+  cooling.top = thermal::Top::held;
   cooling.bottom_block.contact_coefficient = Curve(0.0);
   cooling.bottom_block.temperature = Curve(0.0);
   return cooling;
