@@ -21,6 +21,7 @@
 
 #include "core/storage/file.hpp"
 #include "server/daemon/administration.hpp"
+#include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
@@ -252,12 +253,13 @@ std::optional<std::string> owner_of(const Found& found) {
   return found ? std::optional(found->owner()) : std::nullopt;
 }
 
-/// @return SIGTERM or SIGINT
+/// @return SIGTERM or SIGINT, or SIGUSR1, which leaves running jobs to their workers
 int wait_for_signal() {
   sigset_t awaited;
   sigemptyset(&awaited);
   sigaddset(&awaited, SIGTERM);
   sigaddset(&awaited, SIGINT);
+  sigaddset(&awaited, SIGUSR1);
   int signal = 0;
   while (::sigwait(&awaited, &signal) != 0) {
   }
@@ -306,17 +308,25 @@ void stop_serving(const Serving& of, bool left_running) {
   of.server.shut_down();
 }
 
-void serve_until_signal(const Serving& serving, bool left_running) {
-  const int signal = wait_for_signal();
-  log::info("{}: running jobs {}", ::strsignal(signal),
-            left_running ? "go on for the next dccastd"
-                         : "stop at a checkpoint and go back into the queue");
-  stop_serving(serving, left_running);
+/// @return the queue in words; nothing when it does not turn
+std::string queue_status(jobs::Scheduler& scheduler, std::chrono::milliseconds longest) {
+  if (!scheduler.turns(longest)) return {};
+  const std::string held = scheduler.held();
+  return std::to_string(scheduler.queued()) + " queued, " + std::to_string(scheduler.running()) +
+         " running" + (held.empty() ? "" : "; the queue is held: " + held);
+}
+
+/// Those of Slurm need no daemon, and a machine that is given back is hard to get again. Workers
+/// without patience end with their daemon.
+bool leaves_workers(int signal, const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  if (config.executor() == v1::SLURM) return true;
+  return (signal == SIGUSR1 || workers.left_running) && workers.patience_s > 0.0;
 }
 
 }  // namespace
 
 int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  ServiceManager manager;
   service::log_grpc_as_debug();
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
@@ -373,9 +383,15 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   scheduler.start();
   studies.start();
   log_address(config, listener.address(), tls.address(), directory);
-  // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
-  const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);
-  serve_until_signal({server, studies, scheduler, context, logs, executor}, left_running);
+  manager.ready([&](auto longest) { return queue_status(scheduler, longest); });
+  const int signal = wait_for_signal();
+  const bool left_running = leaves_workers(signal, config, workers);
+  const std::string jobs = left_running
+                               ? "running jobs go on for the next dccastd"
+                               : "running jobs stop at a checkpoint and go back into the queue";
+  log::info("{}: {}", ::strsignal(signal), jobs);
+  manager.stopping(jobs);
+  stop_serving({server, studies, scheduler, context, logs, executor}, left_running);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   log::info("dccastd has stopped");
   return 0;

@@ -124,6 +124,7 @@ void Scheduler::run() {
   std::unique_lock lock(mutex_);
   expected_wake_ = Clock::now();
   while (!stopping_) {
+    if (std::exchange(round_requested_, false)) changed_.notify_all();
     notice_standstill();
     attempts_.kill_overdue(Clock::now());
     lock.unlock();
@@ -133,8 +134,8 @@ void Scheduler::run() {
     start_jobs();
     lock.lock();
     if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
-    if (!hold_.holds() &&
-        (!attempts_.ended().empty() || look_at_dependents_ || (may_start() && queue_.front()))) {
+    if (round_requested_ || (!hold_.holds() && (!attempts_.ended().empty() || look_at_dependents_ ||
+                                                (may_start() && queue_.front())))) {
       expected_wake_ = Clock::now();
       continue;
     }
