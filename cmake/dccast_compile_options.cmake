@@ -11,10 +11,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 # Everywhere, because it defines a macro: a precompiled header is taken only with the same macros.
 add_compile_options(-pthread)
-# Hardened, as Debian builds its own packages; PIE is its compiler's default. A run's speed does not
-# change: docs/build.md. Sanitizers look at the same places themselves.
+# Hardened, as Debian builds its own packages; PIE is its compiler's default. Sanitizers look at the
+# same places themselves.
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT DCCAST_SANITIZE)
-  add_compile_options(-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
   add_link_options(-Wl,-z,relro -Wl,-z,now)
 endif()
 

@@ -281,8 +281,7 @@ void log_address(const v1::DaemonConfig& config, const std::string& local, const
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
-            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(),
-            capacity(config));
+            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(), capacity(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -323,6 +322,32 @@ bool leaves_workers(int signal, const v1::DaemonConfig& config, const WorkerPoli
   return (signal == SIGUSR1 || workers.left_running) && workers.patience_s > 0.0;
 }
 
+void serve_until_signal(const Serving& serving, ServiceManager& manager,
+                        const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  manager.ready([&](auto longest) { return queue_status(serving.scheduler, longest); });
+  const int signal = wait_for_signal();
+  const bool left_running = leaves_workers(signal, config, workers);
+  const std::string jobs = left_running
+                               ? "running jobs go on for the next dccastd"
+                               : "running jobs stop at a checkpoint and go back into the queue";
+  log::info("{}: {}", ::strsignal(signal), jobs);
+  manager.stopping(jobs);
+  stop_serving(serving, left_running);
+}
+
+void set_limits(service::Context& context, const v1::DaemonConfig& config) {
+  context.workers = capacity(config);
+  context.maximum_queued = config.maximum_queued();
+  context.maximum_queued_per_user = config.maximum_queued_per_user();
+  context.token_lifetime_s = std::llround(config.token_lifetime_s());
+  context.maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes());
+  context.checks_at_once = number_or_cores(config.checkers());
+  context.queries_at_once = number_or_cores(config.query_workers());
+  context.query_threads = query_threads(config);
+  context.maximum_waiting_checks = config.maximum_waiting_checks();
+  context.check_timeout = milliseconds(config.check_timeout_s());
+}
+
 }  // namespace
 
 int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
@@ -356,42 +381,25 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
                      {.job = [&](const std::string& id) { return owner_of(scheduler.find(id)); },
                       .study = [&](const std::string& id) { return owner_of(studies.find(id)); }},
                      listener.address());
-  service::Context context{
-      .scheduler = scheduler,
-      .logs = logs,
-      .store = store,
-      .studies = studies,
-      .intake = intake,
-      .gate = gate,
-      .warm_workers = warm_workers,
-      .solver = solver,
-      .query_directory = directory.check(),
-      .jobs_directory = directory.jobs(),
-      .version = DCCAST_VERSION,
-      .workers = capacity(config),
-      .maximum_queued = config.maximum_queued(),
-      .maximum_queued_per_user = config.maximum_queued_per_user(),
-      .token_lifetime_s = std::llround(config.token_lifetime_s()),
-      .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
-      .checks_at_once = number_or_cores(config.checkers()),
-      .queries_at_once = number_or_cores(config.query_workers()),
-      .query_threads = query_threads(config),
-      .maximum_waiting_checks = config.maximum_waiting_checks(),
-      .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
-      .maximum_connections = connections};
+  service::Context context{.scheduler = scheduler,
+                           .logs = logs,
+                           .store = store,
+                           .studies = studies,
+                           .intake = intake,
+                           .gate = gate,
+                           .warm_workers = warm_workers,
+                           .solver = solver,
+                           .query_directory = directory.check(),
+                           .jobs_directory = directory.jobs(),
+                           .version = DCCAST_VERSION,
+                           .maximum_connections = connections};
+  set_limits(context, config);
   service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
   log_address(config, listener.address(), tls.address(), directory);
-  manager.ready([&](auto longest) { return queue_status(scheduler, longest); });
-  const int signal = wait_for_signal();
-  const bool left_running = leaves_workers(signal, config, workers);
-  const std::string jobs = left_running
-                               ? "running jobs go on for the next dccastd"
-                               : "running jobs stop at a checkpoint and go back into the queue";
-  log::info("{}: {}", ::strsignal(signal), jobs);
-  manager.stopping(jobs);
-  stop_serving({server, studies, scheduler, context, logs, executor}, left_running);
+  serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
+                     workers);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   log::info("dccastd has stopped");
   return 0;

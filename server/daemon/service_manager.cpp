@@ -2,6 +2,7 @@
 
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -46,6 +47,9 @@ ServiceManager::ServiceManager()
   if (address_.empty()) return;
   if (address_.front() == '@') address_.front() = '\0';  // no file, a name that the kernel keeps
   socket_ = storage::FileDescriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  // A manager that does not read does not hold up the end of the daemon.
+  constexpr timeval longest{.tv_sec = 1, .tv_usec = 0};
+  ::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
 }
 
 void ServiceManager::send(const std::string& lines) const {

@@ -83,6 +83,14 @@ class SocketInAFolder(ServiceManagerTest):
         self.addCleanup(os.remove, self.address)
         super().setUp()
 
+    def test_a_manager_that_does_not_read_holds_up_nothing(self):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as filler:
+            filler.setblocking(False)
+            with self.assertRaises(BlockingIOError):
+                while True:
+                    filler.sendto(b"STATUS=", self.address)
+        self.assertEqual(self.daemon.terminate(), 0)
+
     def test_without_a_watchdog_only_the_state(self):
         self.assertEqual(self.manager.next(), {"READY": "1", "STATUS": "0 queued, 0 running"})
         self.daemon.process.send_signal(signal.SIGUSR1)
@@ -91,7 +99,7 @@ class SocketInAFolder(ServiceManagerTest):
 
 
 class QueueThatHangs(ServiceManagerTest):
-    """A disk takes 2 s for everything as the end of a job is written, tests/faults/README.md."""
+    """A disk takes 2 s to sync the events of a job, tests/faults/README.md."""
 
     def setUp(self):
         self.order = f"/tmp/dccast-test-order-{os.getpid()}"
@@ -100,16 +108,18 @@ class QueueThatHangs(ServiceManagerTest):
         self.environment = {**self.environment, **preloaded}
         super().setUp()
 
+    def silences(self):
+        return self.daemon.said().count("the queue does not turn")
+
     def test_no_sign_of_life_until_it_turns_again(self):
         job_id, _ = self.running_job()
         with open(self.order, "w", encoding="ascii") as file:
-            file.write("0 s -1 -")
+            file.write("0 s -1 events.log")
         self.addCleanup(os.remove, self.order)
         self.let_go(job_id)
-        until(lambda: "the queue does not turn" in self.daemon.said(), 30)
-        self.manager.waiting()
-        looks = self.daemon.said().count("the queue does not turn")
-        until(lambda: self.daemon.said().count("the queue does not turn") > looks, 30)
+        until(lambda: self.manager.waiting() == [] and self.silences() > 0, 30)
+        silences = self.silences()
+        until(lambda: self.silences() > silences, 30)
         self.assertEqual(self.manager.waiting(), [])
         with open(self.order, "w", encoding="ascii"):
             pass

@@ -30,12 +30,8 @@ class Hardening(unittest.TestCase):
         self.of_each("--program-headers", r"GNU_RELRO")
         self.of_each("--dynamic", r"FLAGS_1.*\bNOW\b")
 
-    def test_stack_is_protected_and_not_executable(self):
+    def test_stack_is_not_executable(self):
         self.of_each("--program-headers", r"GNU_STACK.* RW +0x")
-        self.of_each("--dyn-syms", r"__stack_chk_fail")
-
-    def test_calls_of_the_c_library_are_checked(self):
-        self.of_each("--dyn-syms", r"__\w+_chk@GLIBC")
 
 
 if __name__ == "__main__":
