@@ -21,10 +21,13 @@
 
 #include "core/storage/file.hpp"
 #include "server/daemon/administration.hpp"
+#include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/jobs/end_hook.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/retention.hpp"
 #include "server/jobs/slurm_executor.hpp"
 #include "server/jobs/warm_workers.hpp"
 #include "server/service/server.hpp"
@@ -128,11 +131,13 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .other_version = config.other_version(),
                        .solver = solver,
                        .job_threads = config.job_threads(),
-                       .first_threads = query_threads(config)},
+                       .first_threads = query_threads(config),
+                       .maximum_time_s = config.maximum_time_s()},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
-          .share_half_life = whole_seconds(config.share_half_life_s())};
+          .share_half_life = whole_seconds(config.share_half_life_s()),
+          .maximum_running_per_user = config.maximum_running_per_user()};
 }
 
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
@@ -218,6 +223,7 @@ public:
                                  files_.certificate, files_.key, files_.client_ca};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
+  const std::string& certificate() const { return files_.certificate; }
 
 private:
   /// Renews a certificate of our own a month before its end.
@@ -333,12 +339,32 @@ void serve_until_signal(const Serving& serving, ServiceManager& manager,
   log::info("{}: {}", ::strsignal(signal), jobs);
   manager.stopping(jobs);
   stop_serving(serving, left_running);
+  if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
+  log::info("dccastd has stopped");
+}
+
+jobs::RetentionOptions retention_options(const v1::DaemonConfig& config,
+                                         const DataDirectory& directory) {
+  return {.jobs_directory = directory.jobs(),
+          .time = whole_seconds(config.keep_time_s()),
+          .bytes = std::llround(config.keep_size_bytes())};
+}
+
+/// @return null where the settings ask for none
+std::unique_ptr<MetricsServer> serve_metrics(const v1::DaemonConfig& config,
+                                             MetricSources sources) {
+  if (config.metrics().empty()) return nullptr;
+  auto server = std::make_unique<MetricsServer>(config.metrics(), std::move(sources));
+  log::info("metrics on http://{}/metrics", server->address());
+  return server;
 }
 
 void set_limits(service::Context& context, const v1::DaemonConfig& config) {
   context.workers = capacity(config);
   context.maximum_queued = config.maximum_queued();
   context.maximum_queued_per_user = config.maximum_queued_per_user();
+  context.maximum_time_s = config.maximum_time_s();
+  context.maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes();
   context.token_lifetime_s = std::llround(config.token_lifetime_s());
   context.maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes());
   context.checks_at_once = number_or_cores(config.checkers());
@@ -366,8 +392,14 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::LocalExecutor local(warm_workers, worker_count(config));
   const auto slurm = slurm_executor(config, directory, local);
   jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
+  jobs::Tally tally;
+  jobs::EndHook end_hook(config.job_end_hook());
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
+  scheduler.observe_transitions([&](const v1::Job& job, v1::JobState from) {
+    tally.count(job, from);
+    end_hook.on_transition(job, from);
+  });
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
   scheduler.recover();
@@ -397,11 +429,11 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
+  const jobs::Retention retention(retention_options(config, directory), store, scheduler);
+  const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
   log_address(config, listener.address(), tls.address(), directory);
   serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
                      workers);
-  if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
-  log::info("dccastd has stopped");
   return 0;
 }
 

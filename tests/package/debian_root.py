@@ -28,6 +28,7 @@ class DebianRoot:
         run("mmdebstrap", "--variant=apt", "--mode=root", "bookworm", self.path,
             *sources_of_this_machine(), timeout=900)
         shutil.copy("/etc/resolv.conf", self.path / "etc/resolv.conf")
+        run("chroot", self.path, "apt-get", "update", "-q", timeout=300)
         run("mount", "-t", "proc", "proc", self.path / "proc")
         run("mount", "--rbind", "/dev", self.path / "dev")
 
