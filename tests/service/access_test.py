@@ -232,6 +232,20 @@ class Owners(AccessTest):
                                   timeout=10).state == job_pb2.CANCELLED, 20)
         kalle.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
 
+    def test_who_holds_too_much_of_the_disk_submits_no_more(self):
+        self.start(maximum_disk_per_user="2 kB")
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        job = self.submit(anna)
+        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
+                                  timeout=10).state == job_pb2.SUCCEEDED, 20)
+        details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
+                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
+        for part in ("anna", "maximum_disk_per_user = 2000 bytes", "dccast delete"):
+            self.assertIn(part, details)
+        self.submit(bert)
+        anna.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.submit(anna)
+
     def test_own_jobs_alone_are_read_where_the_settings_have_it(self):
         self.start(read="own")
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))

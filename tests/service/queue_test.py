@@ -4,6 +4,7 @@ several cases under one request id, lists and usage."""
 import json
 import os
 import pwd
+import resource
 import subprocess
 
 import grpc
@@ -325,6 +326,24 @@ class Times(QueueTest):
         self.assertLess(waiting[0].starts_in_s, waiting[1].starts_in_s)
         self.assertLess(waiting[1].starts_in_s, waiting[1].ends_in_s)
         self.assertIn("starts in", self.dccast("show", jobs[2]))
+
+    def test_nothing_is_foreseen_while_the_queue_is_held(self):
+        self.client.until_state(self.client.submit(fake_case("steps=100 sleep_ms=10")).id, SUCCEEDED)
+        jobs = [self.client.submit(fake_case("steps=400 sleep_ms=10")).id for _ in range(3)]
+        self.client.until_step(jobs[0], 10)
+        self.assertTrue(self.client.job(jobs[2]).HasField("starts_in_s"))
+        self.limit_file_size(1)
+        until(lambda: self.client.job(jobs[2]).held, 20)
+        held = self.client.job(jobs[2])
+        self.assertEqual((held.HasField("starts_in_s"), held.HasField("ends_in_s")), (False, False))
+        self.limit_file_size(resource.RLIM_INFINITY)
+        until(lambda: self.client.job(jobs[2]).HasField("starts_in_s"), 20)
+        for job in jobs:
+            self.client.cancel(job)
+
+    def limit_file_size(self, size):
+        resource.prlimit(self.daemon.process.pid, resource.RLIMIT_FSIZE,
+                         (size, resource.RLIM_INFINITY))
 
     def test_nothing_is_foreseen_of_a_job_that_waits_for_another(self):
         first = self.client.submit(fake_case("steps=300 sleep_ms=10")).id
