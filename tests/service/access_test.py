@@ -260,6 +260,9 @@ class Owners(AccessTest):
                      service_pb2.WatchJobRequest(id=job.id))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
                      service_pb2.ListJobsRequest(owner="anna"))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.SubmitJob,
+                     service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]))
+        anna.SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]), timeout=10)
 
     @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
     def test_another_local_user_does_not_delete_roots_job(self):
@@ -339,6 +342,9 @@ class Limits(AccessTest):
                                service_pb2.SubmitJobRequest(case=fake("steps=3")))
         self.assertIn("anna has 2 jobs", details)
         self.assertIn("maximum_queued_per_user = 2", details)
+        self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, lambda *request, **rest: list(
+            anna.QueryButtCurl(*request, **rest)), service_pb2.QueryButtCurlRequest(
+                case=fake("steps=3"), keep=True))
         self.submit(self.local())
         for job in jobs:
             anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)

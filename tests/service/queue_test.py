@@ -131,10 +131,14 @@ class Cases(QueueTest):
         compared = json.loads(self.dccast("compare", first, "--set", "schedule.hold=4 s", "--json"))
         self.assertTrue(compared)
 
-    def test_a_job_without_a_file_has_none(self):
+    def test_a_job_without_a_file_has_one_by_its_case(self):
         job = self.client.submit(fake_case("steps=5"))
-        self.assertIn("without the file", self.dccast("case", job.id, code=5))
-        self.assertIn("without the file", self.dccast("submit", "--from", job.id, code=5))
+        path = os.path.join(self.folder, "by_its_case.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.dccast("case", job.id))
+        again = [self.dccast("submit", path).strip(), self.dccast("submit", "--from", job.id).strip()]
+        for one in again:
+            self.assertEqual(self.client.job(one).case_sha256, job.case_sha256)
         self.dccast("submit", code=2)
 
     def test_logs(self):
