@@ -202,6 +202,7 @@ TEST_F(StartUp, NoFaceGivesOffMoreThanItsWaterTakes) {
 TEST_F(StartUp, PulsedWaterTakesLessHeat) {
   Water pulsed = start_up_water();
   pulsed.pulse_period = 1.0;
+  pulsed.pulse_share = 0.5;
   pulsed.pulse_end = 100.0;
   const double steady = run(start_up_water(), 3e-3, 4.0).side,
                in_pulses = run(pulsed, 3e-3, 4.0).side;
