@@ -122,6 +122,13 @@ std::string describe_exit(int wait_status) {
   return "exit code " + std::to_string(WEXITSTATUS(wait_status));
 }
 
+std::string take_variable(const char* name) {
+  const char* value = ::getenv(name);
+  std::string text = value == nullptr ? "" : value;
+  ::unsetenv(name);
+  return text;
+}
+
 WorkerProcess::WorkerProcess(const std::filesystem::path& program)
     : name_(program.filename().string()) {
   std::array<int, 2> ends;
