@@ -61,7 +61,7 @@ Endpoint Program::endpoint() const {
     return {.address = tunnel->address()};
   }
   const StoredServers stored(servers);
-  if (const StoredServer* server = stored.find(this->server)) return server->endpoint;
+  if (const StoredServer* named = stored.find(server)) return named->endpoint;
   return endpoint_of(server.empty() ? "127.0.0.1" : server);
 }
 

@@ -21,7 +21,7 @@ struct Picture {
 /// parallel projections, the water-cooled faces from above, the same from below with the butt, and
 /// from inside the slab, where the symmetry planes show the sump.
 struct FramePictures {
-  std::vector<Picture> pictures;    ///< empty if arrays of the frame are not consistent
+  std::vector<Picture> pictures{};  ///< empty if arrays of the frame are not consistent
   double displacement_scale = 1.0;  ///< magnification of the displacements [1]
 };
 

@@ -213,19 +213,19 @@ PullIn profile_at(const v1::Frame& frame, const Triangles& face, double height, 
 
 /// Lowest height of the wide face, and its greatest height below all metal that is not yet solid.
 std::pair<double, double> solid_range(const v1::Frame& frame, const Triangles& face) {
-  double low = std::numeric_limits<double>::infinity(), top = -low, soft = low;
+  double low = std::numeric_limits<double>::infinity(), high = -low, soft = low;
   for (const auto& t : face)
     for (const int node : t) {
       const double z = frame.node_m(3 * node + 2);
       low = std::min(low, z);
-      top = std::max(top, z);
+      high = std::max(high, z);
       if (frame.temperature_c(node) > frames::shell_c(frame)) soft = std::min(soft, z);
     }
   double head = low;
   for (const auto& t : face)
     for (const int node : t)
       if (const double z = frame.node_m(3 * node + 2); z < soft) head = std::max(head, z);
-  return {low, head > low ? head : top};
+  return {low, head > low ? head : high};
 }
 
 std::string cells(const PullIn& p) {

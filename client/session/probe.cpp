@@ -64,7 +64,7 @@ Diagnosis without_connection(Socket::Outcome outcome, const HostAndPort& to,
             "(its log names it)"};
   if (outcome == Outcome::timed_out)
     return {"nothing answers from " + where + " within " +
-                std::to_string(options.timeout.count() / 1000.0).substr(0, 4) +
+                std::to_string(double(options.timeout.count()) / 1000.0).substr(0, 4) +
                 " s: a firewall drops the connection, or the machine is off",
             "ask for port " + to.port + " to be opened from here to there"};
   if (outcome == Outcome::no_route)

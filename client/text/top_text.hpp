@@ -10,9 +10,9 @@ namespace dccast::client::render {
 /// What `dccast top` shows at one moment.
 struct TopView {
   std::string server;
-  v1::GetServerInfoResponse about;
-  std::vector<v1::Job> running;
-  std::vector<v1::Job> queued;  ///< newest first; may be some of many
+  v1::GetServerInfoResponse about{};
+  std::vector<v1::Job> running{};
+  std::vector<v1::Job> queued{};  ///< newest first; may be some of many
 };
 
 /// A page of at most so many columns and lines, each ended; with what does not fit left out.

@@ -13,14 +13,14 @@ namespace {
 using Found = std::optional<Finding>;
 
 /// @param value, limit  [`unit`]
-Finding measured(std::string message, double value, double limit, const char* unit,
-                 const char* key) {
+Finding measured(std::string message, double value, double limit, std::string unit,
+                 std::string key) {
   Finding finding;
   finding.message = std::move(message);
   finding.value = value;
   finding.limit = limit;
-  finding.unit = unit;
-  finding.key = key;
+  finding.unit = std::move(unit);
+  finding.key = std::move(key);
   return finding;
 }
 

@@ -263,10 +263,10 @@ void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_
     temperature.insert(temperature.end(), step.monitor_temperature.begin(),
                        step.monitor_temperature.end());
   }
-  const auto coordinates = static_cast<hsize_t>(dimension);
-  if (displacement.size() != steps.size() * monitors * coordinates)
+  const auto components = static_cast<hsize_t>(dimension);
+  if (displacement.size() != steps.size() * monitors * components)
     throw std::logic_error("StepReport: as many monitor displacements as monitors");
-  file.write("/monitors/displacement_m", {steps.size(), monitors, coordinates}, displacement.data(),
+  file.write("/monitors/displacement_m", {steps.size(), monitors, components}, displacement.data(),
              "m", "(step, monitor, coordinate)");
   if (temperature.size() == steps.size() * monitors)
     file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature.data(), "degC",

@@ -78,8 +78,8 @@ struct BottomBlock {
   Curve temperature;              ///< [°C] against time; of a body its value at the start
   std::optional<BlockBody> body;  ///< absent: the block keeps the temperature of the table
   /// Water in gaps wider than `wet_gap`, once water has met the butt; absent: none gets in.
-  std::optional<double> wet_coefficient;  ///< [W/(m2 K)] from slab and from block to the water
-  double wet_gap = 0.0;                   ///< [m]
+  std::optional<double> wet_coefficient{};  ///< [W/(m2 K)] from slab and from block to the water
+  double wet_gap = 0.0;                     ///< [m]
   /// [m] initial distance of the block below the slab, against the distance from x = 0 and, in a
   /// quarter slab, from y = 0; the two are added. Empty: flat.
   Curve profile_x, profile_y;

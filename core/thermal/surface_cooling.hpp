@@ -42,9 +42,9 @@ struct HeatStepInput {
   /// flow, the side below the water line is dry.
   double water_flow = 0.0;
   /// [m], in the order of HeatForms::bottom_nodes(); empty: contact everywhere.
-  std::span<const double> bottom_gap;
+  std::span<const double> bottom_gap{};
   /// Result of follow_growth(), so that the balance includes the growth.
-  std::optional<MetalEntry> entry;
+  std::optional<MetalEntry> entry{};
   /// [m2/s] on the narrow face of a solid; absent: as on the wide face.
   std::optional<double> narrow_water_flow = {};
   /// (node) [m] vertical displacement of the side, for zones and water line; empty: zero.

@@ -27,10 +27,10 @@ std::string time_now() {
   ::clock_gettime(CLOCK_REALTIME, &now);
   tm utc{};
   ::gmtime_r(&now.tv_sec, &utc);
-  char text[32], all[40];
+  char text[32];
   ::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-  ::snprintf(all, sizeof all, "%s.%03ldZ", text, now.tv_nsec / 1'000'000);
-  return all;
+  const std::string thousandths = std::to_string(1000 + now.tv_nsec / 1'000'000);
+  return std::string(text) + "." + thousandths.substr(1) + "Z";
 }
 
 google::protobuf::util::JsonPrintOptions names_as_in_the_schema() {

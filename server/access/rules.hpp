@@ -16,7 +16,7 @@ enum class ProvenBy { local_user, token, certificate };
 std::string text_of(ProvenBy proof);
 
 struct Caller {
-  std::string name;  ///< empty where the system does not know the local user
+  std::string name{};  ///< empty where the system does not know the local user
   v1::Role role = v1::ROLE_UNSPECIFIED;
   ProvenBy by = ProvenBy::local_user;
   std::string credential{};       ///< id of the token

@@ -81,7 +81,7 @@ struct AttemptOptions {
   std::chrono::milliseconds stop_grace{20000};   ///< from the request to stop to the kill
   std::chrono::milliseconds daemon_patience{0};  ///< a worker runs on without a daemon; 0: it ends
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
-  WatchdogLimits watchdog;
+  WatchdogLimits watchdog{};
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
   std::string solver{};         ///< identity of the solver that the workers run; empty: not known
   int job_threads = 1;          ///< of a quarter slab

@@ -119,7 +119,7 @@ struct SentFile {
   storage::File file;
   std::string name;  ///< for messages
   std::int64_t size = 0;
-  std::string sha256;
+  std::string sha256{};
 };
 
 /// A file in chunks, from an offset on; OUT_OF_RANGE where that lies beyond its end.

@@ -45,9 +45,9 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
     bool admitted = number > 0;
     const grpc::Status status = guarded([&] {
       if (!admitted) {
-        const auto status =
+        const auto refusal =
             call->origin.admit([wire = call->wire] { return wire->IsCancelled(); }, call->call);
-        if (!status.ok()) return status;
+        if (!refusal.ok()) return refusal;
         admitted = true;
       }
       const auto unwanted = no_longer_wanted(call->call);

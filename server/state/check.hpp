@@ -27,10 +27,10 @@ private:
 };
 
 struct CheckOptions {
-  bool repair = false;             ///< put right what can be; nothing but leftovers is deleted
-  bool deep = false;               ///< also hold results against their SHA-256
-  std::vector<std::string> adopt;  ///< ids of quarantined jobs to take back
-  bool index_only = false;         ///< only the store is put right; workers may run
+  bool repair = false;               ///< put right what can be; nothing but leftovers is deleted
+  bool deep = false;                 ///< also hold results against their SHA-256
+  std::vector<std::string> adopt{};  ///< ids of quarantined jobs to take back
+  bool index_only = false;           ///< only the store is put right; workers may run
 };
 
 /// Inspects a state folder that no daemon uses and reports what is wrong with it; with `repair`

@@ -23,9 +23,9 @@ struct StudyRecord {
 
 /// One run of a study: the job that stands for it, or why it has none.
 struct RunRecord {
-  int number = 0;   ///< from 0, in the order of the plan
-  int attempt = 0;  ///< jobs that were made for it so far
-  std::string job;  ///< the last of them; empty while it waits to be queued
+  int number = 0;     ///< from 0, in the order of the plan
+  int attempt = 0;    ///< jobs that were made for it so far
+  std::string job{};  ///< the last of them; empty while it waits to be queued
   v1::JobState outcome = v1::JOB_STATE_UNSPECIFIED;  ///< FAILED, CANCELLED: it gets no job
   v1::Failure failure;                               ///< why it was refused
 

@@ -70,10 +70,10 @@ struct Linear : Scene {
     equilibrium.tangent(body.work.stiffness);
     mechanics::ConstrainedSystem system(body.pattern, body.work);
     std::vector<char> closed(body.problem.contact.size(), 1);
-    mechanics::StepConstraints<2> constraints(
-        body.problem, closed, mechanics::round_off_force(body.problem));
+    mechanics::StepConstraints<2> constraints(body.problem, closed,
+                                              mechanics::round_off_force(body.problem));
     const std::vector<double> none(u.size(), 0.0);
-    system.factorize(constraints.fixed(), none);
+    benchmark::DoNotOptimize(system.factorize(constraints.fixed(), none));
   }
 };
 
@@ -85,7 +85,8 @@ BENCHMARK(analysis)->Apply(sizes);
 
 void factorization(benchmark::State& state) {
   Linear linear(static_cast<int>(state.range(0)));
-  for (auto _ : state) linear.body.work.solver.factorize(linear.body.work.stiffness);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(linear.body.work.solver.factorize(linear.body.work.stiffness));
 }
 BENCHMARK(factorization)->Apply(sizes);
 
@@ -100,8 +101,8 @@ void contact(benchmark::State& state) {
   Linear linear(static_cast<int>(state.range(0)));
   std::vector<char> closed(linear.body.problem.contact.size(), 1);
   for (auto _ : state) {
-    mechanics::StepConstraints<2> constraints(
-        linear.body.problem, closed, mechanics::round_off_force(linear.body.problem));
+    mechanics::StepConstraints<2> constraints(linear.body.problem, closed,
+                                              mechanics::round_off_force(linear.body.problem));
     benchmark::DoNotOptimize(constraints.update(linear.u, linear.body.work.residual, false));
   }
 }
@@ -119,7 +120,7 @@ void heat_step(benchmark::State& state) {
   input.casting_temperature = 680.0;
   input.water_flow = 1.5e-3;
   thermal::HeatField start = solver.uniform_field(680.0);
-  for (int i = 0; i < 5; ++i) solver.step(start, input);
+  for (int i = 0; i < 5; ++i) benchmark::DoNotOptimize(solver.step(start, input));
   int iterations = 0;
   for (auto _ : state) {
     thermal::HeatField field = start;

@@ -36,7 +36,7 @@ void run_case(benchmark::State& state, const casting::Case& c, int threads = 1) 
   for (auto _ : state) {
     std::filesystem::create_directories(folder);
     Silent observer;
-    casting::run(c, {folder, false}, observer, threads);
+    benchmark::DoNotOptimize(casting::run(c, {folder, false}, observer, threads));
     state.counters["solver_s"] = observer.last.solver_seconds;
     state.counters["iterations_per_step"] = observer.iterations / observer.mechanical_steps;
     state.counters["heat_its"] = observer.heat_iterations / observer.steps;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <tuple>
 
 #include "core/casting/simulation.hpp"
 #include "core/findings/judge.hpp"
@@ -28,7 +29,7 @@ std::vector<results::Finding> findings_of(const casting::Case& c) {
       std::filesystem::temp_directory_path() / ("dccast-impossible-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   Recorder recorder;
-  casting::run(c, {folder, false}, recorder);
+  std::ignore = casting::run(c, {folder, false}, recorder);  // however it ends
   std::filesystem::remove_all(folder);
   return recorder.findings;
 }

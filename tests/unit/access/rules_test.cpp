@@ -26,9 +26,10 @@ TEST(Rules, EveryCallHasOneAndARequestOfItsOwn) {
     EXPECT_NE(access.role(), v1::ROLE_UNSPECIFIED) << method.name();
     EXPECT_TRUE(requests.insert(method.input_type()).second) << method.name();
     EXPECT_EQ(rule_of(*method.input_type()).name, method.name());
-    if (access.touches() != v1::NOTHING)
+    if (access.touches() != v1::NOTHING) {
       EXPECT_NE(method.input_type()->FindFieldByName("id"), nullptr) << method.name();
-    if (access.role() == v1::ANYONE) EXPECT_EQ(method.name(), "Enrol");
+    }
+    EXPECT_EQ(access.role() == v1::ANYONE, method.name() == "Enrol") << method.name();
   }
 }
 
@@ -42,10 +43,11 @@ TEST(Rules, CallsThatChangeNeedASubmitter) {
     const std::string name = service().method(i)->name();
     const v1::CallAccess& access = rule_of(*service().method(i)->input_type()).access;
     for (const char* verb : {"Submit", "Create", "Cancel", "Pause", "Resume", "Delete"})
-      if (name.starts_with(verb)) EXPECT_GE(access.role(), v1::SUBMITTER) << name;
+      EXPECT_TRUE(!name.starts_with(verb) || access.role() >= v1::SUBMITTER) << name;
     for (const char* verb : {"Cancel", "Pause", "Resume", "Delete"})
-      if (name.starts_with(verb))
+      if (name.starts_with(verb)) {
         EXPECT_EQ(access.touches(), name.ends_with("Study") ? v1::CHANGES_STUDY : v1::CHANGES_JOB);
+      }
   }
 }
 

@@ -132,7 +132,7 @@ inline void expect_the_same_bytes_after_a_kill(Case c) {
   const TemporaryFolder whole, killed;
   Recorder first, second, uninterrupted;
   c.checkpoint.every_steps = 4;
-  run(c, {whole / "", false}, uninterrupted);
+  EXPECT_EQ(run(c, {whole / "", false}, uninterrupted).end, RunEnd::succeeded);
   first.act_after = 18;
   first.die = true;
   EXPECT_THROW(run(c, {killed / "", false}, first), Recorder::Killed);

@@ -69,8 +69,8 @@ TEST(TwoGrids, AreNotMadeForTetrahedra) {
   Case c = small_quarter_slab(mesh::ElementKind::p1);
   const TemporaryFolder one, other;
   Recorder first, second;
-  run(c, {one / "", false}, first);
-  run(by_two_grids(c), {other / "", false}, second);
+  EXPECT_EQ(run(c, {one / "", false}, first).end, RunEnd::succeeded);
+  EXPECT_EQ(run(by_two_grids(c), {other / "", false}, second).end, RunEnd::succeeded);
   EXPECT_TRUE(equal_except_timing(first.reports.back(), second.reports.back()));
 }
 

@@ -470,11 +470,11 @@ public:
   int times = 0;
   void on_finding(const Finding& finding) override {
     ++times;
-    const auto before = std::ranges::find(findings, finding.code, &Finding::code);
-    if (before == findings.end())
+    const auto known = std::ranges::find(findings, finding.code, &Finding::code);
+    if (known == findings.end())
       findings.push_back(finding);
     else
-      *before = finding;
+      *known = finding;
   }
 };
 
@@ -491,7 +491,7 @@ Case hopeless() {
 TEST(FindingsOfARun, AreReportedAndKeptInTheResults) {
   const TemporaryFolder folder;
   Recorder recorder;
-  run(hopeless(), {folder / "", false}, recorder);
+  EXPECT_EQ(run(hopeless(), {folder / "", false}, recorder).end, RunEnd::succeeded);
   for (const char* code : {"no_superheat", "water_never_meets", "bleed_out_at_exit"})
     EXPECT_NE(find(recorder.findings, code), nullptr) << code;
   EXPECT_LE(std::size_t(recorder.times), 2 * recorder.findings.size())
@@ -503,7 +503,7 @@ TEST(FindingsOfARun, AreReportedAndKeptInTheResults) {
 TEST(FindingsOfARun, AreTheSameAfterAResumption) {
   const TemporaryFolder whole;
   Recorder uninterrupted;
-  run(hopeless(), {whole / "", false}, uninterrupted);
+  EXPECT_EQ(run(hopeless(), {whole / "", false}, uninterrupted).end, RunEnd::succeeded);
   for (const std::int64_t stop : {3, 15, 30}) {
     const TemporaryFolder folder;
     Recorder first, second;
@@ -511,7 +511,7 @@ TEST(FindingsOfARun, AreTheSameAfterAResumption) {
     first.then = Order::stop_at_checkpoint;
     ASSERT_EQ(run(hopeless(), {folder / "", false}, first).end, RunEnd::stopped);
     second.before = first.reports;
-    run(hopeless(), {folder / "", true}, second);
+    EXPECT_EQ(run(hopeless(), {folder / "", true}, second).end, RunEnd::succeeded);
     EXPECT_EQ(second.resumed_from, stop);
     EXPECT_EQ(second.findings, uninterrupted.findings);
     EXPECT_TRUE(bytes_of(folder / "results.h5") == bytes_of(whole / "results.h5")) << stop;

@@ -30,7 +30,7 @@ enum class WorkersOfBefore { gone, found, found_at_their_end };
 /// Starts nothing; the test says what becomes of the workers.
 class ScriptedExecutor : public Executor {
 public:
-  explicit ScriptedExecutor(int workers) : workers_(workers) {}
+  explicit ScriptedExecutor(int capacity) : workers_(capacity) {}
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
   void start(const WorkerLaunch& launch) override {
     const std::lock_guard lock(mutex_);
@@ -80,9 +80,7 @@ private:
   /// Not at once: the scheduler calls with its lock held, as executors have threads of their own.
   void end_later(const std::string& job_id, int attempt, const std::string& how) {
     const std::lock_guard lock(mutex_);
-    enders_.emplace_back([this, job_id, attempt, how] {
-      report_end(job_id, attempt, {how});
-    });
+    enders_.emplace_back([this, job_id, attempt, how] { report_end(job_id, attempt, {how}); });
   }
   /// A process ends once, whatever was sent to it: no call comes after the scheduler has seen it.
   void report_end(const std::string& job_id, int attempt, const WorkerExit& exit) {
@@ -188,7 +186,8 @@ private:
 /// Everything a daemon has, over one folder; made again it stands for a daemon started again.
 struct Daemon {
   explicit Daemon(const fs::path& folder, WatchdogLimits watchdog = {},
-                  v1::OtherVersion other_version = v1::BEGIN_ANEW, WorkersOfBefore workers = WorkersOfBefore::gone)
+                  v1::OtherVersion other_version = v1::BEGIN_ANEW,
+                  WorkersOfBefore workers = WorkersOfBefore::gone)
       : store(folder / "jobs.sqlite"),
         logs(folder),
         executor(1),

@@ -38,14 +38,14 @@ public:
           })) {
       this->set_material(1e9, 0.35, 3e-36);
       this->set_contact();
-      auto& problem = this->problem;
+      auto& block = this->problem;
       const std::vector<double> heaviness(this->forms.elements(), 2.5e6);
-      problem.weight = this->forms.subtract_weight(heaviness, problem.external_force);
+      block.weight = this->forms.subtract_weight(heaviness, block.external_force);
       for (int n : this->box.nodes_on(Face::x_low)) this->fix(n, 0, 0.0);
       for (int n : this->box.nodes_on(Face::y_low)) this->fix(n, 1, 0.0);
       for (int e = 0; e < this->box.mesh.elements(); ++e) {
         const int layer = e * 2 / this->box.mesh.elements();
-        problem.thermal[std::size_t(e)] = -2e-2 * (0.25 + 0.5 * layer);
+        block.thermal[std::size_t(e)] = -2e-2 * (0.25 + 0.5 * layer);
       }
     }
   };

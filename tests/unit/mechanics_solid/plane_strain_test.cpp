@@ -28,8 +28,8 @@ protected:
   static constexpr double width = 0.3, height = 0.2, thickness = 0.07;
 
   ExtrusionOf()
-      : section(testing::distorted_rectangle<Plane>(width, height, columns, rows)),
-        solid(extruded(section.mesh)) {}
+      : section_(testing::distorted_rectangle<Plane>(width, height, columns, rows)),
+        solid_(extruded(section_.mesh)) {}
 
   static BoxMesh extruded(const mesh::Mesh2D& section) {
     return testing::box_mesh({columns, 1, rows}, testing::of_tetrahedra<Solid>,
@@ -46,17 +46,17 @@ protected:
 
   void expect_the_same_displacement(double tolerance) const {
     double size = 0.0;
-    for (double u : section.displacement()) size = std::max(size, std::abs(u));
-    for (int n = 0; n < solid.box.mesh.nodes(); ++n) {
+    for (double u : section_.displacement()) size = std::max(size, std::abs(u));
+    for (int n = 0; n < solid_.box.mesh.nodes(); ++n) {
       const std::size_t m = std::size_t(node_of_section(n));
-      EXPECT_NEAR(solid.displacement(n, 0), section.displacement()[2 * m], tolerance * size);
-      EXPECT_NEAR(solid.displacement(n, 2), section.displacement()[2 * m + 1], tolerance * size);
-      EXPECT_NEAR(solid.displacement(n, 1), 0.0, tolerance * size);
+      EXPECT_NEAR(solid_.displacement(n, 0), section_.displacement()[2 * m], tolerance * size);
+      EXPECT_NEAR(solid_.displacement(n, 2), section_.displacement()[2 * m + 1], tolerance * size);
+      EXPECT_NEAR(solid_.displacement(n, 1), 0.0, tolerance * size);
     }
   }
 
-  FixedBody<Plane> section;
-  SolidBody<Solid> solid;
+  FixedBody<Plane> section_;
+  SolidBody<Solid> solid_;
 };
 
 using Pairs = ::testing::Types<Extrusion<fem::Q1Quadrilateral, fem::Q1Hexahedron>,
@@ -65,11 +65,11 @@ TYPED_TEST_SUITE(ExtrusionOf, Pairs);
 
 /// A section that creeps under a load at its side for some steps, one side held: the 2D figures.
 TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
-  auto& section = this->section;
-  auto& solid = this->solid;
+  auto& section = this->section_;
+  auto& solid = this->solid_;
   section.set_material(1e9, 0.35, 1e-35, 6.0);
   solid.set_material(1e9, 0.35, 1e-35, 6.0);
-  for (int n : this->solid.box.nodes_on(Face::x_low)) solid.fix(n, {0.0, 0.0, 0.0});
+  for (int n : this->solid_.box.nodes_on(Face::x_low)) solid.fix(n, {0.0, 0.0, 0.0});
   for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) {
     section.fix(n, 0, 0.0), section.fix(n, 1, 0.0);
@@ -90,8 +90,8 @@ TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
 
 /// A section on a floor of any shape, its top shrunk: the 2D contact.
 TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
-  auto& section = this->section;
-  auto& solid = this->solid;
+  auto& section = this->section_;
+  auto& solid = this->solid_;
   section.set_material(1e9, 0.35, 0.0, 6.0);
   solid.set_material(1e9, 0.35, 0.0, 6.0);
   section.set_contact();
@@ -113,7 +113,7 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
         -5e-3 * (e / this->columns);
   }
   for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
-  for (int n : this->solid.box.nodes_on(Face::x_low)) solid.fix(n, 0, 0.0);
+  for (int n : this->solid_.box.nodes_on(Face::x_low)) solid.fix(n, 0, 0.0);
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) section.fix(n, 0, 0.0);
   ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
   ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
@@ -141,12 +141,12 @@ protected:
   }
 
   void run(bool contact) {
-    this->section.set_material(young, poisson, kappa, exponent);
-    this->solid.set_material(young, poisson, kappa, exponent);
+    this->section_.set_material(young, poisson, kappa, exponent);
+    this->solid_.set_material(young, poisson, kappa, exponent);
     if (contact) {
-      this->section.set_contact();
-      this->section.set_closed_contact();
-      this->solid.set_contact();
+      this->section_.set_contact();
+      this->section_.set_closed_contact();
+      this->solid_.set_contact();
     }
     for (int i = 1; i <= steps; ++i) step(i, contact);
   }
@@ -154,45 +154,45 @@ protected:
   void step(int number, bool contact) {
     const double p = traction_rate * number * dt, h = stretch(number);
     load(p);
-    for (int n = 0; n < this->section.mesh.nodes(); ++n) {
-      const double* x = this->section.mesh.point(n);
-      if (x[0] == 0.0 || (!contact && x[1] == 0.0)) this->section.fix(n, 0, h * x[0]);
+    for (int n = 0; n < this->section_.mesh.nodes(); ++n) {
+      const double* x = this->section_.mesh.point(n);
+      if (x[0] == 0.0 || (!contact && x[1] == 0.0)) this->section_.fix(n, 0, h * x[0]);
       if ((x[0] == 0.0 && !(contact && x[1] == 0.0)) || (!contact && x[1] == 0.0))
-        this->section.fix(n, 1, -h * x[1]);
+        this->section_.fix(n, 1, -h * x[1]);
     }
-    for (int n = 0; n < this->solid.box.mesh.nodes(); ++n) {
-      const Vector3 x = this->solid.place(n);
-      this->solid.fix(n, 1, 0.0);
-      if (x[0] == 0.0 || (!contact && x[2] == 0.0)) this->solid.fix(n, 0, h * x[0]);
+    for (int n = 0; n < this->solid_.box.mesh.nodes(); ++n) {
+      const Vector3 x = this->solid_.place(n);
+      this->solid_.fix(n, 1, 0.0);
+      if (x[0] == 0.0 || (!contact && x[2] == 0.0)) this->solid_.fix(n, 0, h * x[0]);
       if ((x[0] == 0.0 && !(contact && x[2] == 0.0)) || (!contact && x[2] == 0.0))
-        this->solid.fix(n, 2, -h * x[2]);
+        this->solid_.fix(n, 2, -h * x[2]);
     }
-    ASSERT_TRUE(this->section.step(testing::in_balance(1e-11), dt).converged) << number;
-    ASSERT_TRUE(this->solid.step(testing::in_balance(1e-11), dt).converged) << number;
+    ASSERT_TRUE(this->section_.step(testing::in_balance(1e-11), dt).converged) << number;
+    ASSERT_TRUE(this->solid_.step(testing::in_balance(1e-11), dt).converged) << number;
   }
 
   void load(double p) {
-    this->section.clear_forces();
-    this->section.add_traction(mesh::PatchKind::side, [p](double, double) {
+    this->section_.clear_forces();
+    this->section_.add_traction(mesh::PatchKind::side, [p](double, double) {
       return verification::Vector2{p, 0.0};
     });
-    this->section.add_traction(mesh::PatchKind::top, [p](double, double) {
+    this->section_.add_traction(mesh::PatchKind::top, [p](double, double) {
       return verification::Vector2{0.0, -p};
     });
-    this->section.problem.weight = p * this->width;
-    auto& force = this->solid.problem.external_force;
+    this->section_.problem.weight = p * this->width;
+    auto& force = this->solid_.problem.external_force;
     std::fill(force.begin(), force.end(), 0.0);
-    this->solid.add_traction(Face::x_high, [p](const Vector3&) { return Vector3{p, 0.0, 0.0}; });
-    this->solid.add_traction(Face::z_high, [p](const Vector3&) { return Vector3{0.0, 0.0, -p}; });
-    this->solid.problem.weight = p * this->width * this->thickness;
+    this->solid_.add_traction(Face::x_high, [p](const Vector3&) { return Vector3{p, 0.0, 0.0}; });
+    this->solid_.add_traction(Face::z_high, [p](const Vector3&) { return Vector3{0.0, 0.0, -p}; });
+    this->solid_.problem.weight = p * this->width * this->thickness;
   }
 
   void expect_the_exact_displacement() const {
     const double h = stretch(steps);
-    for (int n = 0; n < this->solid.box.mesh.nodes(); ++n) {
-      const Vector3 x = this->solid.place(n);
-      EXPECT_NEAR(this->solid.displacement(n, 0), h * x[0], 1e-8 * h * this->width);
-      EXPECT_NEAR(this->solid.displacement(n, 2), -h * x[2], 1e-8 * h * this->width);
+    for (int n = 0; n < this->solid_.box.mesh.nodes(); ++n) {
+      const Vector3 x = this->solid_.place(n);
+      EXPECT_NEAR(this->solid_.displacement(n, 0), h * x[0], 1e-8 * h * this->width);
+      EXPECT_NEAR(this->solid_.displacement(n, 2), -h * x[2], 1e-8 * h * this->width);
     }
   }
 };

@@ -49,11 +49,12 @@ public:
     return t;
   }
   void start(const Field& field) { mechanics.start(state, temperature(field)); }
-  StepOutcome step(const Field& field, double dt = 1.0) {
+  /// Expects the step to converge. @return iterations
+  int step(const Field& field, double dt = 1.0) {
     const auto t = temperature(field);
     const auto outcome = mechanics.step(state, {t, dt, slab.level()});
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
-    return outcome;
+    return outcome.iterations;
   }
   Vector3 place(int n) const {
     const double* x = slab.mesh().point(n);

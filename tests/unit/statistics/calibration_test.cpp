@@ -83,7 +83,7 @@ bool is_found_out(const CalibrationDraws& drawn) {
 
 /// A model without the bump that the casting has must not become certain of wrong values.
 TEST(Calibration, FindsAWrongModelOut) {
-  const Eigen::MatrixXd truth = (Eigen::MatrixXd(1, 3) << 0.5, 0.5, 0.5).finished();
+  const Eigen::MatrixXd truth = Eigen::MatrixXd::Constant(1, 3, 0.5);
   const Eigen::VectorXd bump = (4.0 * (-((times().array() - 1.5) / 0.6).square()).exp()).matrix();
   for (const unsigned seed : {3u, 4u, 5u, 6u}) {
     std::mt19937_64 random(seed);
@@ -100,7 +100,7 @@ TEST(Calibration, FindsAWrongModelOut) {
 
 TEST(Calibration, AnErrorOfAllComputedValuesWidensWhatItResembles) {
   std::mt19937_64 random(5);
-  const Eigen::MatrixXd truth = (Eigen::MatrixXd(1, 3) << 0.5, 0.5, 0.5).finished();
+  const Eigen::MatrixXd truth = Eigen::MatrixXd::Constant(1, 3, 0.5);
   const Readings curve = measured(noisy(lift(truth).transpose(), random));
   const auto exact = calibrated(curve), meshed = calibrated(curve, 0.12);
   EXPECT_GT(width(meshed.inputs.col(0)), 2.0 * width(exact.inputs.col(0)));  // the height
@@ -113,7 +113,7 @@ TEST(Calibration, AnErrorOfAllComputedValuesWidensWhatItResembles) {
 
 TEST(Calibration, TakesTheErrorOfTheModelForWhatItIs) {
   std::mt19937_64 random(5);
-  const Eigen::MatrixXd truth = (Eigen::MatrixXd(1, 3) << 0.5, 0.5, 0.5).finished();
+  const Eigen::MatrixXd truth = Eigen::MatrixXd::Constant(1, 3, 0.5);
   Readings curve = measured(noisy(lift(truth).transpose(), random));
   curve.noise = noise;
   const auto exact = calibrated(curve);
@@ -129,7 +129,7 @@ TEST(Calibration, ShowsWhatCannotBeSeparated) {
                                         (1.0 - (-times().array()).exp()).matrix().transpose()};
   };
   std::mt19937_64 random(5);
-  const Eigen::MatrixXd truth = (Eigen::MatrixXd(1, 3) << 0.5, 0.5, 0.5).finished();
+  const Eigen::MatrixXd truth = Eigen::MatrixXd::Constant(1, 3, 0.5);
   Readings curve = measured(noisy(product(truth).front().row(0).transpose(), random));
   curve.noise = noise;
   const auto drawn = calibrated(curve, 0.0, product);

@@ -100,8 +100,9 @@ TEST(RobustSearch, TheFrontIsTheKnownOne) {
   EXPECT_NEAR(front.front().design(0), 0.5, 0.01);
   for (const ScoredDesign& one : front) {
     EXPECT_GT(one.design(0), 0.49) << "the mirrored design costs less";
-    if (one.score.danger == 0.0)
+    if (one.score.danger == 0.0) {
       EXPECT_NEAR(one.score.risk, std::min(1.0, per_distance * one.score.distance), 0.02);
+    }
     for (const ScoredDesign& other : front) EXPECT_FALSE(dominates(other.score, one.score));
   }
   EXPECT_TRUE(std::ranges::is_sorted(front, {}, [](const auto& one) { return one.score.risk; }));

@@ -5,14 +5,16 @@
 namespace dccast::values {
 namespace {
 
+const std::string longest(longest_echo, 'x');
+
 TEST(Shortened, LeavesShortTextsAsTheyAre) {
   EXPECT_EQ(shortened(""), "");
   EXPECT_EQ(shortened("60 mm/min"), "60 mm/min");
-  EXPECT_EQ(shortened(std::string(longest_echo, 'x')), std::string(longest_echo, 'x'));
+  EXPECT_EQ(shortened(longest), longest);
 }
 
 TEST(Shortened, CutsLongOnesAndFurtherLines) {
-  EXPECT_EQ(shortened(std::string(100000, 'x')), std::string(longest_echo, 'x') + "...");
+  EXPECT_EQ(shortened(std::string(100000, 'x')), longest + "...");
   EXPECT_EQ(shortened("first\nsecond"), "first...");
   EXPECT_EQ(shortened("abcdef", 3), "abc...");
 }
