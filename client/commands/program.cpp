@@ -40,6 +40,7 @@ ExitCode run(const InfoOptions& options, Program& program) {
             << info.paused() << "\nlargest  " << info.maximum_message_bytes()
             << " bytes of case and attachments\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
+  if (!info.worker_sandbox().empty()) std::cout << "sandbox  " << info.worker_sandbox() << '\n';
   if (!info.storage_fault().empty())
     std::cout << "held     " << info.storage_fault() << "; no job starts until this is fixed\n";
   if (info.quarantined() > 0)
@@ -114,8 +115,8 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_pause,         commands::add_resume,      commands::add_delete,
         commands::add_schema,        commands::add_login,       commands::add_logout,
         commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
-        commands::add_info,          commands::add_completion,
-        commands::add_usage,         commands::add_case,        commands::add_logs})
+        commands::add_info,          commands::add_completion,  commands::add_usage,
+        commands::add_case,          commands::add_logs})
     add(line, program);
 }
 

@@ -26,6 +26,7 @@
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
+#include "server/worker/sandbox.hpp"
 
 namespace dccast::worker {
 
@@ -107,11 +108,17 @@ v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
 constexpr std::chrono::seconds longest_claim{5};
 constexpr std::chrono::seconds longest_claim_elsewhere{120};
 
+std::string isolation;  ///< what isolate() has reported
+
 /// @throws jobs::FolderTaken, std::system_error
 void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()},
                                 rank ? longest_claim_elsewhere : longest_claim, rank);
   if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
+  std::cerr << "dccast-worker: " << isolation << ", " << confine_writing_to(order.directory())
+            << ", "
+            << bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()})
+            << std::endl;
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
   end.set_attempt(order.attempt());
@@ -165,8 +172,10 @@ std::optional<jobs::StartRank> rank_of(const v1::SolveCase& order) {
 }
 
 /// Answers requests until the daemon closes the link, or one is the run of a job.
-int serve_daemon() {
+/// @param scratch  where files of answers are written
+int serve_daemon(const std::filesystem::path& scratch) {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
+  std::string confined;
   for (;;) {
     ::prctl(PR_SET_NAME, "dccast-worker");
     v1::WorkerRequest request;
@@ -178,7 +187,11 @@ int serve_daemon() {
       if (!order.goes_first()) step_back_behind_queries();
       return run_whole_job(order, rank_of(order));
     }
-    if (!send_answer(STDIN_FILENO, answer(request, STDIN_FILENO))) return exit_link_broken;
+    // What an answer reads may take this process over: it never gets a job.
+    if (confined.empty()) confined = confine_writing_to(scratch);
+    v1::WorkerAnswer answered = answer(request, STDIN_FILENO);
+    answered.set_sandbox(request.has_name_solver() ? isolation + ", " + confined : "");
+    if (!send_answer(STDIN_FILENO, answered)) return exit_link_broken;
   }
 }
 
@@ -188,12 +201,14 @@ int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   name_memory_exhaustion();
+  isolation = isolate();
   try {
     if (argc == 4 && argv[1] == std::string("--run"))
       return run_ordered(argv[2], std::atoi(argv[3]));
     const std::string parent = take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) return refuse_to_run_alone();
-    return tie_to_parent(parent) ? serve_daemon() : exit_daemon_gone;
+    const std::string scratch = take_variable("DCCAST_WORKER_SCRATCH");
+    return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
     return jobs::exit_out_of_memory;
