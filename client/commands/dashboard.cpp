@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/session/socket.hpp"
 #include "client/web/dashboard.hpp"
 
 namespace dccast::client::commands {
@@ -12,8 +13,35 @@ namespace {
 struct DashboardOptions {
   std::vector<std::string> cases;
   int port = 0;
+  std::string listen, certificate, key;
   bool open = false;
 };
+
+/// Whoever opens a dashboard that others can reach acts by its login, so that may only look.
+void require_viewer(Program& program) {
+  Connection connection = program.connect();
+  const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+  if (who.role() != v1::VIEWER)
+    throw CommandFailed(ExitCode::invalid,
+                        "--listen: those who open the page would act as " + who.name() +
+                            ", who may do more than look; log in as a viewer (on the server: "
+                            "dccastd user add wall --role viewer)");
+}
+
+web::Listening listening_of(const DashboardOptions& options, Program& program) {
+  if (options.listen.empty()) return {.port = options.port};
+  if (options.certificate.empty() || options.key.empty())
+    throw CommandFailed(ExitCode::invalid,
+                        "--listen " + options.listen +
+                            ": others are served by HTTPS alone; give --certificate and --key, "
+                            "PEM files of a certificate for this name");
+  require_viewer(program);
+  const HostAndPort at = host_and_port(options.listen);
+  return {.host = at.host,
+          .port = at.port.empty() ? options.port : std::atoi(at.port.c_str()),
+          .certificate = options.certificate,
+          .key = options.key};
+}
 
 /// Shows an address in the user's browser, which outlives this program.
 void open_in_browser(const std::string& address) {
@@ -28,7 +56,7 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   for (const std::string& file : options.cases)
     if (::access(file.c_str(), R_OK) != 0)
       throw CommandFailed(ExitCode::invalid, file + ": cannot be read; give a case file");
-  web::WebServer server(options.port);
+  web::WebServer server(listening_of(options, program));
   web::add_dashboard(
       server,
       [&program](std::shared_ptr<Interruption> gone) {
@@ -37,7 +65,8 @@ ExitCode run(const DashboardOptions& options, Program& program) {
       options.cases);
   const std::string address = server.address();
   std::cout << address << std::endl;
-  std::cerr << "This address opens the dashboard once, on this machine. Ctrl-C ends it.\n";
+  std::cerr << "This address opens the dashboard once"
+            << (options.listen.empty() ? ", on this machine" : "") << ". Ctrl-C ends it.\n";
   if (options.open) open_in_browser(address);
   server.serve(*program.interruption);
   return ExitCode::done;
@@ -51,10 +80,17 @@ void add_dashboard(cli::CommandLine& line, Program& program) {
       "dashboard",
       "Show queue, results and what-if in a browser: a web server on the loopback address, for you "
       "alone, until Ctrl-C",
-      "dccast dashboard --open\n  dccast dashboard my.toml    what-if begins with this case");
+      "dccast dashboard --open\n  dccast dashboard my.toml    what-if begins with this case\n"
+      "  dccast --server viewer dashboard --listen desk7:7300 --certificate d.pem --key d.key");
   command.option("FILE", options->cases, "Case files that a what-if can begin with");
   command.option("--port", options->port, "Port on 127.0.0.1; by default a free one")
       .between(1, 65535);
+  command.option(
+      "--listen", options->listen,
+      "HOST[:PORT], a name or address of this machine: serve others, too. HTTPS, and the "
+      "login must be a viewer's");
+  command.option("--certificate", options->certificate, "PEM file for --listen, with its chain");
+  command.option("--key", options->key, "PEM file with the certificate's key");
   command.flag("--open", options->open, "Open the page in your browser");
   command.action([options, &program] { return run(*options, program); });
 }

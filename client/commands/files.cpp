@@ -1,18 +1,14 @@
-#include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/job_report.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/pdf.hpp"
-#include "client/session/queries.hpp"
-#include "client/session/studies.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -97,46 +93,13 @@ struct ReportOptions {
   bool json = false;
 };
 
-/// The result with the last frame; without it if the job has none or it is too large for a
-/// response.
-v1::QueryResultResponse query(Connection& connection, const std::string& id) {
-  v1::QueryResultResponse result;
-  const grpc::Status status = try_query_result(connection, id, true, result);
-  const auto code = status.error_code();
-  if (code != grpc::StatusCode::FAILED_PRECONDITION &&
-      code != grpc::StatusCode::RESOURCE_EXHAUSTED) {
-    check(status, connection.server());
-    return result;
-  }
-  std::cerr << "dccast: " << status.error_message()
-            << "; the report goes without a picture of the slab\n";
-  return query_result(connection, id);
-}
-
-/// Number of frames that keep the page small enough to be passed on: half a megabyte.
-FrameSeries frames_for_slider(Connection& connection, const std::string& id,
-                              const v1::QueryResultResponse& result) {
-  constexpr int most_frames = 25;
-  constexpr double most_bytes = 500e3;
-  if (!result.has_frame()) return {};
-  // The slab grows: a frame has half the last one's nodes on average, and of a quarter slab it is
-  // the surface that counts. Eleven characters a node.
-  const double nodes = result.frame().temperature_c_size();
-  const double seen = result.frame().dimension() == 3 ? 6.0 * std::pow(nodes, 2.0 / 3.0) : nodes;
-  const int fitting = static_cast<int>(most_bytes / (0.5 * 11.0 * seen + 1.0));
-  return fetch_frames(connection, id, result, std::clamp(fitting, 2, most_frames));
-}
-
 ExitCode run(const ReportOptions& options, Program& program) {
   if (options.output != "-") require_free(options.output, options.force);
   Connection connection = program.connect();
   v1::GetJobRequest request;
   request.set_id(resolve_job(connection, options.id));
   const v1::Job job = connection.call(&Stub::GetJob, request);
-  const v1::QueryResultResponse result = query(connection, job.id());
-  const Study study = study_around(connection, job);
-  const FrameSeries series = frames_for_slider(connection, job.id(), result);
-  const std::string page = render::report_page(job, result, study, series);
+  const std::string page = render::report_of(connection, job, std::cerr);
   if (options.output == "-") {
     std::cout << page;
     return ExitCode::done;

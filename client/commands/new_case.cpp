@@ -23,18 +23,12 @@ struct NewOptions {
   bool json = false;
 };
 
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto& shipped : shipped::case_templates()) all.push_back(shipped.name);
-  return all;
-}
-
 const std::string& text_of(const std::string& name) {
-  for (const auto& shipped : shipped::case_templates())
-    if (shipped.name == name) return shipped.text;
-  const std::string near = case_file::nearest(name, names());
+  if (const auto* shipped = shipped::find(shipped::case_templates(), name)) return shipped->text;
+  const auto names = shipped::names_of(shipped::case_templates());
+  const std::string near = case_file::nearest(name, names);
   std::string known;
-  for (const std::string& one : names()) known += " " + one;
+  for (const std::string& one : names) known += " " + one;
   throw CommandFailed(ExitCode::not_found, "no case named '" + name + "'; " +
                                                (near.empty() ? "" : "did you mean " + near + "? ") +
                                                "there are:" + known);
@@ -83,9 +77,10 @@ bool on_terminal() {
 }
 
 void list_names(bool json) {
-  if (json) std::cout << Json(names()).dump() << '\n';
+  if (json) std::cout << Json(shipped::names_of(shipped::case_templates())).dump() << '\n';
   if (!json)
-    for (const std::string& name : names()) std::cout << name << '\n';
+    for (const std::string& name : shipped::names_of(shipped::case_templates()))
+      std::cout << name << '\n';
 }
 
 ExitCode run(NewOptions options) {

@@ -175,11 +175,8 @@ std::string ramp_of(std::string table, const Range& range, double factor, const 
 
 const shipped::ShippedText& nearest_case(const std::string& alloy) {
   const auto& cases = shipped::case_templates();
-  const auto named = [&cases](const std::string& name) {
-    return std::ranges::find(cases, name, &shipped::ShippedText::name);
-  };
-  const auto own = named(std::string(standard) + "-" + alloy);
-  return own != cases.end() ? *own : *named(standard);
+  const auto* own = shipped::find(cases, std::string(standard) + "-" + alloy);
+  return own != nullptr ? *own : *shipped::find(cases, standard);
 }
 
 std::string metres(double value) {

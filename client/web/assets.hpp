@@ -5,7 +5,8 @@
 
 namespace dccast::client::web {
 
-/// A file of the dashboard, embedded at build time (cmake/embed_texts.cmake) from client/web/assets.
+/// A file of the dashboard, embedded at build time (cmake/embed_texts.cmake) from
+/// client/web/assets.
 struct Asset {
   std::string name;  ///< "app.js"
   std::string text;

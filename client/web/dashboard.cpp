@@ -12,7 +12,7 @@
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/job_report.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/case_changes.hpp"
 #include "client/model/comparison.hpp"
@@ -20,7 +20,6 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
-#include "client/session/studies.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client/web/assets.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -57,7 +56,6 @@ const std::map<std::string, Call>& calls() {
       {"GetStudy", unary(&Stub::GetStudy)},
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
       {"PredictStudy", unary(&Stub::PredictStudy)},
-      {"CancelStudy", unary(&Stub::CancelStudy)},
   };
   return all;
 }
@@ -185,16 +183,10 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
 }
 
 Reply report(Connection& connection, const std::string& id) {
-  constexpr int most_frames = 12;
   v1::GetJobRequest request;
   request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
-  v1::QueryResultResponse result;
-  const bool has_frame = try_query_result(connection, id, true, result).ok();
-  if (!has_frame) result = query_result(connection, id);
-  const FrameSeries frames =
-      has_frame ? fetch_frames(connection, id, result, most_frames) : FrameSeries{};
-  return {.body = render::report_page(job, result, study_around(connection, job), frames),
+  std::ostringstream unseen;  // the page itself states what it lacks
+  return {.body = render::report_of(connection, connection.call(&Stub::GetJob, request), unseen),
           .type = "text/html; charset=utf-8",
           .stands_alone = true};
 }
@@ -217,9 +209,8 @@ public:
   explicit Bases(const std::vector<std::string>& files) : files_(files) {}
 
   Json names() const {
-    Json names = Json::array();
-    for (const std::string& file : files_) names.push_back(file);
-    for (const auto& shipped : shipped::case_templates()) names.push_back(shipped.name);
+    Json names(files_);
+    for (const auto& name : shipped::names_of(shipped::case_templates())) names.push_back(name);
     return names;
   }
 
@@ -242,8 +233,8 @@ private:
   CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
     // Only files that were named when the dashboard was started: a page reads no others.
     if (std::ranges::find(files_, name) != files_.end()) return read_case(name, changes);
-    for (const auto& shipped : shipped::case_templates())
-      if (shipped.name == name) return read_case_text(shipped.text, name, changes);
+    if (const auto* shipped = shipped::find(shipped::case_templates(), name))
+      return read_case_text(shipped->text, name, changes);
     throw CommandFailed(ExitCode::not_found, "there is no case " + name);
   }
 
@@ -356,12 +347,14 @@ void add_results(WebServer& server, const Connect& connect) {
     Connection connection = connected(connect);
     return comparison(connection, request.values("job"));
   });
-  server.events("/watch", [=](const Request& request, const auto& gone, const Send& send) {
-    Connection connection = connect(gone);
-    std::ostringstream unseen;  // a browser takes the connection up again by itself
-    follow_job(
-        connection, request.name, 1,
-        [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
+  server.events("/watch", [=](const Request& request) {
+    return [=](const auto& gone, const Send& send) {
+      Connection connection = connect(gone);
+      std::ostringstream unseen;  // a browser takes the connection up again by itself
+      follow_job(
+          connection, request.name, 1,
+          [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
+    };
   });
 }
 
@@ -369,9 +362,11 @@ void add_what_if(WebServer& server, const Connect& connect, const std::vector<st
   const auto bases = std::make_shared<const Bases>(cases);
   server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
   server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
-  server.events("/ask", [=](const Request& request, const auto& gone, const Send& send) {
-    Connection connection = connect(gone);
-    ask(connection, bases->read(request), send);
+  server.events("/ask", [=](const Request& request) {
+    return [=](const auto& gone, const Send& send) {
+      Connection connection = connect(gone);
+      ask(connection, bases->read(request), send);
+    };
   });
   server.post("/keep", [=](const Request& request) {
     Connection connection = connected(connect);
@@ -392,7 +387,10 @@ void add_dashboard(WebServer& server, const Connect& connect,
     return Reply{call->second(connection, request.body)};
   });
   server.get("/server", [=](const Request&) {
-    return Reply{Json{{"address", connected(connect).server()}}.dump()};
+    Connection connection = connected(connect);
+    const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+    return Reply{
+        Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
   });
   server.post("/another", [&server](const Request&) {
     return Reply{Json{{"address", server.address()}}.dump()};

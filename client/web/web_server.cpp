@@ -1,135 +1,24 @@
 #include "client/web/web_server.hpp"
 
 #include <httplib.h>
-#include <openssl/crypto.h>
-#include <openssl/rand.h>
+#include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
-#include <set>
 #include <thread>
 
 #include "client/model/json.hpp"
+#include "client/web/entrance.hpp"
 
 namespace dccast::client::web {
 namespace {
 
 constexpr int most_threads = 64;            // a live page keeps one for its events
 constexpr std::size_t most_body = 1 << 20;  // [bytes] of what a page sends
-constexpr std::size_t most_keys = 16;       // that are waiting to be used
-constexpr std::size_t most_waiting = 1000;  // events that a slow browser has not taken
-// So often a comment tells whether the browser is still there, and a server that stops is noticed.
-constexpr std::chrono::milliseconds pulse{500};
-
-/// 256 random bits in hexadecimal digits.
-std::string secret() {
-  std::array<unsigned char, 32> bytes;
-  if (RAND_bytes(bytes.data(), bytes.size()) != 1)
-    throw CommandFailed(ExitCode::invalid, "no random numbers are to be had for the session's key");
-  std::string text;
-  for (const unsigned char byte : bytes)
-    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
-}
-
-/// In a time that does not depend on where they differ.
-bool equal(const std::string& a, const std::string& b) {
-  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-/// The value of a cookie; empty: there is none.
-std::string cookie(const httplib::Request& request, const std::string& name) {
-  const std::string all = "; " + request.get_header_value("Cookie");
-  const std::string begin = "; " + name + "=";
-  const auto at = all.find(begin);
-  if (at == std::string::npos) return {};
-  const auto from = at + begin.size();
-  return all.substr(from, all.find(';', from) - from);
-}
 
 std::string fault(const std::string& text) {
   return Json{{"error", text}}.dump();
 }
-
-/// Events on their way from their source to the browser.
-class Mailbox {
-public:
-  /// Waits while the browser has many to take. Throws Interrupted once it has gone.
-  void put(std::string text) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return gone_ || waiting_.size() < most_waiting; });
-    if (gone_) throw Interrupted("");
-    waiting_.push_back(std::move(text));
-    changed_.notify_all();
-  }
-  void end() {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-    changed_.notify_all();
-  }
-  void leave() {
-    const std::lock_guard lock(mutex_);
-    gone_ = true;
-    changed_.notify_all();
-  }
-  /// All that wait, or a comment after a while without any. @return false at the end
-  bool take(std::string& text) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, pulse, [&] { return ended_ || !waiting_.empty(); });
-    text.clear();
-    for (const std::string& event : waiting_) text += event;
-    waiting_.clear();
-    if (text.empty() && !ended_) text = ": still here\n\n";
-    changed_.notify_all();
-    return !text.empty();
-  }
-
-private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::string> waiting_;
-  bool ended_ = false, gone_ = false;
-};
-
-/// A source of events with its thread. It ends with the response that carries them.
-class Stream {
-public:
-  Stream(const WebServer::Source& source, Request request)
-      : thread_([this, source, request = std::move(request)] { run(source, request); }) {}
-  ~Stream() {
-    box_.leave();
-    gone_->come();
-    thread_.join();
-  }
-  bool write(httplib::DataSink& sink) {
-    std::string text;
-    if (box_.take(text)) return sink.write(text.data(), text.size());
-    sink.done();
-    return true;
-  }
-
-private:
-  void run(const WebServer::Source& source, const Request& request) {
-    try {
-      source(request, gone_, [&](const std::string& json) { box_.put("data: " + json + "\n\n"); });
-    } catch (const Interrupted&) {
-    } catch (const std::exception& error) {
-      try {
-        box_.put("event: fault\ndata: " + fault(error.what()) + "\n\n");
-      } catch (const Interrupted&) {
-      }
-    }
-    box_.end();
-  }
-
-  Mailbox box_;
-  std::shared_ptr<Interruption> gone_ = std::make_shared<Interruption>();
-  std::thread thread_;  // last: it uses the others
-};
 
 Request request_of(const httplib::Request& from) {
   Request request;
@@ -160,6 +49,40 @@ int status_of(ExitCode code) {
   }
 }
 
+/// The name for addresses of a server that listens on all of this machine's.
+std::string name_of_this_machine() {
+  std::array<char, 256> name{};
+  ::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+std::unique_ptr<httplib::Server> server_for(const Listening& listening) {
+  if (listening.certificate.empty()) return std::make_unique<httplib::Server>();
+  auto server =
+      std::make_unique<httplib::SSLServer>(listening.certificate.c_str(), listening.key.c_str());
+  if (!server->is_valid())
+    throw CommandFailed(ExitCode::invalid,
+                        "--certificate " + listening.certificate + ", --key " + listening.key +
+                            ": are not a certificate and its key; give PEM files");
+  return server;
+}
+
+const X509* certificate_of(const httplib::Server& server) {
+  const auto* tls = dynamic_cast<const httplib::SSLServer*>(&server);
+  return tls == nullptr ? nullptr : SSL_CTX_get0_certificate(tls->ssl_context());
+}
+
+int bound(httplib::Server& server, const Listening& listening) {
+  const int port = listening.port == 0 ? server.bind_to_any_port(listening.host)
+                   : server.bind_to_port(listening.host, listening.port) ? listening.port
+                                                                         : -1;
+  if (port > 0) return port;
+  throw CommandFailed(ExitCode::invalid,
+                      listening.host + ":" + std::to_string(listening.port) +
+                          ": is no address of this machine, or its port is taken by another "
+                          "program; without a port, a free one is taken");
+}
+
 }  // namespace
 
 std::string Request::value(const std::string& key) const {
@@ -176,57 +99,32 @@ std::vector<std::string> Request::values(const std::string& key) const {
 
 class WebServer::Parts {
 public:
-  explicit Parts(int port) : session_(secret()) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(most_threads); };
-    server_.set_payload_max_length(most_body);
-    server_.set_keep_alive_timeout(1);
-    server_.set_tcp_nodelay(true);
-    server_.set_pre_routing_handler([this](const auto& request, auto& response) {
+  explicit Parts(const Listening& listening)
+      : server_(server_for(listening)),
+        entrance_(named(listening.host), bound(*server_, listening), certificate_of(*server_)) {
+    server_->new_task_queue = [] { return new httplib::ThreadPool(most_threads); };
+    server_->set_payload_max_length(most_body);
+    server_->set_keep_alive_timeout(1);
+    server_->set_tcp_nodelay(true);
+    server_->set_pre_routing_handler([this](const auto& request, auto& response) {
       return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                       : httplib::Server::HandlerResponse::Handled;
     });
-    server_.set_post_routing_handler([](const auto&, auto& response) {
+    server_->set_post_routing_handler([](const auto&, auto& response) {
       if (!response.has_header(policy)) response.set_header(policy, own_policy);
     });
-    port_ = port == 0 ? server_.bind_to_any_port(host_) : port;
-    if (port_ < 0 || (port != 0 && !server_.bind_to_port(host_, port)))
-      throw CommandFailed(ExitCode::invalid,
-                          "--port " + std::to_string(port) +
-                              ": is taken by another program; leave --port out for a free one");
+    if (!entrance_.knows_itself())
+      throw CommandFailed(ExitCode::invalid, "--certificate " + listening.certificate +
+                                                 ": is not for " + named(listening.host) +
+                                                 "; give --listen a name that stands in it");
   }
 
-  std::string address() {
-    const std::lock_guard lock(mutex_);
-    if (keys_.size() >= most_keys) keys_.erase(keys_.begin());
-    return "http://" + origin() + "/?key=" + *keys_.insert(secret()).first;
-  }
-
-  httplib::Server& server() { return server_; }
-  int port() const { return port_; }
+  std::string address() { return entrance_.address(); }
+  httplib::Server& server() { return *server_; }
 
 private:
-  std::string origin() const { return std::string(host_) + ":" + std::to_string(port_); }
-  /// Cookies do not distinguish ports.
-  std::string cookie_name() const { return "dccast_" + std::to_string(port_); }
-
-  bool is_own_name(const std::string& host) const {
-    const std::string port = ":" + std::to_string(port_);
-    return host == host_ + port || host == "localhost" + port || host == "[::1]" + port;
-  }
-
-  bool take_key(const std::string& key) {
-    const std::lock_guard lock(mutex_);
-    const auto found =
-        std::ranges::find_if(keys_, [&](const std::string& known) { return equal(known, key); });
-    if (found == keys_.end()) return false;
-    keys_.erase(found);
-    return true;
-  }
-
-  static bool refuse(httplib::Response& response, const std::string& text) {
-    response.status = 403;
-    response.set_content(text + "\n", "text/plain; charset=utf-8");
-    return false;
+  static std::string named(const std::string& host) {
+    return host == "0.0.0.0" || host == "::" ? name_of_this_machine() : host;
   }
 
   /// Sets the headers of every reply. @return false: this one is complete
@@ -236,32 +134,28 @@ private:
     response.set_header("Cross-Origin-Opener-Policy", "same-origin");
     response.set_header("Cross-Origin-Resource-Policy", "same-origin");
     response.set_header("Cache-Control", "no-store");
-    const std::string host = request.get_header_value("Host");
-    if (!is_own_name(host))
-      return refuse(response, "This dashboard is at http://" + origin() + " only.");
-    const std::string from = request.get_header_value("Origin");
-    if (from.empty() ? request.method != "GET" : from != "http://" + host)
-      return refuse(response, "Only pages of this dashboard may ask this.");
-    if (equal(cookie(request, cookie_name()), session_)) return true;
-    if (request.path != "/" || !take_key(request.get_param_value("key")))
-      return refuse(response,
-                    "The key in the address is missing or was used before. Start `dccast "
-                    "dashboard` again, or press \"Another screen\" in the one that is open.");
-    response.set_header("Set-Cookie",
-                        cookie_name() + "=" + session_ + "; HttpOnly; SameSite=Strict; Path=/");
-    response.set_redirect("/");
+    const auto decision = entrance_.decide({.host = request.get_header_value("Host"),
+                                            .origin = request.get_header_value("Origin"),
+                                            .cookies = request.get_header_value("Cookie"),
+                                            .key = request.get_param_value("key"),
+                                            .changes = request.method != "GET",
+                                            .is_first_page = request.path == "/"});
+    if (decision.admitted) return true;
+    if (decision.cookie.empty()) {
+      response.status = 403;
+      response.set_content(decision.refusal + "\n", "text/plain; charset=utf-8");
+    } else {
+      response.set_header("Set-Cookie", decision.cookie);
+      response.set_redirect("/");
+    }
     return false;
   }
 
-  static constexpr const char* host_ = "127.0.0.1";
-  httplib::Server server_;
-  int port_ = 0;
-  const std::string session_;
-  std::mutex mutex_;
-  std::set<std::string> keys_;
+  std::unique_ptr<httplib::Server> server_;
+  Entrance entrance_;
 };
 
-WebServer::WebServer(int port) : parts_(std::make_unique<Parts>(port)) {}
+WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
 WebServer::~WebServer() = default;
 
 void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
@@ -303,28 +197,30 @@ void WebServer::post(const std::string& path, Handler handler) {
   parts_->server().Post(with_name(path), answering(std::move(handler)));
 }
 
-void WebServer::events(const std::string& path, Source source) {
+void WebServer::events(const std::string& path, SourceOf source) {
   parts_->server().Get(with_name(path), [source = std::move(source)](const httplib::Request& asked,
                                                                      httplib::Response& response) {
-    const auto stream = std::make_shared<Stream>(source, request_of(asked));
+    const auto stream = std::make_shared<EventStream>(source(request_of(asked)));
     response.set_chunked_content_provider(
-        "text/event-stream",
-        [stream](std::size_t, httplib::DataSink& sink) { return stream->write(sink); });
+        "text/event-stream", [stream](std::size_t, httplib::DataSink& sink) {
+          const std::string text = stream->take();
+          if (text.empty()) sink.done();
+          return text.empty() || sink.write(text.data(), text.size());
+        });
   });
-}
-
-int WebServer::port() const {
-  return parts_->port();
 }
 
 std::string WebServer::address() {
   return parts_->address();
 }
 
-void WebServer::serve(const Interruption& interruption) {
+void WebServer::serve(Interruption& interruption) {
   std::thread watch([&] {
-    while (!interruption.came()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    parts_->server().stop();
+    try {
+      while (true) interruption.sleep(std::chrono::hours(1));
+    } catch (const Interrupted&) {
+      parts_->server().stop();
+    }
   });
   parts_->server().listen_after_bind();
   watch.join();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/session/connection.hpp"
+#include "client/web/event_stream.hpp"
 
 namespace dccast::client::web {
 
@@ -30,19 +30,20 @@ struct Reply {
   bool stands_alone = false;
 };
 
-/// Writes one event to the browser.
-using Send = std::function<void(const std::string& json)>;
+/// Where browsers find a server.
+struct Listening {
+  std::string host = "127.0.0.1";    ///< or a name or address of this machine
+  int port = 0;                      ///< 0: any free one
+  std::string certificate{}, key{};  ///< PEM files, for HTTPS; empty: HTTP
+};
 
-/// An HTTP server for one person on the loopback address.
-///
-/// Nobody else gets in: the first visit needs a key that is valid once and gives the session's
-/// cookie; Host must be a loopback name with this port, so that no other site can point its own
-/// name at it, and whatever changes something must come from a page of this origin. Replies name
-/// what a page may load: files of this server alone.
+/// An HTTP or HTTPS server for the few who are let in, see Entrance. Replies name what a page may
+/// load: files of this server alone.
 class WebServer {
 public:
-  /// @param port  0: any free one. Throws CommandFailed: the port is taken.
-  explicit WebServer(int port);
+  /// Throws CommandFailed: the address is taken or not of this machine, or the certificate cannot
+  /// be used for it.
+  explicit WebServer(const Listening& listening);
   ~WebServer();
   WebServer(const WebServer&) = delete;
 
@@ -52,17 +53,14 @@ public:
   using Handler = std::function<Reply(const Request&)>;
   void get(const std::string& path, Handler handler);
   void post(const std::string& path, Handler handler);
-  /// Answers with server-sent events. The source runs in a thread of its own until it returns; when
-  /// the browser has gone, `gone` comes, and the source shall end.
-  using Source =
-      std::function<void(const Request&, std::shared_ptr<Interruption> gone, const Send& send)>;
-  void events(const std::string& path, Source source);
+  /// Answers with server-sent events.
+  using SourceOf = std::function<Source(const Request&)>;
+  void events(const std::string& path, SourceOf source);
 
-  int port() const;
   /// An address that opens the dashboard once.
   std::string address();
   /// Serves until the interruption comes.
-  void serve(const Interruption& interruption);
+  void serve(Interruption& interruption);
 
 private:
   class Parts;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,17 @@ const std::vector<ShippedText>& case_templates();
 
 /// The files of cases/alloys/, by name.
 const std::vector<ShippedText>& alloy_cards();
+
+/// The text with this name; null if there is none.
+inline const ShippedText* find(const std::vector<ShippedText>& texts, const std::string& name) {
+  const auto found = std::ranges::find(texts, name, &ShippedText::name);
+  return found == texts.end() ? nullptr : &*found;
+}
+
+inline std::vector<std::string> names_of(const std::vector<ShippedText>& texts) {
+  std::vector<std::string> names;
+  for (const ShippedText& text : texts) names.push_back(text.name);
+  return names;
+}
 
 }  // namespace dccast::shipped

@@ -34,14 +34,14 @@ grpc::Status find_text(const v1::ReadCaseRequest& request, std::string& text) {
     text = request.text();
     return grpc::Status::OK;
   }
-  std::string names;
-  for (const shipped::ShippedText& known : shipped::case_templates()) {
-    if (known.name == request.shipped()) {
-      text = known.text;
-      return grpc::Status::OK;
-    }
-    names += (names.empty() ? "" : ", ") + known.name;
+  const auto& cases = shipped::case_templates();
+  if (const auto* known = shipped::find(cases, request.shipped())) {
+    text = known->text;
+    return grpc::Status::OK;
   }
+  std::string names;
+  for (const std::string& name : shipped::names_of(cases))
+    names += (names.empty() ? "" : ", ") + name;
   return {grpc::StatusCode::NOT_FOUND, "no case called \"" +
                                            values::escaped(values::shortened(request.shipped())) +
                                            "\" is built in; there are " + names};

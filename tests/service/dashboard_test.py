@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import signal
+import ssl
 import struct
 import subprocess
 import time
@@ -14,7 +15,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from certificates import TestCa
 from dccast.v1 import job_pb2, service_pb2
+from doctor_test import ClientTest
 from support import BIN, ServiceTest, fake_case, main, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
@@ -158,6 +161,73 @@ class Entrance(WithoutBrowser):
             connection.close()
         until(lambda: threads() <= before + 2, 20)
         self.client.cancel(job.id)
+
+
+class Others(ClientTest):
+    """Served to other machines: by HTTPS, for a certificate's name, by a viewer's login."""
+
+    def setUp(self):
+        super().setUp()
+        self.start()
+        os.makedirs(os.path.join(self.folder, "pki"))
+        self.ca = TestCa(os.path.join(self.folder, "pki"))
+        self.words = ("--certificate", self.ca.issue(name="DNS:localhost"), "--key", self.ca.key)
+
+    def test_what_is_refused(self):
+        self.log_in("anna")
+        without = self.dccast("dashboard", "--listen", "localhost")
+        self.assertEqual(without.returncode, 2)
+        self.assertIn("--certificate", without.stderr)
+        more = self.dccast("dashboard", "--listen", "localhost", *self.words)
+        self.assertEqual(more.returncode, 2)
+        self.assertIn("as anna, who may do more than look", more.stderr)
+        self.log_in("wall", "viewer", "--name", "wall", "--default")
+        other_name = self.dccast("dashboard", "--listen", "127.0.0.1", *self.words)
+        self.assertEqual(other_name.returncode, 2)
+        self.assertIn("is not for 127.0.0.1", other_name.stderr)
+        wrong_key = self.dccast("dashboard", "--listen", "localhost", "--certificate",
+                                self.ca.key, "--key", self.ca.key)
+        self.assertEqual(wrong_key.returncode, 2)
+        self.assertIn("PEM files", wrong_key.stderr)
+
+    def test_a_viewer_looks(self):
+        self.log_in("wall", "viewer")
+        process = subprocess.Popen(
+            [os.path.join(BIN, "dccast"), "dashboard", "--listen", "localhost", *self.words],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={"XDG_CONFIG_HOME": os.path.join(self.folder, "settings"),
+                 "PATH": os.environ["PATH"]})
+        try:
+            url = urllib.parse.urlsplit(process.stdout.readline().strip())
+            self.assertEqual((url.scheme, url.hostname), ("https", "localhost"))
+
+            def ask(method, path, body=None, **headers):
+                connection = http.client.HTTPSConnection(
+                    "localhost", url.port, timeout=30,
+                    context=ssl.create_default_context(cafile=self.ca.certificate))
+                connection.request(method, path, body, headers)
+                response = connection.getresponse()
+                text = response.read()
+                connection.close()
+                return response, text
+
+            self.assertEqual(ask("GET", "/")[0].status, 403)
+            entered = ask("GET", "/?" + url.query)[0]
+            self.assertIn("; Secure", entered.getheader("Set-Cookie"))
+            cookie = {"Cookie": entered.getheader("Set-Cookie").split(";")[0]}
+            own = {**cookie, "Origin": f"https://localhost:{url.port}"}
+            self.assertEqual(ask("GET", "/", **cookie, Host=f"evil.example:{url.port}")[0].status, 403)
+            self.assertEqual(ask("POST", "/call/ListJobs", "{}", **own)[0].status, 200)
+            plain = {**cookie, "Origin": f"http://localhost:{url.port}"}
+            self.assertEqual(ask("POST", "/call/ListJobs", "{}", **plain)[0].status, 403)
+            self.assertEqual(json.loads(ask("GET", "/server/", **cookie)[1])["role"], "VIEWER")
+            response, text = ask("POST", "/keep/?case=start-2d-thickness", "", **own)
+            self.assertEqual(response.status, 404, text)
+            self.assertIn("viewer", json.loads(text)["error"])
+        finally:
+            process.send_signal(signal.SIGINT)
+            self.assertIn(process.wait(timeout=10), (0, 130))
+            process.stdout.close()
 
 
 class RealRuns(WithoutBrowser):

@@ -35,11 +35,15 @@ onReachable((reachable, text) => {
   status.textContent = reachable ? address : text;
 });
 let address = '';
-get('/server/').then(server => { address = server.address; status.textContent = address; }).catch(() => {});
+get('/server/').then(server => {
+  address = server.address;
+  status.textContent = address;
+  document.body.classList.toggle('viewer', server.role === 'VIEWER');  // hides what the server would refuse
+}).catch(() => {});
 document.getElementById('another').addEventListener('click', async () => {
   const {address: link} = await post('/another/');
   await navigator.clipboard?.writeText(link).catch(() => {});
-  prompt('This address opens the dashboard once, in another browser of this machine. It is on the clipboard.', link);
+  prompt('This address opens the dashboard once, in another browser. It is on the clipboard.', link);
 });
 addEventListener('hashchange', () => { show(); main.focus({preventScroll: true}); scrollTo(0, 0); });
 show();

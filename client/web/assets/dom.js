@@ -25,7 +25,7 @@ export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 export const curlText = (curl, relative) => relative
   ? `${mm(curl)} ± ${mm(Math.abs(curl) * relative)} mm` : `${mm(curl)} mm`;
 
-export const stateText = state => (state || '').replace(/^STUDY_/, '').toLowerCase().replaceAll('_', ' ');
+export const stateText = state => (state || '').toLowerCase().replaceAll('_', ' ');
 export const shortId = id => id.slice(0, 8);
 
 export function ago(time) {

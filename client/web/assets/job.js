@@ -17,7 +17,7 @@ export function jobPage(element, signal, id) {
 
   function drawHead({job, history, relative_curl_error: error}) {
     const step = job.last_step || {};
-    const act = (name, text) => h('button', {type: 'button', onclick: async event => {
+    const act = (name, text) => h('button', {type: 'button', class: 'submitter', onclick: async event => {
       event.target.disabled = true;
       await call(name, {id: job.id}).then(load, fault => { replace(message, fault.message); event.target.disabled = false; });
     }}, text);

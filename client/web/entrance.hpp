@@ -1,0 +1,53 @@
+#pragma once
+
+#include <openssl/ossl_typ.h>
+
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace dccast::client::web {
+
+/// Who gets in: a key that works once gives a browser the session's cookie. Host must be a name of
+/// this server, so that no other site can point its own name at it, and whatever changes something
+/// must come from a page of this origin.
+class Entrance {
+public:
+  /// @param host         as addresses name this server
+  /// @param certificate  of this server, whose names are its own; null: HTTP on the loopback
+  ///                     address, with loopback's names
+  Entrance(std::string host, int port, const X509* certificate);
+
+  /// Whether its certificate, if any, is for its host.
+  bool knows_itself() const { return is_own_name(host_ + port_); }
+  /// An address that opens the dashboard once.
+  std::string address();
+
+  /// What a request brings; empty where it has none of it.
+  struct Visit {
+    std::string host, origin, cookies, key;
+    bool changes = false;  ///< its method is other than GET
+    bool is_first_page = false;
+  };
+  struct Decision {
+    bool admitted = false;
+    std::string refusal{};  ///< why not; empty with `cookie`
+    std::string cookie{};   ///< for Set-Cookie: the key was good
+  };
+  Decision decide(const Visit& visit);
+
+private:
+  bool is_own_name(const std::string& host) const;
+  bool take_key(const std::string& key);
+  std::string origin() const;
+  std::string cookie_name() const;
+
+  const std::string host_;
+  const std::string port_;  // ":7300"
+  const X509* const certificate_;
+  const std::string session_;
+  std::mutex mutex_;
+  std::set<std::string> keys_;
+};
+
+}  // namespace dccast::client::web

@@ -1,0 +1,34 @@
+"""Draws the last frame of a fetched result with ParaView, deformed and coloured by temperature.
+
+Usage: pvpython paraview_slab.py RESULTS.xdmf PICTURE.png
+"""
+import sys
+
+from paraview import simple
+
+source = simple.Xdmf3ReaderS(FileName=[sys.argv[1]])
+view = simple.CreateView("RenderView")
+view.ViewSize = [900, 520]
+view.ViewTime = source.TimestepValues[-1]
+view.UseColorPaletteForBackground = 0
+view.Background = [1, 1, 1]
+view.OrientationAxesLabelColor = [0, 0, 0]
+
+slab = simple.WarpByVector(Input=source)
+slab.Vectors = ["POINTS", "displacement_m"]
+shown = simple.Show(slab, view)
+simple.ColorBy(shown, ("POINTS", "temperature_c"))
+shown.RescaleTransferFunctionToDataRange(False)
+shown.SetScalarBarVisibility(view, True)
+colours = simple.GetColorTransferFunction("temperature_c")
+colours.ApplyPreset("Inferno (matplotlib)", True)
+bar = simple.GetScalarBar(colours, view)
+bar.Title, bar.ComponentTitle = "temperature, °C", ""
+bar.LabelFormat = bar.RangeLabelFormat = "%.0f"
+bar.TitleColor = bar.LabelColor = [0, 0, 0]
+
+view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [2, 1.6, 0.7], [0.3, 0.15, 0.1], [0, 0, 1]
+simple.ResetCamera(view)
+simple.GetActiveCamera().Dolly(1.3)
+simple.Render(view)
+simple.SaveScreenshot(sys.argv[2], view)
