@@ -32,6 +32,7 @@ herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
   // The rest repeats time, file and buffer; the error number is reported separately.
   if (depth == 0)
     error.message = std::string(entry->desc).substr(0, std::string(entry->desc).find(": time ="));
+  if (entry->maj_num == H5E_RESOURCE) error.system_code = ENOMEM;
   // The library hands errno over as text only.
   const std::string text = entry->desc;
   const std::string key = "errno = ";

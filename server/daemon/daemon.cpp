@@ -157,9 +157,7 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
   v1::WorkerRequest request;
   request.mutable_name_solver();
   try {
-    auto answer = workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
-    log::info("workers: {}", answer.sandbox());
-    return answer;
+    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     log::warn("queries are answered by a run each time: {}", error.what());
@@ -283,8 +281,7 @@ void log_address(const v1::DaemonConfig& config, const std::string& local, const
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
-            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(),
-            capacity(config));
+            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(), capacity(config));
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -325,8 +322,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
   const std::size_t connections = connection_count(config);
-  jobs::WarmWorkers warm_workers(worker_program(config), {.scratch = directory.check(),
-                                                          .kept = warm_worker_count(config)});
+  jobs::WarmWorkers warm_workers(worker_program(config),
+                                 {.scratch = directory.check(), .kept = warm_worker_count(config)});
   const v1::WorkerAnswer worker = introduction_of(warm_workers);
   const std::string& solver = worker.solver();
   const intake::CaseIntake intake(warm_workers, config.alloy_directory(), directory.check(),
@@ -380,6 +377,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   scheduler.start();
   studies.start();
   log_address(config, listener.address(), tls.address(), directory);
+  log::info("workers: {}", worker.sandbox());
   // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
   const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);
   serve_until_signal({server, studies, scheduler, context, logs, executor}, left_running);

@@ -20,6 +20,7 @@
 #include <system_error>
 
 #include "core/casting/stored_run.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/jobs/worker_order.hpp"
@@ -92,6 +93,17 @@ v1::RunEnd unreadable_case(const std::exception& error) {
   return end;
 }
 
+/// A disk that is full is waited for; this is no more writable later.
+v1::RunEnd too_large_a_file(std::int64_t most) {
+  v1::RunEnd end;
+  end.set_outcome(v1::RunEnd::FAILED);
+  end.mutable_failure()->set_kind(v1::Failure::INVALID_CASE);
+  end.mutable_failure()->set_message(
+      "the case makes a file larger than " + storage::megabytes(most) +
+      ": store fewer frames, or have worker_file raised in the settings of dccastd");
+  return end;
+}
+
 v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
   try {
     read_case(order);
@@ -121,6 +133,8 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
             << std::endl;
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
+  if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
+    end = too_large_a_file(order.file_bytes());
   end.set_attempt(order.attempt());
   end.set_solver(casting::solver_identity());
   run.end(std::move(end));

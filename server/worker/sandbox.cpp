@@ -5,6 +5,7 @@
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
+#include <signal.h>
 #include <stddef.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <vector>
 
@@ -178,6 +180,13 @@ std::string in_megabytes(const char* what, rlim_t bytes) {
                      : " up to " + storage::megabytes(static_cast<std::int64_t>(bytes)));
 }
 
+std::atomic<bool> file_bound_met = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void note_file_bound(int) {
+  file_bound_met = true;
+}
+
 }  // namespace
 
 std::string isolate() {
@@ -207,7 +216,12 @@ std::string bound(const Bounds& bounds) {
   std::string text = sanitized ? "memory without a bound (sanitizer)"
                                : in_megabytes("memory", limit(RLIMIT_DATA, memory));
   if (bounds.file_bytes <= 0) return text;
+  ::signal(SIGXFSZ, note_file_bound);  // the write is an error, too
   return text + in_megabytes(", files", limit(RLIMIT_FSIZE, bounds.file_bytes));
+}
+
+bool met_file_bound() {
+  return file_bound_met;
 }
 
 }  // namespace dccast::worker

@@ -27,5 +27,7 @@ struct Bounds {
 /// Memory or a file beyond its bound is an error of the call that asked for it.
 /// @return as isolate(): "memory up to 8000 MB, files up to 100000 MB"
 std::string bound(const Bounds& bounds);
+/// Whether a file was to become larger than bound() permits.
+bool met_file_bound();
 
 }  // namespace dccast::worker

@@ -1,6 +1,5 @@
 """Processes that are there and do nothing, or are told to leave: the watchdog and the ways out."""
 import os
-import resource
 import signal
 
 from cases import FAKE, REAL, coarse, failing_check, fake
@@ -8,7 +7,7 @@ from disk import FailingDisk
 from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import alive, at_some_step, limit, open_files, pause, signal_process
+from scene import Scene, alive, at_some_step, pause, signal_process
 from support import BIN, until
 
 # Short times, and still long against a machine that does other things too.
@@ -41,27 +40,24 @@ class StopWorker(TwoCastings):
         signal_process(stopped, signal.SIGKILL)
 
 
-class LimitedMemory(TwoCastings):
-    """A worker gets no more memory in the middle of a real casting (RLIMIT_DATA): its job fails and
-    says so, the other one does not notice."""
+class LimitedMemory(Fault):
+    """Workers of real castings that get a random part of the memory they need (worker_memory): they end
+    whole, or fail and say so."""
     short, long = 2, 20
+    worker = REAL
+
+    def scene(self, chance):
+        return Scene(chance, REAL, worker_memory=f"{chance.randint(1, 40)} MB")
 
     def disturb(self, scene, count):
-        running = scene.running()
-        if not running:
-            return self.begin(scene) or False
-        starved = scene.chance.choice(running)
-        for process, _ in scene.job_workers():
-            if scene.data("jobs", starved, "worker.log") in open_files(process):
-                limit(process, resource.RLIMIT_DATA, 1 << 20)
-        must(count, lambda: scene.ended(starved), "a worker without memory hangs", PATIENCE)
-        failure = scene.client.job(starved).failure
-        if failure.kind != job_pb2.Failure.OUT_OF_MEMORY:
-            return False  # it had all that it needed
-        scene.acknowledged[starved].state = job_pb2.FAILED
-        if "memory" not in failure.message:
-            count.found("wrong", f"job {starved} fails without words about memory: {failure.message}")
-        return True
+        castings = [scene.submit(coarse()) for _ in range(2)]
+        must(count, lambda: all(map(scene.ended, castings)), "a worker without memory hangs", 30)
+        for casting in castings:
+            failure = scene.client.job(casting).failure
+            if failure.kind == job_pb2.Failure.OUT_OF_MEMORY:
+                scene.acknowledged[casting].state = job_pb2.FAILED
+                if "memory" not in failure.message:
+                    count.found("wrong", f"job {casting} fails without words about memory")
 
 
 class SilentWorker(Fault):

@@ -3,7 +3,6 @@
 import ctypes
 import json
 import os
-import re
 import resource
 import subprocess
 
@@ -47,8 +46,8 @@ class Sandbox(ServiceTest):
         self.assertIn(folder if "beneath" in said else "writes where", said)
         self.assertIn("memory up to 1000 MB, files up to 50 MB", said)
 
-    def test_status_and_the_daemon_s_log_say_what_holds_workers_that_answer(self):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "status",
+    def test_info_and_the_daemon_s_log_say_what_holds_workers_that_answer(self):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "info",
                                 "--json"], capture_output=True, text=True, timeout=30, check=True)
         said = json.loads(ended.stdout)["worker_sandbox"]
         self.assertIn("no network, no other processes (seccomp)", said)
@@ -57,11 +56,12 @@ class Sandbox(ServiceTest):
         for process in self.daemon.answering_processes():
             self.assertEqual(status_of(process)["Seccomp"], "2")
 
-    def test_a_file_beyond_its_bound_fails_the_job_as_storage(self):
+    def test_a_file_beyond_its_bound_fails_the_job_and_holds_no_queue(self):
         job = self.client.submit(fake_case("steps=5 big=60000000"))
         ended = self.client.until_state(job.id, job_pb2.FAILED)
-        self.assertEqual(ended.failure.kind, job_pb2.Failure.STORAGE)
-        self.assertTrue(re.search("too large", ended.failure.message), ended.failure.message)
+        self.assertEqual(ended.failure.kind, job_pb2.Failure.INVALID_CASE)
+        self.assertIn("larger than 50 MB", ended.failure.message)
+        self.assertEqual(ended.attempts, 1)
 
 
 if __name__ == "__main__":
