@@ -7,6 +7,7 @@
 
 #include "client/cli/options.hpp"
 #include "client/session/connection.hpp"
+#include "client/session/ssh_tunnel.hpp"
 
 /// The commands, several to a file by what they are about. Each `add_` function declares one: its
 /// options and its action.
@@ -18,6 +19,7 @@ struct Program {
   std::filesystem::path configuration{};  ///< the user's settings; empty: none
   std::filesystem::path servers{};        ///< logins of the user; empty: none
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
+  mutable std::shared_ptr<SshTunnel> tunnel{};  ///< of a server that is meant by ssh://
   /// To the server that is meant: one of a login, else one on loopback. Throws CommandFailed.
   Endpoint endpoint() const;
   Connection connect() const { return Connection(endpoint(), interruption); }
@@ -40,6 +42,10 @@ void add_cancel(cli::CommandLine& line, Program& program);
 void add_pause(cli::CommandLine& line, Program& program);
 void add_resume(cli::CommandLine& line, Program& program);
 void add_delete(cli::CommandLine& line, Program& program);
+void add_label(cli::CommandLine& line, Program& program);
+void add_pin(cli::CommandLine& line, Program& program);
+void add_unpin(cli::CommandLine& line, Program& program);
+void add_top(cli::CommandLine& line, Program& program);
 void add_usage(cli::CommandLine& line, Program& program);
 void add_case(cli::CommandLine& line, Program& program);
 void add_logs(cli::CommandLine& line, Program& program);
@@ -67,6 +73,11 @@ void add_info(cli::CommandLine& line, Program& program);
 /// @param strict  findings beyond notes give ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
                    bool messages_only, bool strict = false);
+
+/// Waits until jobs have ended and prints how, in the order given.
+/// @param command  run in a shell for each of them; empty: none
+ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& ids,
+                       const std::string& command, bool json);
 
 }  // namespace dccast::client::commands
 

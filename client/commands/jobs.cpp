@@ -112,16 +112,42 @@ void notify(const std::string& command, const v1::Job& job) {
 
 ExitCode run(const WaitOptions& options, Program& program) {
   Connection connection = program.connect();
-  ExitCode code = ExitCode::done;
-  for (const std::string& id : resolve_jobs(connection, options.ids)) {
-    const v1::Job job = ended_job(connection, id);
-    std::cout << (options.json ? to_json(job).dump()
-                               : job.id() + " " + render::full_state_text(job))
-              << std::endl;
-    if (!options.notify.empty()) notify(options.notify, job);
-    if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
+  return wait_for_jobs(connection, resolve_jobs(connection, options.ids), options.notify,
+                       options.json);
+}
+
+struct LabelOptions {
+  std::string id;
+  std::vector<std::string> labels, remove;
+  bool json = false;
+};
+
+ExitCode update(Program& program, v1::UpdateJobRequest request, bool json) {
+  Connection connection = program.connect();
+  request.set_id(resolve_job(connection, request.id()));
+  const v1::Job job = connection.call(&Stub::UpdateJob, request);
+  if (json) {
+    std::cout << to_json(job).dump() << '\n';
+    return ExitCode::done;
   }
-  return code;
+  std::cout << job.id();
+  for (const std::string& label : job.labels()) std::cout << ' ' << label;
+  std::cout << (job.pinned() ? " (pinned)\n" : "\n");
+  return ExitCode::done;
+}
+
+void add_pin_command(cli::CommandLine& line, Program& program, const char* name,
+                     const char* description, const char* example, bool pinned) {
+  const auto options = std::make_shared<LabelOptions>();
+  const cli::Command command = line.command(name, description, example);
+  command.option("JOB", options->id, job_help).required();
+  command.json(options->json);
+  command.action([options, pinned, &program] {
+    v1::UpdateJobRequest request;
+    request.set_id(options->id);
+    request.set_pinned(pinned);
+    return update(program, request, options->json);
+  });
 }
 
 struct DeleteOptions {
@@ -227,6 +253,19 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
 
 }  // namespace
 
+ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& ids,
+                       const std::string& command, bool json) {
+  ExitCode code = ExitCode::done;
+  for (const std::string& id : ids) {
+    const v1::Job job = ended_job(connection, id);
+    std::cout << (json ? to_json(job).dump() : job.id() + " " + render::full_state_text(job))
+              << std::endl;
+    if (!command.empty()) notify(command, job);
+    if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
+  }
+  return code;
+}
+
 void add_list(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<ListOptions>();
   const cli::Command command = line.command("list", "List jobs, newest first", list_examples);
@@ -280,6 +319,36 @@ void add_delete(cli::CommandLine& line, Program& program) {
   command.flag("--cancel", options->cancel, "Cancel jobs that have not ended first");
   command.json(options->json, "As JSON, one a line");
   command.action([options, &program] { return run(*options, program); });
+}
+
+void add_label(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<LabelOptions>();
+  const cli::Command command = line.command(
+      "label", "Change the labels of a job of yours: key=value takes the place of that key",
+      "dccast label JOB line=3 checked\n  dccast label JOB --remove line");
+  command.option("JOB", options->id, job_help).required();
+  command.option("LABEL", options->labels, "Labels to be added");
+  command
+      .option("--remove", options->remove, "Labels, or keys of labels, to be removed; repeatable")
+      .comma_separated()
+      .one_value_each();
+  command.json(options->json);
+  command.action([options, &program] {
+    v1::UpdateJobRequest request;
+    request.set_id(options->id);
+    request.mutable_set_labels()->Assign(options->labels.begin(), options->labels.end());
+    request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
+    return update(program, request, options->json);
+  });
+}
+
+void add_pin(cli::CommandLine& line, Program& program) {
+  add_pin_command(line, program, "pin", "Keep a job when the server deletes old ones",
+                  "dccast pin JOB", true);
+}
+
+void add_unpin(cli::CommandLine& line, Program& program) {
+  add_pin_command(line, program, "unpin", "Undo pin", "dccast unpin JOB", false);
 }
 
 void add_show(cli::CommandLine& line, Program& program) {

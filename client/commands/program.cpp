@@ -57,6 +57,10 @@ constexpr const char* completion_examples =
 }  // namespace
 
 Endpoint Program::endpoint() const {
+  if (SshTunnel::is_meant(server)) {
+    if (!tunnel) tunnel = std::make_shared<SshTunnel>(server);
+    return {.address = tunnel->address()};
+  }
   const StoredServers stored(servers);
   if (const StoredServer* server = stored.find(this->server)) return server->endpoint;
   return endpoint_of(server.empty() ? "127.0.0.1" : server);
@@ -116,7 +120,8 @@ void add_commands(cli::CommandLine& line, commands::Program& program) {
         commands::add_schema,        commands::add_login,       commands::add_logout,
         commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
         commands::add_info,          commands::add_completion,  commands::add_usage,
-        commands::add_case,          commands::add_logs})
+        commands::add_case,          commands::add_logs,        commands::add_label,
+        commands::add_pin,           commands::add_unpin,       commands::add_top})
     add(line, program);
 }
 
@@ -139,7 +144,8 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
     apply_configuration(program.configuration, line, program.server);
     line.global_option(
         "--server", program.server,
-        "Name of a login, or address of dccastd on this machine; also after a command",
+        "Name of a login, address of dccastd on this machine, or ssh://[USER@]HOST; also after a "
+        "command",
         "DCCAST_SERVER");
     const ExitCode code = line.run(arguments);
     std::cout.flush();

@@ -9,6 +9,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 
@@ -22,6 +23,7 @@ struct SubmitOptions {
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string request_id;
+  std::string time_limit, mail, notify;
   int priority = v1::NORMAL;
   bool watch = false;
   bool json = false;
@@ -79,6 +81,9 @@ v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptio
   request.mutable_after()->Assign(options.after.begin(), options.after.end());
   request.set_priority(static_cast<v1::Priority>(options.priority));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  if (!options.time_limit.empty())
+    request.set_time_limit_s(case_file::parse_quantity(options.time_limit, "s").value.value());
+  request.set_mail(options.mail);
   return request;
 }
 
@@ -104,13 +109,16 @@ ExitCode run(SubmitOptions options, Program& program) {
   options.after = resolve_jobs(connection, options.after);
   auto cases = examined_cases(options, connection);
   if (!cases) return ExitCode::invalid;
+  std::vector<std::string> ids;
   for (std::size_t i = 0; i < cases->size(); ++i) {
     const auto job = submit((*cases)[i], options, connection, i + 1);
     if (!job) return ExitCode::invalid;
     if (options.watch)
       return watch_job(connection, job->id(), 1, options.json, true, options.strict);
+    ids.push_back(job->id());
   }
-  return ExitCode::done;
+  if (options.notify.empty()) return ExitCode::done;
+  return wait_for_jobs(connection, ids, options.notify, options.json);
 }
 
 constexpr const char* submit_examples =
@@ -220,6 +228,17 @@ void add_submit(cli::CommandLine& line, Program& program) {
               {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
               "Place in the queue: low, normal (default) or high")
       .placeholder("PRIORITY");
+  command
+      .option("--time-limit", options->time_limit,
+              "Wall time after which the job ends as failed, e.g. \"30 min\"")
+      .check([](const std::string& text) { return case_file::parse_quantity(text, "s").message; });
+  command.option("--mail", options->mail, "Address that the hook of the server is given at the end")
+      .placeholder("ADDRESS");
+  command
+      .option("--notify", options->notify,
+              "Wait for the jobs, and run this for each as wait --notify does")
+      .placeholder("COMMAND")
+      .excludes("--watch");
   command
       .option(
           "--request-id", options->request_id,

@@ -84,6 +84,9 @@ std::string findings_cell(const v1::Job& job) {
   return findings_count(job.findings());
 }
 
+std::string left_cell(const v1::Job& job) {
+  return job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "";
+}
 std::string created_cell(const v1::Job& job) {
   return time_text(job.create_time());
 }
@@ -113,6 +116,7 @@ constexpr std::array columns{
     Column{"done", ">DONE", done_cell, true, false},
     Column{"curl", ">CURL mm", curl_cell, true, false},
     Column{"findings", "FINDINGS", findings_cell, true, true},
+    Column{"left", ">LEFT", left_cell, true, true},
     Column{"created", "CREATED", created_cell, true, false},
     Column{"labels", "LABELS", labels_cell, true, true},
     Column{"changes", "CHANGES", changes_cell, false, false},
@@ -205,6 +209,8 @@ std::string job_sheet(const v1::Job& job) {
   if (job.queue_position() > 0)
     text += row("queue", "position " + std::to_string(job.queue_position()));
   if (!job.held().empty()) text += row("held", job.held());
+  if (job.has_starts_in_s()) text += row("starts in", duration_text(job.starts_in_s()));
+  if (job.has_ends_in_s()) text += row("ends in", duration_text(job.ends_in_s()));
   text += row("priority", lower_words(v1::Priority_Name(job.priority())));
   text += row("created", time_text(job.create_time())) +
           row("started", time_text(job.start_time())) + row("ended", time_text(job.end_time()));
@@ -212,6 +218,9 @@ std::string job_sheet(const v1::Job& job) {
   if (!job.owner().empty()) text += row("owner", job.owner());
   if (!job.study().empty()) text += row("study", job.study());
   for (const std::string& label : job.labels()) text += row("label", label);
+  if (job.pinned()) text += row("pinned", "kept when old jobs are deleted");
+  if (job.time_limit_s() > 0.0) text += row("time limit", duration_text(job.time_limit_s()));
+  if (!job.mail().empty()) text += row("mail", job.mail());
   for (const std::string& before : job.after()) text += row("after", before);
   for (const v1::CaseChange& change : job.changes())
     text += row("changed", change.key() + " = " + change.value());

@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 
 #include "core/storage/storage_error.hpp"
+#include "core/storage/sync_totals.hpp"
 
 namespace dccast::storage {
 
@@ -52,7 +55,35 @@ void File::cut(std::int64_t size) const {
     throw StorageError(errno, path_.string(), "cannot be cut");
 }
 
+namespace {
+
+std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
+
+/// Counts what its life takes.
+class TimedSync {
+public:
+  TimedSync() = default;
+  TimedSync(const TimedSync&) = delete;
+  ~TimedSync() {
+    const auto taken = std::chrono::steady_clock::now() - begun_;
+    syncs.fetch_add(1, std::memory_order_relaxed);
+    sync_ns.fetch_add(static_cast<std::uint64_t>(
+                          std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count()),
+                      std::memory_order_relaxed);
+  }
+
+private:
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+SyncTotals sync_totals() {
+  return {syncs.load(), 1e-9 * static_cast<double>(sync_ns.load())};
+}
+
 void File::sync() const {
+  const TimedSync timed;
   if (::fdatasync(descriptor()) != 0)
     throw StorageError(errno, path_.string(), "cannot be synchronised");
 }
@@ -94,6 +125,7 @@ namespace fs = std::filesystem;
 void sync_directory(const fs::path& directory) {
   const fs::path named = directory.empty() ? fs::path(".") : directory;
   const File opened(named, O_RDONLY | O_DIRECTORY);
+  const TimedSync timed;
   if (::fsync(opened.descriptor()) != 0)
     throw StorageError(errno, named.string(), "cannot be synchronised");
 }

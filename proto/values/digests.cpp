@@ -3,6 +3,7 @@
 #include <openssl/evp.h>
 #include <sys/random.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -58,7 +59,7 @@ std::string sha256(std::string_view bytes) {
   return digest.in_hexadecimal();
 }
 
-std::string sha256_of_file(const std::filesystem::path& path) {
+std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most) {
   const auto fail = [&] {
     return std::system_error(errno, std::generic_category(), "cannot read " + path.string());
   };
@@ -66,9 +67,10 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   if (!file) throw fail();
   Sha256 digest;
   std::vector<char> piece(1 << 18);
-  while (file) {
-    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+  while (file && most > 0) {
+    file.read(piece.data(), std::min(most, static_cast<std::int64_t>(piece.size())));
     digest.take(piece.data(), static_cast<std::size_t>(file.gcount()));
+    most -= file.gcount();
   }
   if (file.bad()) throw fail();
   return digest.in_hexadecimal();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -17,8 +18,9 @@ std::string random_hexadecimal(std::size_t bytes);
 /// SHA-256 in lower-case hexadecimal.
 std::string sha256(std::string_view bytes);
 
-/// SHA-256 of a file, read in pieces. @throws std::system_error when it cannot be read.
-std::string sha256_of_file(const std::filesystem::path& path);
+/// SHA-256 of a file, read in pieces. @param most  of its first bytes alone  @throws
+/// std::system_error when it cannot be read.
+std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most = INT64_MAX);
 
 /// A random UUID (version 4) in lower case: the id of a job, of a study, of a submission that may
 /// have to be repeated.

@@ -44,6 +44,11 @@ std::string OpenCount::enter(const std::string& who, const std::string& what) {
   return "";
 }
 
+std::size_t OpenCount::open() {
+  const std::lock_guard lock(mutex_);
+  return all_;
+}
+
 void OpenCount::leave(const std::string& who) {
   const std::lock_guard guard(mutex_);
   const auto at = of_.find(who);

@@ -36,6 +36,7 @@ public:
   /// @return which limit refuses one more; empty where it was counted, until leave()
   std::string enter(const std::string& who, const std::string& what);
   void leave(const std::string& who);
+  std::size_t open();
 
 private:
   const std::size_t most_, most_per_user_;

@@ -21,9 +21,12 @@
 
 #include "core/storage/file.hpp"
 #include "server/daemon/administration.hpp"
+#include "server/daemon/metrics.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/jobs/end_hook.hpp"
 #include "server/jobs/local_executor.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/retention.hpp"
 #include "server/jobs/slurm_executor.hpp"
 #include "server/jobs/warm_workers.hpp"
 #include "server/service/server.hpp"
@@ -129,11 +132,13 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .job_threads = config.job_threads(),
                        .first_threads = query_threads(config),
                        .worker_memory_bytes = std::llround(config.worker_memory_bytes()),
-                       .worker_file_bytes = std::llround(config.worker_file_bytes())},
+                       .worker_file_bytes = std::llround(config.worker_file_bytes()),
+                       .maximum_time_s = config.maximum_time_s()},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
-          .share_half_life = whole_seconds(config.share_half_life_s())};
+          .share_half_life = whole_seconds(config.share_half_life_s()),
+          .maximum_running_per_user = config.maximum_running_per_user()};
 }
 
 studies::StudyOptions study_options(const v1::DaemonConfig& config,
@@ -219,6 +224,7 @@ public:
                                  files_.certificate, files_.key, files_.client_ca};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
+  const std::string& certificate() const { return files_.certificate; }
 
 private:
   /// Renews a certificate of our own a month before its end.
@@ -334,8 +340,14 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::LocalExecutor local(warm_workers, worker_count(config));
   const auto slurm = slurm_executor(config, directory, local);
   jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
+  jobs::Tally tally;
+  jobs::EndHook end_hook(config.job_end_hook());
   jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
                             executor);
+  scheduler.observe_transitions([&](const v1::Job& job, v1::JobState from) {
+    tally.count(job, from);
+    end_hook.on_transition(job, from);
+  });
   studies::StudyStore study_store(directory.store());
   studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
   scheduler.recover();
@@ -365,6 +377,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
       .workers = capacity(config),
       .maximum_queued = config.maximum_queued(),
       .maximum_queued_per_user = config.maximum_queued_per_user(),
+      .maximum_time_s = config.maximum_time_s(),
+      .maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes(),
       .token_lifetime_s = std::llround(config.token_lifetime_s()),
       .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
       .checks_at_once = number_or_cores(config.checkers()),
@@ -376,6 +390,16 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
+  const jobs::Retention retention({.jobs_directory = directory.jobs(),
+                                   .time = whole_seconds(config.keep_time_s()),
+                                   .bytes = std::llround(config.keep_size_bytes())},
+                                  store, scheduler);
+  std::optional<MetricsServer> metrics;
+  if (!config.metrics().empty()) {
+    metrics.emplace(config.metrics(),
+                    MetricSources{context, tally, directory.path(), tls.certificate()});
+    log::info("metrics on http://{}/metrics", metrics->address());
+  }
   log_address(config, listener.address(), tls.address(), directory);
   log::info("workers: {}", worker.sandbox());
   // Those of Slurm need no daemon, and a machine that is given back is hard to get again.

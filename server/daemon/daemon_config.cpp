@@ -1,5 +1,7 @@
 #include "server/daemon/daemon_config.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <charconv>
 
@@ -74,6 +76,10 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
     faults +=
         "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
   check_listen("listen", config.listen(), faults);
+  if (!config.metrics().empty()) check_listen("metrics", config.metrics(), faults);
+  if (const std::string& hook = config.job_end_hook();
+      !hook.empty() && (hook.front() != '/' || ::access(hook.c_str(), X_OK) != 0))
+    faults += "job_end_hook = " + hook + ": permitted: the absolute path of a program\n";
   if (!config.listen_tls().empty()) check_listen("listen_tls", config.listen_tls(), faults);
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;

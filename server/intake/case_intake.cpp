@@ -216,6 +216,7 @@ jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachm
   job.submitted_case = submitted.SerializeAsString();
   job.complete_case = examined.complete.SerializeAsString();
   job.answer_key = answer_key(examined.complete, attachments);
+  job.estimated_s = examined.verdict.estimate().solver_s();
   return job;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "dccast/v1/worker.pb.h"
+#include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/storage_fault.hpp"
@@ -22,6 +23,14 @@ constexpr std::chrono::seconds between_kills{2};
 
 double seconds(std::chrono::milliseconds time) {
   return std::chrono::duration<double>(time).count();
+}
+
+/// When an attempt began. Of one that an earlier daemon has started it is known for the first one.
+Attempt::Clock::time_point begin_of(const Attempt& attempt) {
+  const auto now_at = Attempt::Clock::now();
+  if (!attempt.adopted || attempt.number > 1) return now_at;
+  return now_at - std::chrono::milliseconds(std::max<std::int64_t>(
+                      0, milliseconds(now()) - milliseconds(attempt.record.job.start_time())));
 }
 
 /// Why the folder of a job takes nothing now; empty when it does.
@@ -76,10 +85,21 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   attempt->record = std::move(record);
   attempt->sign = signs_in(folder_of(*attempt)).claimed_ns;
   forgive_silence(*attempt, Clock::now());
+  count_time_from(*attempt, begin_of(*attempt));
   if (const auto early = ended_unknown_.find({attempt->job_id, attempt->number});
       adopted && early != ended_unknown_.end())
     attempt->exit = early->second;
   return attempts_[attempt->job_id] = attempt;
+}
+
+void Attempts::count_time_from(Attempt& attempt, Clock::time_point since) {
+  attempt.since = since;
+  double limit_s = attempt.record.job.time_limit_s();
+  if (limit_s <= 0.0 || (options_.maximum_time_s > 0.0 && options_.maximum_time_s < limit_s))
+    limit_s = options_.maximum_time_s;
+  if (limit_s <= 0.0) return;
+  const std::chrono::duration<double> left(limit_s - attempt.record.job.run_s());
+  attempt.time_limit_at = since + std::chrono::duration_cast<Clock::duration>(left);
 }
 
 v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
@@ -128,6 +148,18 @@ int Attempts::of_queue() const {
       attempts_, [](const auto& entry) { return !entry.second->goes_first; }));
 }
 
+int Attempts::of_queue(const std::string& owner) const {
+  return static_cast<int>(std::ranges::count_if(attempts_, [&](const auto& entry) {
+    return !entry.second->goes_first && entry.second->record.job.owner() == owner;
+  }));
+}
+
+std::vector<std::shared_ptr<Attempt>> Attempts::all() const {
+  std::vector<std::shared_ptr<Attempt>> all;
+  for (const auto& [id, attempt] : attempts_) all.push_back(attempt);
+  return all;
+}
+
 int Attempts::running() const {
   return static_cast<int>(
       std::ranges::count_if(attempts_, [](const auto& entry) { return !entry.second->exit; }));
@@ -158,6 +190,7 @@ void Attempts::worker_waits(const std::string& job_id, int number, const std::st
   const auto attempt = find(job_id);
   if (!attempt || attempt->number != number) return;
   attempt->waits = why;
+  count_time_from(*attempt, Clock::now());
   if (!why.empty()) forgive_silence(*attempt, Clock::now());
 }
 
@@ -178,7 +211,8 @@ AttemptFacts Attempts::facts_of(const Attempt& attempt) const {
   AttemptFacts facts{.shutting_down = shutting_down_,
                      .worker_restarts = options_.worker_restarts,
                      .other_version = options_.other_version,
-                     .hung = attempt.hung};
+                     .hung = attempt.hung,
+                     .over_time = attempt.over_time};
   if (const auto failures = storage_failures_.find(attempt.job_id);
       failures != storage_failures_.end())
     facts.storage_failures = failures->second.in_a_row;
@@ -213,6 +247,12 @@ void Attempts::kill_overdue(Clock::time_point now) {
       executor_.kill(id, attempt->number);
       continue;
     }
+    if (now >= attempt->time_limit_at && attempt->waits.empty()) {
+      attempt->over_time = fmt::format("it has run for {:.0f} s", ran_s(*attempt, now));
+      log::info("job {}: at its time limit, {}", id, attempt->over_time);
+      stop(*attempt);
+      continue;
+    }
     if (now >= next_look(*attempt, options_.watchdog))
       look_for_signs(*attempt, folder_of(*attempt), now);
     if (const auto silence = silence_deadline(*attempt, options_.watchdog); now >= silence.at)
@@ -227,7 +267,7 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
     if (attempt->kill_at)
       deadline = std::min(deadline, *attempt->kill_at);
     else
-      deadline = std::min({deadline, next_look(*attempt, options_.watchdog),
+      deadline = std::min({deadline, attempt->time_limit_at, next_look(*attempt, options_.watchdog),
                            silence_deadline(*attempt, options_.watchdog).at});
   }
   return deadline;
@@ -235,6 +275,10 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
 
 void Attempts::forgive_silences(Clock::time_point now) {
   for (const auto& [id, attempt] : attempts_) forgive_silence(*attempt, now);
+}
+
+double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
+  return attempt.record.job.run_s() + std::chrono::duration<double>(now - attempt.since).count();
 }
 
 void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,

@@ -28,6 +28,10 @@ struct Attempt {
   bool goes_first = false;  ///< beside those that the capacity of the executor permits
   JobRecord record;
 
+  Clock::time_point since;  ///< it has a machine
+  Clock::time_point time_limit_at = Clock::time_point::max();
+  std::string over_time;  ///< which limit it has reached; empty: none
+
   std::optional<Clock::time_point> kill_at;
   std::string hung;  ///< why its worker was taken to hang and killed; empty: it was not
   std::optional<WorkerExit> exit;  ///< its process has ended
@@ -49,6 +53,9 @@ struct WatchdogLimits {
   std::chrono::milliseconds heartbeat{60000};  ///< between two signs of life
   std::chrono::milliseconds stall{3600000};    ///< between two events; 0: no limit
 };
+
+/// How long the job of an attempt has run, with its attempts before [s].
+double ran_s(const Attempt& attempt, Attempt::Clock::time_point now);
 
 /// Looks for new signs of life: the time of the claim on the folder, the events of the log.
 void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
@@ -76,9 +83,10 @@ struct AttemptOptions {
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
-  std::string solver{};   ///< identity of the solver that the workers run; empty: not known
-  int job_threads = 1;    ///< of a quarter slab
-  int first_threads = 1;  ///< the same for a job that goes first
+  std::string solver{};         ///< identity of the solver that the workers run; empty: not known
+  int job_threads = 1;          ///< of a quarter slab
+  int first_threads = 1;        ///< the same for a job that goes first
+  double maximum_time_s = 0.0;  ///< of a job's wall time; 0: no limit
   std::int64_t worker_memory_bytes = 0;  ///< most of data; 0: nine tenths of its machine's
   std::int64_t worker_file_bytes = 0;    ///< most of one file; 0: no bound
 };
@@ -99,8 +107,10 @@ public:
   int count() const { return static_cast<int>(attempts_.size()); }
   /// Those that count for the capacity of the executor.
   int of_queue() const;
+  int of_queue(const std::string& owner) const;
   /// The attempt at a job; null when there is none.
   std::shared_ptr<Attempt> find(const std::string& job_id) const;
+  std::vector<std::shared_ptr<Attempt>> all() const;
   /// Those whose processes have ended.
   std::vector<std::shared_ptr<Attempt>> ended() const;
   /// Those of jobs that still run.
@@ -134,6 +144,7 @@ private:
   std::filesystem::path folder_of(const Attempt& attempt) const;
   v1::SolveCase order_of(const Attempt& attempt) const;
   void kill_hung(Attempt& attempt, const std::string& what);
+  void count_time_from(Attempt& attempt, Clock::time_point since);
 
   const AttemptOptions options_;
   Executor& executor_;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <sstream>
 #include <stdexcept>
@@ -23,6 +24,7 @@ namespace {
 constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
 constexpr const char* accepted_file = "accepted";
 constexpr const char* request_file = "request";
+constexpr const char* marks_file = "marks";
 
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -88,10 +90,58 @@ void remove_request(const std::filesystem::path& folder) {
   if (error) log::warn("cannot remove {}: {}", (folder / request_file).string(), error.message());
 }
 
+void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
+  v1::Job marks;
+  *marks.mutable_labels() = job.labels();
+  marks.set_pinned(job.pinned());
+  storage::replace_file(folder / marks_file, storage::short_records.framed(
+                                                 std::string(1, '\1') + marks.SerializeAsString()));
+}
+
+void read_marks(const std::filesystem::path& folder, v1::Job& job) {
+  const std::filesystem::path path = folder / marks_file;
+  if (::access(path.c_str(), F_OK) != 0) return;
+  v1::Job marks;
+  const std::string bytes = storage::read_file(path);
+  const auto record =
+      storage::short_records.first_of(bytes, static_cast<std::uint32_t>(bytes.size()));
+  if (!record || record->payload.empty() ||
+      !marks.ParseFromString(std::string(record->payload.substr(1))))
+    return log::warn("{} is damaged: the job has the labels it was submitted with", path.string());
+  *job.mutable_labels() = marks.labels();
+  job.set_pinned(marks.pinned());
+}
+
+namespace {
+
+constexpr std::array run_files{checkpoint_name,
+                               "checkpoint.bin.tmp",
+                               "checkpoint.other-version.bin",
+                               "journal.bin",
+                               "results.h5.part",
+                               claim_file,
+                               order_file,
+                               rank_file,
+                               request_file};
+
+}  // namespace
+
+std::int64_t bytes_kept(const std::filesystem::path& folder) {
+  std::int64_t bytes = 0;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator file(folder, error), end;
+       !error && file != end; file.increment(error)) {
+    std::error_code gone;
+    const bool counts = file->is_regular_file(gone) &&
+                        std::ranges::find(run_files, file->path().filename()) == run_files.end();
+    const auto size = counts ? file->file_size(gone) : 0;
+    if (!gone) bytes += static_cast<std::int64_t>(size);
+  }
+  return bytes;
+}
+
 void remove_run_files(const std::filesystem::path& folder) {
-  for (const char* name :
-       {checkpoint_name, "checkpoint.bin.tmp", "checkpoint.other-version.bin", "journal.bin",
-        "results.h5.part", claim_file, order_file, rank_file, request_file}) {
+  for (const char* name : run_files) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
     if (error) log::warn("cannot remove {}: {}", (folder / name).string(), error.message());

@@ -90,6 +90,17 @@ void write_request(const std::filesystem::path& folder, const Request& request);
 std::optional<Request> read_request(const std::filesystem::path& folder);
 void remove_request(const std::filesystem::path& folder);
 
+/// What may change of a job after its submission: labels, and whether it is kept for good. Survives
+/// a crash of the machine. @throws storage::StorageError  nothing has changed
+void write_marks(const std::filesystem::path& folder, const v1::Job& job);
+/// Sets them in a job as it was submitted. Nothing is set where there are none, or they are
+/// damaged, which is logged.
+void read_marks(const std::filesystem::path& folder, v1::Job& job);
+
+/// What the folder of an ended job holds on the disk, without what remove_run_files() removes
+/// [bytes]; what cannot be looked at counts nothing.
+std::int64_t bytes_kept(const std::filesystem::path& folder);
+
 /// Removes what only a run that goes on needs: checkpoint, journal, unpublished results. Its
 /// results and logs stay. A failure is logged: such files do no harm.
 void remove_run_files(const std::filesystem::path& folder);

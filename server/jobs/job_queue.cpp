@@ -20,10 +20,18 @@ JobQueue::Order& JobQueue::order_of(const Entry& entry) {
 }
 
 void JobQueue::push(const v1::Job& job, bool goes_first) {
-  const bool shared = half_life_.count() > 0;
-  const Entry entry{goes_first, shared ? job.owner() : "",
-                    milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms};
-  if (place_of_.emplace(job.id(), entry).second) order_of(entry).insert({entry.key, job.id()});
+  const Entry entry{goes_first, job.owner(),
+                    milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms,
+                    job.estimated_s()};
+  if (!place_of_.emplace(job.id(), entry).second) return;
+  order_of(entry).insert({entry.key, job.id()});
+  count_estimate(entry, 1);
+}
+
+void JobQueue::count_estimate(const Entry& entry, int change) {
+  if (entry.estimated_s <= 0.0) return;
+  estimated_s_ += change * entry.estimated_s;
+  estimated_ += change;
 }
 
 void JobQueue::erase(const std::string& job_id) {
@@ -32,6 +40,7 @@ void JobQueue::erase(const std::string& job_id) {
   const Entry& entry = found->second;
   order_of(entry).erase({entry.key, job_id});
   if (!entry.goes_first && orders_[entry.owner].empty()) orders_.erase(entry.owner);
+  count_estimate(entry, -1);
   place_of_.erase(found);
 }
 
@@ -60,11 +69,14 @@ bool JobQueue::is_before(const Orders::value_type& one, const Orders::value_type
          std::pair(use_of(other.first), *other.second.begin());
 }
 
-std::optional<std::string> JobQueue::front() const {
+std::optional<std::string> JobQueue::front(
+    const std::function<bool(const std::string& owner)>& may_start) const {
   if (!first_.empty()) return first_.begin()->second;
-  const auto next = std::ranges::min_element(
-      orders_, [this](const auto& one, const auto& other) { return is_before(one, other); });
-  if (next == orders_.end()) return std::nullopt;
+  const Orders::value_type* next = nullptr;
+  for (const auto& one : orders_)
+    if ((!may_start || may_start(one.first)) && (next == nullptr || is_before(one, *next)))
+      next = &one;
+  if (next == nullptr) return std::nullopt;
   return next->second.begin()->second;
 }
 
@@ -77,7 +89,9 @@ int JobQueue::position(const std::string& job_id) const {
   const std::size_t before_it = own->second.order_of_key({entry.key, job_id});
   std::size_t position = first_.size() + before_it + 1;
   for (const auto& other : orders_)
-    if (other.first != entry.owner)
+    if (other.first != entry.owner && half_life_.count() == 0)
+      position += other.second.order_of_key({entry.key, job_id});
+    else if (other.first != entry.owner)
       position += std::min(other.second.size(), before_it + (is_before(other, *own) ? 1 : 0));
   return static_cast<int>(position);
 }

@@ -35,9 +35,13 @@ public:
   /// Counts processor seconds for an owner. @param at_ms  when they were used, since 1970
   void charge(const std::string& owner, double seconds, std::int64_t at_ms);
   /// The next job. @return nothing when none waits
-  std::optional<std::string> front() const;
+  /// @param may_start  whether an owner may have one more job running
+  std::optional<std::string> front(
+      const std::function<bool(const std::string& owner)>& may_start = {}) const;
   bool front_goes_first() const { return !first_.empty(); }
   std::size_t size() const { return place_of_.size(); }
+  /// Mean estimate of the jobs that wait and have one [s]; 0: none has.
+  double mean_estimated_s() const { return estimated_ == 0 ? 0.0 : estimated_s_ / estimated_; }
   /// 1 is next; 0: not in the queue. Where several owners wait, as if each job took the same time.
   /// Takes the logarithm of the queue's length for each of them.
   int position(const std::string& job_id) const;
@@ -51,9 +55,11 @@ private:
     bool goes_first;
     std::string owner;
     std::int64_t key;
+    double estimated_s;
   };
   using Orders = std::map<std::string, Order>;
   Order& order_of(const Entry& entry);
+  void count_estimate(const Entry& entry, int change);
   double use_of(const std::string& owner) const;
   /// Whether a job of this owner is taken before one of the other.
   bool is_before(const Orders::value_type& one, const Orders::value_type& other) const;
@@ -62,6 +68,8 @@ private:
   Order first_;
   Orders orders_;  ///< by owner; none is empty
   std::map<std::string, Entry> place_of_;
+  double estimated_s_ = 0.0;  ///< of all that have an estimate
+  int estimated_ = 0;         ///< their number
   /// By owner, as of `use_since_ms_`: later use counts more there, so that nothing has to decay.
   std::map<std::string, double> use_;
   std::int64_t use_since_ms_ = 0;

@@ -34,14 +34,15 @@ void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
   *time = timestamp(milliseconds);
 }
 
-/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity and the
-/// findings set.
+/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity, the
+/// findings and the time it ran set.
 std::string outcome_of(const v1::Job& job) {
   v1::Job outcome;
   if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
   *outcome.mutable_artifacts() = job.artifacts();
   if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
   *outcome.mutable_findings() = job.findings();
+  outcome.set_run_s(job.run_s());
   return outcome.SerializeAsString();
 }
 
@@ -66,11 +67,15 @@ std::string label_lines(const v1::Job& job) {
   return lines;
 }
 
-/// A serialised Job with only the changes, and the jobs before it, set.
+/// A serialised Job with only the changes, the jobs before it and what has no column set.
 std::string changes_of(const v1::Job& job) {
   v1::Job changes;
   *changes.mutable_changes() = job.changes();
   *changes.mutable_after() = job.after();
+  changes.set_pinned(job.pinned());
+  changes.set_time_limit_s(job.time_limit_s());
+  changes.set_mail(job.mail());
+  changes.set_estimated_s(job.estimated_s());
   return changes.SerializeAsString();
 }
 
@@ -119,7 +124,8 @@ void bind_changing(Statement& statement, const JobRecord& record) {
       .bind(record.losses)
       .bind(record.lost_step)
       .bind(record.first_loss)
-      .bind(record.solver);
+      .bind(record.solver)
+      .bind(record.bytes);
 }
 
 }  // namespace
@@ -183,9 +189,23 @@ void JobStore::update(const JobRecord& record, Durability durability) {
   Statement statement(database_,
                       "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
                       "failure = ?, outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
-                      "solver = ? WHERE id = ?");
+                      "solver = ?, bytes = ? WHERE id = ?");
   bind_changing(statement, record);
   statement.bind(record.job.id()).step();
+}
+
+void JobStore::update_marks(const v1::Job& job) {
+  const std::lock_guard lock(mutex_);
+  set_durability(Durability::full);
+  Statement statement(database_, "UPDATE job SET labels = ?, changes = ? WHERE id = ?");
+  statement.bind(label_lines(job)).bind_blob(changes_of(job)).bind(job.id()).step();
+}
+
+void JobStore::update_bytes(const std::string& id, std::int64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  set_durability(Durability::normal);
+  Statement statement(database_, "UPDATE job SET bytes = ? WHERE id = ?");
+  statement.bind(bytes).bind(id).step();
 }
 
 bool JobStore::erase(const std::string& id) {
@@ -251,6 +271,41 @@ int JobStore::unfinished_of(const std::string& owner) {
                       "SELECT COUNT(*) FROM job WHERE state BETWEEN 1 AND 3 AND owner = ?");
   statement.bind(owner).step();
   return static_cast<int>(statement.integer(0));
+}
+
+std::int64_t JobStore::bytes_of(const std::string& owner) {
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_, "SELECT COALESCE(SUM(bytes), 0) FROM job WHERE owner = ?");
+  statement.bind(owner).step();
+  return statement.integer(0);
+}
+
+std::vector<JobStore::Group> JobStore::groups() {
+  const std::lock_guard lock(reading_);
+  Statement statement(*reader_,
+                      "SELECT owner, state, COUNT(*), SUM(bytes), MIN(created_ms) FROM job "
+                      "GROUP BY owner, state");
+  std::vector<Group> groups;
+  while (statement.step())
+    groups.push_back({statement.text(0), static_cast<v1::JobState>(statement.integer(1)),
+                      statement.integer(2), statement.integer(3), statement.integer(4)});
+  return groups;
+}
+
+std::vector<JobStore::Ended> JobStore::ended(bool of_studies) {
+  const std::lock_guard lock(reading_);
+  // 4 to 6: SUCCEEDED, FAILED, CANCELLED of job.proto.
+  Statement statement(
+      *reader_, "SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6" +
+                    std::string(of_studies ? "" : " AND study = ''") + " ORDER BY ended_ms, id");
+  std::vector<Ended> ended;
+  while (statement.step()) {
+    v1::Job changes;
+    changes.ParseFromString(statement.text(3));
+    ended.push_back(
+        {statement.text(0), statement.integer(1), statement.integer(2), changes.pinned()});
+  }
+  return ended;
 }
 
 void JobStore::probe() {
@@ -322,6 +377,9 @@ v1::Job new_job_message(const NewJob& new_job) {
   job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
   job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
   job.mutable_after()->Assign(new_job.after.begin(), new_job.after.end());
+  job.set_time_limit_s(new_job.time_limit_s);
+  job.set_mail(new_job.mail);
+  job.set_estimated_s(new_job.estimated_s);
   *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
   return job;
 }

@@ -22,7 +22,7 @@ struct JobRecord {
   int losses = 0;                                            ///< times its worker died
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  std::int64_t bytes = 0;       ///< of the case and its attachments
+  std::int64_t bytes = 0;       ///< of the case and its attachments; once ended of its folder
   std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
   std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
 };
@@ -45,6 +45,9 @@ public:
   std::optional<JobRecord> insert(const JobRecord& record);
   /// Writes what changes in a job's life.
   virtual void update(const JobRecord& record, Durability durability);
+  /// Writes labels and whether the job is kept for good, durably.
+  virtual void update_marks(const v1::Job& job);
+  void update_bytes(const std::string& id, std::int64_t bytes);
   /// @return whether it was there
   bool erase(const std::string& id);
 
@@ -58,6 +61,26 @@ public:
   std::int64_t unfinished_bytes();
   /// Jobs of an owner that have not ended.
   int unfinished_of(const std::string& owner);
+  /// What all jobs of an owner hold on the disk [bytes].
+  std::int64_t bytes_of(const std::string& owner);
+
+  /// The jobs of an owner in one state.
+  struct Group {
+    std::string owner;
+    v1::JobState state;
+    std::int64_t jobs, bytes;
+    std::int64_t oldest_ms;  ///< submission of the oldest one
+  };
+  std::vector<Group> groups();
+
+  /// A job that has ended.
+  struct Ended {
+    std::string id;
+    std::int64_t ended_ms, bytes;
+    bool pinned;
+  };
+  /// The one that ended first comes first. @param of_studies  also those
+  std::vector<Ended> ended(bool of_studies);
   /// Writes something durably, for no other reason than to see whether that works.
   void probe();
   std::set<std::string> ids();
@@ -121,6 +144,9 @@ struct NewJob {
   std::vector<v1::CaseChange> changes{};  ///< made in the case already
   std::string case_file{};                ///< as the submitter wrote it; empty: not known
   std::vector<std::string> after{};       ///< jobs that must succeed first
+  double time_limit_s = 0.0;              ///< of wall time; 0: none of its own
+  std::string mail{};                     ///< for the hook of the server; empty: none
+  double estimated_s = 0.0;               ///< what the check took the run for; 0: not known
   std::string answer_key{};               ///< see JobRecord
   /// It starts at once, beside the others, as long as this daemon serves; else as they do.
   bool goes_first = false;

@@ -47,6 +47,7 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
   const v1::Job& job = record.job;
   log::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
             v1::JobState_Name(job.state()), values::escaped(cause));
+  for (const TransitionObserver& observer : transition_observers_) observer(job, from);
   try {
     store_.update(record, durability_of(job.state()));
     const std::lock_guard lock(mutex_);
@@ -105,6 +106,14 @@ void Ledger::announce(const std::string& job_id) {
   } catch (const std::exception& error) {
     log::error("job {}: {}", job_id, error.what());  // damaged: settle() has logged it
   }
+}
+
+void Ledger::change_kept(const v1::Job& marks) {
+  const std::lock_guard lock(mutex_);
+  const auto found = kept_.find(marks.id());
+  if (found == kept_.end()) return;
+  *found->second.job.mutable_labels() = marks.labels();
+  found->second.job.set_pinned(marks.pinned());
 }
 
 bool Ledger::retry() {

@@ -5,6 +5,8 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/job_store.hpp"
@@ -12,6 +14,8 @@
 namespace dccast::jobs {
 
 using JobObserver = std::function<void(const v1::Job&)>;
+/// Is called with a job as it is since it left the state `from`.
+using TransitionObserver = std::function<void(const v1::Job& job, v1::JobState from)>;
 
 /// What every job is. A transition is written to the job's event log, which is the truth, then to
 /// the store, which is an index, then as one line with its cause to the program's log. What the
@@ -36,6 +40,13 @@ public:
   /// call has returned then.
   void observe(JobObserver observer);
   void report(const v1::Job& job);
+  /// Has the observer called once for every transition from now on, under the same conditions.
+  /// Before other threads use this object.
+  void observe_transitions(TransitionObserver observer) {
+    transition_observers_.push_back(std::move(observer));
+  }
+  /// Changes a job that the store has not taken yet, before the next try.
+  void change_kept(const v1::Job& marks);
   /// Lets watchers see the last transition.
   void announce(const std::string& job_id);
 
@@ -55,6 +66,7 @@ private:
 
   JobStore& store_;
   EventLogs& logs_;
+  std::vector<TransitionObserver> transition_observers_;
   std::mutex observer_mutex_;
   JobObserver observer_;
   mutable std::mutex mutex_;               ///< of all below

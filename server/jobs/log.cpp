@@ -2,16 +2,70 @@
 
 #include <spdlog/spdlog.h>
 
+#include <string>
+#include <string_view>
+
+#include "proto/values/printable.hpp"
+
 namespace dccast::log {
 
 static_assert(static_cast<int>(Level::debug) == ::spdlog::level::debug);
 static_assert(static_cast<int>(Level::critical) == ::spdlog::level::critical);
 
+namespace {
+
+Format format_of_lines = Format::text;
+
+/// Severities of syslog(3).
+int severity(Level level) {
+  switch (level) {
+    case Level::debug:
+      return 7;
+    case Level::info:
+      return 6;
+    case Level::warning:
+      return 4;
+    case Level::error:
+      return 3;
+    case Level::critical:
+      return 2;
+  }
+  return 6;
+}
+
+std::string json_text(std::string_view printable) {
+  std::string text;
+  for (const char c : printable) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text;
+}
+
+std::string line_of(Level level, std::string_view message) {
+  std::string printable = values::escaped(message);
+  if (format_of_lines == Format::json) return json_text(printable);
+  if (format_of_lines == Format::journal) return fmt::format("<{}>{}", severity(level), printable);
+  return printable;
+}
+
+}  // namespace
+
+void set_format(Format format) {
+  format_of_lines = format;
+  const char* pattern = format == Format::json
+                            ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","message":"%v"})"
+                        : format == Format::journal ? "%v"
+                                                    : "%+";
+  ::spdlog::set_pattern(pattern, format == Format::json ? ::spdlog::pattern_time_type::utc
+                                                        : ::spdlog::pattern_time_type::local);
+}
+
 void write(Level level, fmt::string_view format, fmt::format_args arguments) {
   const auto native = static_cast<::spdlog::level::level_enum>(level);
   ::spdlog::logger& logger = *::spdlog::default_logger_raw();
   if (logger.should_log(native))
-    logger.log(native, ::spdlog::string_view_t(fmt::vformat(format, arguments)));
+    logger.log(native, ::spdlog::string_view_t(line_of(level, fmt::vformat(format, arguments))));
 }
 
 }  // namespace dccast::log

@@ -2,9 +2,18 @@
 
 #include <fmt/core.h>
 
-/// The daemon's log. Only log.cpp includes the library's own header, which takes seconds to
-/// compile.
+/// The daemon's log, one line an event: line ends and other control characters in a text are
+/// written out, so that no title makes a line of its own. Only log.cpp includes the library's own
+/// header, which takes seconds to compile.
 namespace dccast::log {
+
+enum class Format {
+  text,
+  json,     ///< an object with time, level and message
+  journal,  ///< the level as systemd's journal takes it ("<6>"), which adds the time
+};
+/// Before threads write.
+void set_format(Format format);
 
 enum class Level { debug = 1, info, warning, error, critical };  // numbers of spdlog's levels
 

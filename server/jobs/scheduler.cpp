@@ -5,6 +5,7 @@
 #include "server/jobs/log.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -65,6 +66,7 @@ void Scheduler::recover() {
   quarantine_unknown_folders(jobs_directory_, store_.ids());
   const std::lock_guard lock(mutex_);
   charge_recent_use();
+  learn_from_ended_jobs();
   for (const v1::Job& job : recovered.waiting) enqueue(job);
   for (JobRecord& record : recovered.with_worker) {
     const std::string id = record.job.id();
@@ -95,6 +97,11 @@ void Scheduler::charge_recent_use() {
     queue_.charge(record.job.owner(), record.job.attempts() * JobQueue::start_charge_s, at_ms);
     charge(record.job, at_ms);
   }
+}
+
+void Scheduler::learn_from_ended_jobs() {
+  auto ended = store_.list({.states = {v1::SUCCEEDED}});
+  for (const JobRecord& record : ended | std::views::reverse) forecast_.learn(record.job);
 }
 
 void Scheduler::start() {
@@ -134,7 +141,7 @@ void Scheduler::run() {
     lock.lock();
     if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
     if (!hold_.holds() &&
-        (!attempts_.ended().empty() || look_at_dependents_ || (may_start() && queue_.front()))) {
+        (!attempts_.ended().empty() || !to_look_at_.empty() || (may_start() && next_job()))) {
       expected_wake_ = Clock::now();
       continue;
     }
@@ -174,6 +181,7 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   std::unique_lock lock(mutex_);
   const Exclusive job(*this, lock, attempt->job_id);
   JobRecord record = attempt->record;
+  if (attempt->not_started.empty()) record.job.set_run_s(ran_s(*attempt, Clock::now()));
   AttemptFacts facts = attempts_.facts_of(*attempt);
   lock.unlock();
   Settlement settlement;
@@ -185,6 +193,7 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
       settlement = settle_stopped(record, attempt->not_started);
       settlement.daemon_lacks = attempt->not_started;
     }
+    if (is_terminal(settlement.state)) record.bytes = bytes_kept(folder);
     ledger_.settle(record, settlement.state, settlement.cause);
   } catch (const std::exception& error) {
     lock.lock();
@@ -197,8 +206,9 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   attempts_.erase(*attempt);
   if (record.job.state() == v1::QUEUED) queue_.push(record.job);
   if (is_terminal(record.job.state())) {
-    look_at_dependents_ = true;
+    look_at_those_after(attempt->job_id);
     attempt->log->complete(record.job);
+    forecast_.learn(record.job);
     charge(record.job, milliseconds(now()));
   }
   for (const std::string& lack : {settlement.daemon_lacks, ledger_.refusal()})
@@ -239,74 +249,19 @@ std::string Scheduler::storage_fault() {
   }
 }
 
-/// Into the queue, or beside it until the jobs before it have succeeded.
-void Scheduler::enqueue(const v1::Job& job, bool goes_first) {
-  if (job.after().empty()) return queue_.push(job, goes_first);
-  dependents_[job.id()] = {job.after().begin(), job.after().end()};
-  look_at_dependents_ = true;
-}
-
-void Scheduler::dequeue(const std::string& id) {
-  queue_.erase(id);
-  dependents_.erase(id);
-  look_at_dependents_ = true;
-}
-
-void Scheduler::settle_dependents() {
-  std::map<std::string, std::vector<std::string>> dependents;
-  {
-    const std::lock_guard lock(mutex_);
-    if (hold_.holds() || !std::exchange(look_at_dependents_, false)) return;
-    dependents = dependents_;
-  }
-  for (const auto& [id, after] : dependents) {
-    try {
-      settle_dependent(id, after);
-    } catch (const std::exception& error) {
-      const std::lock_guard lock(mutex_);
-      look_at_dependents_ = true;
-      return hold(error.what());
-    }
-  }
-}
-
-/// A job whose jobs before it have succeeded goes into the queue; one of which one has not, and
-/// never will, is cancelled.
-void Scheduler::settle_dependent(const std::string& id, const std::vector<std::string>& after) {
-  std::string refusal;
-  bool waits = false;
-  for (const std::string& before : after) {
-    const auto record = ledger_.find(before);
-    const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
-    if (state == v1::SUCCEEDED) continue;
-    if (record && !is_terminal(state)) {
-      waits = true;
-      continue;
-    }
-    const char* how = !record                  ? "was deleted"
-                      : state == v1::CANCELLED ? "was cancelled"
-                                               : "has failed";
-    refusal = "job " + before + ", which had to succeed first, " + how;
-  }
-  if (waits && refusal.empty()) return;
-  std::unique_lock lock(mutex_);
-  const Exclusive job(*this, lock, id);
-  if (!dependents_.contains(id)) return;
-  lock.unlock();
-  auto record = ledger_.find(id);
-  if (!record || record->job.state() != v1::QUEUED) return;
-  if (!refusal.empty()) {
-    settle_idle(lock, *record, v1::CANCELLED, refusal);
-    return;
-  }
-  lock.lock();
-  dependents_.erase(id);
-  queue_.push(record->job);
-}
-
 bool Scheduler::may_start() const {
   return !shutting_down_ && !hold_.holds() &&
          (attempts_.of_queue() < executor_.capacity() || queue_.front_goes_first());
+}
+
+/// Their attempts that go first are beside the queue, and do not count.
+bool Scheduler::user_may_start(const std::string& owner) const {
+  return options_.maximum_running_per_user == 0 ||
+         attempts_.of_queue(owner) < options_.maximum_running_per_user;
+}
+
+std::optional<std::string> Scheduler::next_job() const {
+  return queue_.front([this](const std::string& owner) { return user_may_start(owner); });
 }
 
 void Scheduler::start_jobs() {
@@ -317,15 +272,15 @@ void Scheduler::start_jobs() {
 /// @return whether there may be another job to start
 bool Scheduler::start_next() {
   std::unique_lock lock(mutex_);
-  const auto id = may_start() ? queue_.front() : std::nullopt;
+  const auto id = may_start() ? next_job() : std::nullopt;
   if (!id) return false;
   const Exclusive job(*this, lock, *id);
-  if (!may_start() || queue_.front() != id) return true;
+  if (!may_start() || next_job() != id) return true;
   lock.unlock();
   try {
     auto [record, log] = begin_attempt(*id);
     lock.lock();
-    const bool goes_first = queue_.front() == id && queue_.front_goes_first();
+    const bool goes_first = queue_.front_goes_first() && queue_.front() == id;
     queue_.erase(*id);
     if (!log) return true;  // it waits no more
     queue_.charge(record.job.owner(), JobQueue::start_charge_s, milliseconds(now()));
@@ -373,7 +328,7 @@ void Scheduler::refuse_start(const std::string& id, const std::exception& error)
       ledger_.announce(id);
     }
     const std::lock_guard lock(mutex_);
-    queue_.erase(id);
+    dequeue(id);
   } catch (const std::exception& lack) {  // what becomes of the job is seen later
     const std::lock_guard lock(mutex_);
     hold(lack.what());

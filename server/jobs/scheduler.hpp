@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -22,6 +23,7 @@
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/ledger.hpp"
+#include "server/jobs/tally.hpp"
 
 namespace dccast::jobs {
 
@@ -31,6 +33,7 @@ struct SchedulerOptions {
   std::int64_t maximum_waiting_bytes = 4000000000;  ///< cases and attachments of unfinished jobs
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
   std::chrono::seconds share_half_life{86400};      ///< see JobQueue
+  int maximum_running_per_user = 0;                 ///< 0: no limit
 };
 
 class QueueFull : public std::runtime_error {
@@ -98,10 +101,21 @@ public:
   std::vector<v1::Job> list(const JobStore::Page& page);
   /// See Ledger::observe().
   void observe(JobObserver observer) { ledger_.observe(std::move(observer)); }
+  /// See Ledger::observe_transitions(); before recover().
+  void observe_transitions(TransitionObserver observer) {
+    ledger_.observe_transitions(std::move(observer));
+  }
   Reply cancel(const std::string& id, const std::string& reason);
   Reply pause(const std::string& id);
   Reply resume(const std::string& id);
-  Reply remove(const std::string& id);
+  /// @param why      for the log
+  /// @param permits  false: the job stays, and is in the wrong state for this
+  Reply remove(const std::string& id, const std::string& why = "by request",
+               const std::function<bool(const v1::Job& job)>& permits = {});
+  /// Changes labels, and whether the job is kept for good. @param change  false: nothing changes
+  Reply mark(const std::string& id, const std::function<bool(v1::Job& job)>& change);
+  /// Whether a job waits for this one to succeed.
+  bool is_awaited(const std::string& id);
   int queued();
   int running();
   /// Why nothing is started now; empty when nothing holds the queue.
@@ -135,8 +149,14 @@ private:
   bool may_start() const;
   void charge(const v1::Job& job, std::int64_t at_ms);
   void charge_recent_use();
+  void learn_from_ended_jobs();
   void enqueue(const v1::Job& job, bool goes_first = false);
   void dequeue(const std::string& id);
+  void forget_dependent(const std::string& id);
+  void look_at_those_after(const std::string& id);
+  bool user_may_start(const std::string& owner) const;
+  std::optional<std::string> next_job() const;
+  void foresee(v1::Job& job) const;
 
   // These take mutex_ themselves, and wait for the disk without it.
   void settle_dependents();
@@ -169,8 +189,12 @@ private:
   Ledger ledger_;
   Attempts attempts_;
   JobQueue queue_;
-  std::map<std::string, std::vector<std::string>> dependents_;  ///< jobs that wait for others
-  bool look_at_dependents_ = false;                             ///< one may go on, or never will
+  Forecast forecast_;
+  mutable std::vector<double> left_s_;  ///< of the jobs that run, as of `left_at_`
+  mutable Clock::time_point left_at_{};
+  std::map<std::string, std::vector<std::string>> dependents_;  ///< jobs that wait, and for which
+  std::map<std::string, std::set<std::string>> awaited_by_;     ///< the same from the other side
+  std::set<std::string> to_look_at_;  ///< of those that wait: may go on, or never will
   QueueHold hold_;
   std::set<std::string> held_jobs_;  ///< see Exclusive
   int submissions_under_way_ = 0;

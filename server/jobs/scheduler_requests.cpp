@@ -78,8 +78,8 @@ v1::Job Scheduler::submit(const NewJob& new_job, const Attachments& attachments)
     if (shutting_down_) throw ShuttingDown("dccastd is shutting down; submit again later");
     if (static_cast<int>(queue_.size() + dependents_.size()) + submissions_under_way_ >=
         options_.maximum_queued)
-      throw QueueFull("the queue is full (" + std::to_string(options_.maximum_queued) +
-                      " jobs wait); submit again later");
+      throw QueueFull("the queue is full; maximum_queued = " +
+                      std::to_string(options_.maximum_queued) + "; submit again later");
     reservation.emplace(mutex_, submissions_under_way_);
   }
   if (const auto there = write_new_job(record, new_job, attachments)) {
@@ -131,13 +131,39 @@ v1::Job Scheduler::view(JobRecord record) const {
   if (queued) job.set_held(hold_.reason());
   if (queued && job.held().empty() && dependents_.contains(job.id()))
     job.set_held("waits for " + fmt::format("{}", fmt::join(job.after(), ", ")));
+  if (queued && job.held().empty() && !user_may_start(job.owner()))
+    job.set_held(fmt::format("{} has {} jobs running; maximum_running_per_user = {}", job.owner(),
+                             attempts_.of_queue(job.owner()), options_.maximum_running_per_user));
+  if (queued && job.held().empty()) foresee(job);
   return job;
+}
+
+/// When a job of the queue starts and ends, from what jobs took before. What holds it has no end
+/// that could be known: this is for jobs that nothing holds.
+void Scheduler::foresee(v1::Job& job) const {
+  const double own_s = forecast_.run_s(job.estimated_s());
+  const double each_s = forecast_.run_s(queue_.mean_estimated_s());
+  if (own_s <= 0.0 || job.queue_position() == 0) return;
+  constexpr std::chrono::milliseconds good_for{500};  // a list asks for each of its jobs
+  if (const auto at = Clock::now(); at > left_at_ + good_for) {
+    left_at_ = at;
+    left_s_.clear();
+    for (const auto& attempt : attempts_.all())
+      if (!attempt->goes_first)
+        left_s_.push_back(forecast_.left_s(view(*attempt), ran_s(*attempt, at)));
+  }
+  job.set_starts_in_s(
+      Forecast::start_s(left_s_, executor_.capacity(), job.queue_position(), each_s));
+  job.set_ends_in_s(job.starts_in_s() + own_s);
 }
 
 v1::Job Scheduler::view(const Attempt& attempt) const {
   v1::Job job = attempt.record.job;
   attempt.log->complete(job);
   job.set_held(attempt.waits);
+  const double left_s = forecast_.left_s(job, ran_s(attempt, Clock::now()));
+  if (job.state() == v1::RUNNING && attempt.waits.empty() && left_s > 0.0)
+    job.set_ends_in_s(left_s);
   return job;
 }
 
@@ -197,6 +223,7 @@ std::string Scheduler::held() {
 Reply Scheduler::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
                              const std::string& cause) {
   const std::string id = record.job.id();
+  if (is_terminal(to)) record.bytes = bytes_kept(jobs_directory_ / id);
   ledger_.transition(record, to, cause);
   if (is_terminal(to)) remove_run_files(jobs_directory_ / id);
   lock.lock();
@@ -267,7 +294,8 @@ Reply Scheduler::resume(const std::string& id) {
   return settle_idle(lock, *record, v1::QUEUED, "resumed by request");
 }
 
-Reply Scheduler::remove(const std::string& id) {
+Reply Scheduler::remove(const std::string& id, const std::string& why,
+                        const std::function<bool(const v1::Job& job)>& permits) {
   std::unique_lock lock(mutex_);
   const Exclusive job(*this, lock, id);
   if (const auto attempt = attempts_.find(id)) {
@@ -277,7 +305,7 @@ Reply Scheduler::remove(const std::string& id) {
   lock.unlock();
   const auto record = ledger_.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  if (!is_terminal(record->job.state()) || ledger_.kept(id))
+  if (!is_terminal(record->job.state()) || ledger_.kept(id) || (permits && !permits(record->job)))
     return {Reply::Kind::wrong_state, record->job};
   const auto removed = begin_removal(jobs_directory_, id);
   try {
@@ -291,8 +319,39 @@ Reply Scheduler::remove(const std::string& id) {
   if (removed) std::filesystem::remove_all(*removed, error);
   if (error) log::warn("job {}: part of its folder is left: {}", id, error.message());
   ledger_.report(record->job);
-  log::info("job {}: deleted by request", id);
+  log::info("job {}: deleted, {}", id, why);
+  lock.lock();
+  look_at_those_after(id);
+  changed_.notify_all();
   return {Reply::Kind::done, {}};
+}
+
+Reply Scheduler::mark(const std::string& id, const std::function<bool(v1::Job& job)>& change) {
+  std::unique_lock lock(mutex_);
+  const Exclusive exclusive(*this, lock, id);
+  lock.unlock();
+  auto record = ledger_.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  const v1::Job before = record->job;
+  v1::Job& job = record->job;
+  if (change(job)) {
+    write_marks(jobs_directory_ / id, job);
+    try {
+      store_.update_marks(job);
+    } catch (const StoreError&) {
+      write_marks(jobs_directory_ / id, before);
+      throw;
+    }
+    ledger_.change_kept(job);
+    log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
+              job.pinned() ? "pinned" : "not pinned");
+  }
+  lock.lock();
+  if (const auto attempt = attempts_.find(id)) {
+    *attempt->record.job.mutable_labels() = job.labels();
+    attempt->record.job.set_pinned(job.pinned());
+  }
+  return {Reply::Kind::done, view(std::move(*record))};
 }
 
 }  // namespace dccast::jobs

@@ -1,5 +1,6 @@
 #include "server/jobs/settlement.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -84,6 +85,26 @@ Settlement settle_stopped(JobRecord& record, const std::string& cause) {
   return {v1::QUEUED, cause};
 }
 
+namespace {
+
+/// Whether it was stopped for its time limit alone.
+bool is_over_time(const JobRecord& record, const AttemptFacts& facts) {
+  return !facts.over_time.empty() && record.requested_action != RequestedAction::cancel;
+}
+
+Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
+  const std::string message =
+      facts.over_time + " and has reached its time limit at " +
+      std::to_string(std::lround(100.0 * record.job.last_step().progress())) +
+      " % of the casting; submit it again with a longer one (dccast submit --from " +
+      record.job.id() + " --time-limit), with a coarser quality or a shorter time.end";
+  add_failure(record.job, v1::Failure::TIME_LIMIT, message);
+  record.job.mutable_failure()->set_time_s(facts.reached_time);
+  return {v1::FAILED, message};
+}
+
+}  // namespace
+
 Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   switch (end.outcome()) {
     case RunEnd::SUCCEEDED:
@@ -93,6 +114,7 @@ Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFac
     case RunEnd::OTHER_VERSION_FOUND:
       return settle_other_version(record, end, facts);
     default:
+      if (is_over_time(record, facts)) return settle_over_time(record, facts);
       return settle_stopped(record, facts.shutting_down
                                         ? "dccastd is shutting down; stopped at a checkpoint"
                                         : "its worker was asked to stop; stopped at a checkpoint");
@@ -101,6 +123,7 @@ Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFac
 
 Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts) {
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
+  if (is_over_time(record, facts)) return settle_over_time(record, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
   if (exit.of_machine)

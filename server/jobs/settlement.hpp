@@ -25,6 +25,7 @@ struct AttemptFacts {
   std::int64_t reached_step = 0;  ///< last one reported, or that of the checkpoint it went on from
   double reached_time = 0.0;      ///< [s]
   std::string hung{};             ///< why the worker was taken to hang; empty: it was not
+  std::string over_time{};        ///< how long it has run, where that is too long; empty: it is not
   std::string
       missing_artifact{};  ///< a result that is not on the disk although the run's end names it
   std::string storage_error{};  ///< why the folder of the job takes nothing; empty: it does

@@ -87,7 +87,12 @@ grpc::Status CallOrigin::admit(std::function<bool()> cancelled, Call& call) {
   return status;
 }
 
+void CallOrigin::count(const grpc::Status& status) const {
+  gate_->count(rule_->name, status, std::chrono::steady_clock::now() - begun_);
+}
+
 void CallOrigin::record(const Call& call, const grpc::Status& status) const {
+  count(status);
   v1::AuditEvent event = *call.note;
   const v1::Touches touches = rule_->access.touches();
   if (touches == v1::READS_JOB || touches == v1::CHANGES_JOB) event.set_job(id_);

@@ -42,7 +42,10 @@ public:
   /// For a thread that may wait. @return OK, and sets the call; or why it is not answered, which is
   /// recorded
   grpc::Status admit(std::function<bool()> cancelled, Call& call);
+  /// For the audit log and the figures of the gate.
   void record(const Call& call, const grpc::Status& status) const;
+  /// For the figures alone: of a call that was not admitted.
+  void count(const grpc::Status& status) const;
   Gate& gate() const { return *gate_; }
 
 private:
@@ -53,6 +56,7 @@ private:
   std::string id_;  ///< of the job or study that the request names
   Shown shown_;
   std::chrono::system_clock::time_point deadline_;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::optional<access::Caller> caller_;  ///< once it was judged
   grpc::Status refusal_;
 };

@@ -5,6 +5,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/printable.hpp"
+#include "server/jobs/process_table.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/service/simulation_service.hpp"
 
@@ -93,6 +94,11 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_quarantined(
         static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
     response->set_paused(context_.store.count(v1::PAUSED));
+    response->set_memory_bytes(jobs::own_resident_bytes());
+    for (const auto& [name, total] : jobs::child_processes()) {
+      response->set_worker_processes(response->worker_processes() + total.number);
+      response->set_worker_memory_bytes(response->worker_memory_bytes() + total.resident_bytes);
+    }
     response->set_maximum_nodes(ceilings.nodes);
     response->set_maximum_steps(ceilings.steps);
     response->set_maximum_memory_bytes(ceilings.memory_bytes);

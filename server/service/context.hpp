@@ -34,6 +34,8 @@ struct Context {
   int workers = 1;
   int maximum_queued = 0;
   int maximum_queued_per_user = 0;
+  double maximum_time_s = 0.0;               ///< of a job; 0: no limit
+  double maximum_disk_per_user_bytes = 0.0;  ///< 0: no limit
   std::int64_t token_lifetime_s = 0;
   std::int64_t maximum_message_bytes = 0;
   int checks_at_once = 1;

@@ -14,24 +14,36 @@ constexpr double recorded_refusals_per_s =
     10.0;  // a peer that guesses tokens must not fill the disk
 
 const char* name_of(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::OK:
-      return "OK";
-    case grpc::StatusCode::UNAUTHENTICATED:
-      return "UNAUTHENTICATED";
-    case grpc::StatusCode::PERMISSION_DENIED:
-      return "PERMISSION_DENIED";
-    case grpc::StatusCode::INVALID_ARGUMENT:
-      return "INVALID_ARGUMENT";
-    case grpc::StatusCode::NOT_FOUND:
-      return "NOT_FOUND";
-    case grpc::StatusCode::FAILED_PRECONDITION:
-      return "FAILED_PRECONDITION";
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return "RESOURCE_EXHAUSTED";
-    default:
-      return "FAILED";
+  constexpr std::array names{"OK",
+                             "CANCELLED",
+                             "UNKNOWN",
+                             "INVALID_ARGUMENT",
+                             "DEADLINE_EXCEEDED",
+                             "NOT_FOUND",
+                             "ALREADY_EXISTS",
+                             "PERMISSION_DENIED",
+                             "RESOURCE_EXHAUSTED",
+                             "FAILED_PRECONDITION",
+                             "ABORTED",
+                             "OUT_OF_RANGE",
+                             "UNIMPLEMENTED",
+                             "INTERNAL",
+                             "UNAVAILABLE",
+                             "DATA_LOSS",
+                             "UNAUTHENTICATED"};
+  const auto number = static_cast<std::size_t>(code);
+  return number < names.size() ? names[number] : "UNKNOWN";
+}
+
+/// The setting that a refusal names, as every one by a limit does.
+std::string limit_in(const std::string& message) {
+  for (const char* first : {"maximum_", "minimum_"}) {
+    const auto begin = message.find(first);
+    if (begin == std::string::npos) continue;
+    return message.substr(begin,
+                          message.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", begin) - begin);
   }
+  return "waiting_calls";
 }
 
 /// The address without its port: connections of one machine share a limit.
@@ -162,6 +174,20 @@ void Gate::end_lapsed(std::int64_t now) {
     if (why.empty()) continue;
     if (const auto stream = one.stream.lock()) stream->lapse(unauthenticated(why));
   }
+}
+
+void Gate::count(const std::string& method, const grpc::Status& status,
+                 std::chrono::duration<double> taken) {
+  const std::lock_guard lock(figures_mutex_);
+  figures_.seconds.try_emplace({method, name_of(status.error_code())}, CallFigures::bounds_s)
+      .first->second.add(taken.count());
+  if (status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED)
+    ++figures_.refused[limit_in(status.error_message())];
+}
+
+CallFigures Gate::figures() {
+  const std::lock_guard lock(figures_mutex_);
+  return figures_;
 }
 
 void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,

@@ -2,22 +2,34 @@
 
 #include <grpcpp/support/status.h>
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/access/audit.hpp"
 #include "server/access/limits.hpp"
 #include "server/access/rules.hpp"
+#include "server/jobs/tally.hpp"
 #include "server/service/local_users.hpp"
 
 namespace dccast::service {
+
+/// Calls since the daemon began. Of one that lasts the time until it was open.
+struct CallFigures {
+  static constexpr std::array<double, 6> bounds_s{0.001, 0.01, 0.1, 1.0, 10.0, 60.0};
+  std::map<std::pair<std::string, std::string>, jobs::Histogram> seconds;  ///< by method and code
+  std::map<std::string, std::uint64_t> refused;                            ///< by the limit
+};
 
 /// A call that lasts: it is ended when its caller is one no longer.
 class LastingCall {
@@ -71,6 +83,12 @@ public:
   void record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
               const std::string& peer, const grpc::Status& status);
 
+  /// Counts a call that is answered. @param method  as in service.proto
+  void count(const std::string& method, const grpc::Status& status,
+             std::chrono::duration<double> taken);
+  CallFigures figures();
+  std::size_t open_streams() { return streams_.open(); }
+
   access::Authority& authority() { return authority_; }
 
 private:
@@ -87,6 +105,8 @@ private:
   const Owners owners_;
   access::CallRate rate_, unproven_rate_, recorded_refusals_;
   access::OpenCount streams_;
+  std::mutex figures_mutex_;
+  CallFigures figures_;
   std::mutex mutex_;  ///< of all below
   std::condition_variable changed_;
   bool ended_ = false;

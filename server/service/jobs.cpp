@@ -1,8 +1,10 @@
 // Calls about jobs. Their results are in results.cpp.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
@@ -20,6 +22,44 @@ grpc::Status check_case_file(const std::string& text) {
   constexpr std::size_t longest = 1 << 20;
   if (text.size() <= longest) return grpc::Status::OK;
   return {grpc::StatusCode::INVALID_ARGUMENT, "case_file is longer than 1 MiB; leave it empty"};
+}
+
+grpc::Status check_time_limit(const Context& context, double seconds) {
+  const double most = context.maximum_time_s;
+  if (seconds == 0.0 ||
+      (seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most)))
+    return grpc::Status::OK;
+  return {
+      grpc::StatusCode::INVALID_ARGUMENT,
+      "time_limit_s must be positive" +
+          (most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
+                      : std::string())};
+}
+
+/// It becomes a word of a command: no blank, and no option.
+grpc::Status check_mail(const std::string& mail) {
+  if (const auto status = check_text("mail", mail); !status.ok() || mail.empty()) return status;
+  const auto at = mail.find('@');
+  if (at != 0 && at != std::string::npos && mail.front() != '-' &&
+      mail.find_first_of(" ,;<>") == std::string::npos)
+    return grpc::Status::OK;
+  return {grpc::StatusCode::INVALID_ARGUMENT, "mail must be one address, like anna@example.org"};
+}
+
+/// Adds and removes labels as UpdateJobRequest has it.
+void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
+  std::vector<std::string> labels(job.labels().begin(), job.labels().end());
+  const auto drop = [&labels](const std::string& name) {
+    std::erase_if(labels, [&](const std::string& label) {
+      return label == name || label.starts_with(name + "=");
+    });
+  };
+  for (const std::string& name : request.remove_labels()) drop(name);
+  for (const std::string& label : request.set_labels()) {
+    drop(label.substr(0, label.find('=')));
+    labels.push_back(label);
+  }
+  job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
 /// A job that can never start is not taken.
@@ -46,6 +86,9 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
     return status;
   if (const auto status = check_labels(request.labels()); !status.ok()) return status;
   if (const auto status = check_changes(request.changes()); !status.ok()) return status;
+  if (const auto status = check_time_limit(context, request.time_limit_s()); !status.ok())
+    return status;
+  if (const auto status = check_mail(request.mail()); !status.ok()) return status;
   if (const auto status = check_case_file(request.case_file()); !status.ok()) return status;
   if (const auto status = check_jobs_before(context, request.after()); !status.ok()) return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
@@ -65,6 +108,8 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.changes = {request.changes().begin(), request.changes().end()};
   job.case_file = request.case_file();
   job.after = {request.after().begin(), request.after().end()};
+  job.time_limit_s = request.time_limit_s();
+  job.mail = request.mail();
   return context.scheduler.submit(job, request.attachments());
 }
 
@@ -205,6 +250,12 @@ grpc::Status SimulationService::may_queue(const Call& call, const std::string& r
   if (sent_before)
     return {grpc::StatusCode::ALREADY_EXISTS,
             "another user has submitted a job with this request_id; choose a new one"};
+  if (const double most = context_.maximum_disk_per_user_bytes; most > 0.0)
+    if (const auto held = context_.store.bytes_of(caller.name); static_cast<double>(held) >= most)
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              "the jobs of " + caller.name + " hold " + std::to_string(held) +
+                  " bytes on the server; maximum_disk_per_user = " +
+                  std::to_string(std::llround(most)) + " bytes; delete some (dccast delete)"};
   const int unfinished = context_.store.unfinished_of(caller.name);
   if (unfinished < context_.maximum_queued_per_user) return grpc::Status::OK;
   return {grpc::StatusCode::RESOURCE_EXHAUSTED,
@@ -296,6 +347,25 @@ Unary* SimulationService::DeleteJob(Wire* wire, const v1::DeleteJobRequest* requ
     if (const auto status = check_job_id(request->id()); !status.ok()) return status;
     return status_of(context_.scheduler.remove(request->id()), request->id(), "cancel it first",
                      nullptr);
+  };
+  return answer(wire, *request, {{lanes_.durable, work}});
+}
+
+Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* request, v1::Job* job) {
+  const auto work = [=, this](const Call& call) {
+    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
+    grpc::Status refusal;
+    const auto change = [&](v1::Job& found) {
+      change_labels(*request, found);
+      if (request->has_pinned()) found.set_pinned(request->pinned());
+      refusal = check_labels(found.labels());
+      return refusal.ok();
+    };
+    const jobs::Reply reply = context_.scheduler.mark(request->id(), change);
+    if (!refusal.ok()) return refusal;
+    call.note->set_reason(request->has_pinned() ? (request->pinned() ? "pinned" : "not pinned")
+                                                : "labels");
+    return status_of(reply, request->id(), "", job);
   };
   return answer(wire, *request, {{lanes_.durable, work}});
 }

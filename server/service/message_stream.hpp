@@ -35,7 +35,9 @@ public:
     self_ = this->shared_from_this();
     if (!origin_.refusal().ok()) return end(origin_.refusal());
     const bool taken = lane_.post([self = self_] { self->open_in_lane(); }, kept_bytes());
-    if (!taken) end(too_many_waiting());
+    if (taken) return;
+    origin_.count(too_many_waiting());
+    end(too_many_waiting());
   }
 
   /// There may be a next message.

@@ -10,7 +10,9 @@
 #include <grpcpp/support/server_interceptor.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <functional>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -21,6 +23,8 @@
 namespace dccast::service {
 
 namespace {
+
+constexpr const char* alive = "alive";
 
 /// Clients may ping as often as every 10 s, also between calls; without this gRPC answers them with
 /// "too many pings" and hangs up.
@@ -156,7 +160,7 @@ void log_grpc_as_debug() {
 }
 
 PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls)
-    : local_(local), tls_(std::move(tls)), service_(context) {
+    : local_(local), tls_(std::move(tls)), service_(context), context_(context) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -178,6 +182,20 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
                           .per_peer = tls_->connections_per_peer,
                           .greeting_bytes = tls_greeting_bytes},
                          hand_over(tls_acceptor));
+  server_->GetHealthCheckService()->SetServingStatus(alive, true);
+  health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });
+}
+
+void PublicServer::report_health(const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds between_looks{200};
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  do {
+    const bool ready = context_.scheduler.held().empty();
+    for (const char* name : {"ready", v1::SimulationService::service_full_name()})
+      server_->GetHealthCheckService()->SetServingStatus(name, ready);
+  } while (!never.wait_for(lock, stop, between_looks, [&] { return stop.stop_requested(); }));
 }
 
 PublicServer::~PublicServer() {
@@ -185,10 +203,13 @@ PublicServer::~PublicServer() {
 }
 
 void PublicServer::announce_end() {
+  health_ = {};
   server_->GetHealthCheckService()->SetServingStatus(false);
+  server_->GetHealthCheckService()->SetServingStatus(alive, true);
 }
 
 void PublicServer::shut_down() {
+  health_ = {};
   local_.stop();  // gRPC takes no connection once it ends
   if (tls_) tls_->listener.stop();
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));

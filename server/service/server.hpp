@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "server/service/context.hpp"
 #include "server/service/listener.hpp"
@@ -26,13 +27,15 @@ struct TlsListening {
 };
 
 /// SimulationService, health and reflection: for local users without TLS on loopback, for others
-/// over TLS.
+/// over TLS. The health of "alive" is SERVING while calls are answered; that of "ready" and of the
+/// service while jobs are started, too: not while the queue is held, nor once the daemon is about
+/// to end. The empty name is that of the daemon until it is about to end.
 class PublicServer {
 public:
   /// @param tls  nothing: local users alone @throws std::runtime_error  gRPC refuses
   PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls);
   ~PublicServer();
-  /// Health is NOT_SERVING from now on.
+  /// Health is NOT_SERVING from now on, but for "alive".
   void announce_end();
   /// Ends all calls: those that end by themselves within a second do.
   void shut_down();
@@ -41,7 +44,11 @@ private:
   Listener& local_;
   std::optional<TlsListening> tls_;
   SimulationService service_;
+  void report_health(const std::stop_token& stop);
+
+  Context& context_;
   std::unique_ptr<grpc::Server> server_;
+  std::jthread health_;
 };
 
 }  // namespace dccast::service

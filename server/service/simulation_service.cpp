@@ -57,7 +57,9 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
     if (!status.ok()) return call->finish(status);
     do_stage(call, number + 1);
   };
-  if (!call->stages[number].lane.post(work, call->bytes)) call->reactor->Finish(too_many_waiting());
+  if (call->stages[number].lane.post(work, call->bytes)) return;
+  call->origin.count(too_many_waiting());
+  call->reactor->Finish(too_many_waiting());
 }
 
 }  // namespace dccast::service

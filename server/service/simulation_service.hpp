@@ -38,6 +38,7 @@ public:
   Unary* CancelJob(Wire*, const v1::CancelJobRequest*, v1::Job*) override;
   Unary* PauseJob(Wire*, const v1::PauseJobRequest*, v1::Job*) override;
   Unary* ResumeJob(Wire*, const v1::ResumeJobRequest*, v1::Job*) override;
+  Unary* UpdateJob(Wire*, const v1::UpdateJobRequest*, v1::Job*) override;
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
 

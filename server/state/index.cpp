@@ -58,6 +58,7 @@ void take_log(const fs::path& path, jobs::JobRecord& record) {
   if (content.terminal) *job.mutable_end_time() = content.terminal->time();
   if (change.has_failure()) *job.mutable_failure() = change.failure();
   *job.mutable_artifacts() = change.artifacts();
+  record.bytes = jobs::bytes_kept(path.parent_path());
 }
 
 /// A crash can come between the row and the mark, and who submitted the job learn of the row by
@@ -133,6 +134,7 @@ jobs::JobRecord described_job(const fs::path& folder) {
   jobs::JobRecord record;
   record.job = description.job;
   record.job.set_state(v1::QUEUED);
+  jobs::read_marks(folder, record.job);
   record.answer_key = description.answer_key;
   record.bytes = bytes_of(folder, description);
   return record;
@@ -143,7 +145,7 @@ bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
     v1::Job job = record.job;
     *job.mutable_create_time() = jobs::timestamp(jobs::milliseconds(job.create_time()));
     for (const char* of_log : {"state", "start_time", "end_time", "last_step", "findings",
-                               "validity_loss", "failure", "artifacts", "attempts"})
+                               "validity_loss", "failure", "artifacts", "attempts", "run_s"})
       job.GetReflection()->ClearField(&job, v1::Job::descriptor()->FindFieldByName(of_log));
     return job.SerializeAsString() + record.answer_key;
   };

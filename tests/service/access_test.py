@@ -221,6 +221,7 @@ class Owners(AccessTest):
         for name, request in (("CancelJob", service_pb2.CancelJobRequest(id=job.id)),
                               ("PauseJob", service_pb2.PauseJobRequest(id=job.id)),
                               ("ResumeJob", service_pb2.ResumeJobRequest(id=job.id)),
+                              ("UpdateJob", service_pb2.UpdateJobRequest(id=job.id)),
                               ("DeleteJob", service_pb2.DeleteJobRequest(id=job.id))):
             details = self.refusal(grpc.StatusCode.PERMISSION_DENIED, getattr(bert, name), request)
             self.assertIn("of anna", details)

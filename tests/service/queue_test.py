@@ -185,5 +185,210 @@ class Lists(QueueTest):
         until(lambda: json.loads(self.dccast("usage", "--json", "--since", "2099-01-01")) == [], 5)
 
 
+class Marks(QueueTest):
+    """Labels and pins: what may change of a job after its submission."""
+
+    def test_labels_change_in_any_state_and_are_found_again(self):
+        job = self.client.submit(fake_case("steps=200 sleep_ms=10"), labels=["trial-7", "line=2"]).id
+        self.client.until_step(job, 3)
+        self.dccast("label", job, "line=3", "checked")
+        self.assertEqual(sorted(self.client.job(job).labels), ["checked", "line=3", "trial-7"])
+        self.client.cancel(job)
+        self.client.until_state(job, CANCELLED)
+        self.dccast("label", job, "--remove", "line", "--remove", "trial-7")
+        self.assertEqual(self.dccast("list", "--ids", "--label", "checked").split(), [job])
+        self.assertEqual(self.dccast("list", "--ids", "--label", "line=3").split(), [])
+        self.dccast("label", job, "x" * 65, code=2)
+        self.dccast("label", job, *(f"label-{i}" for i in range(21)), code=2)
+        self.assertEqual(list(self.client.job(job).labels), ["checked"])
+
+    def test_they_outlive_the_store(self):
+        jobs = [self.client.submit(fake_case("steps=5"), labels=["before"]).id for _ in range(2)]
+        for job in jobs:
+            self.client.until_state(job, SUCCEEDED)
+        self.dccast("label", jobs[0], "after", "--remove", "before")
+        self.assertIn("pinned", self.dccast("pin", jobs[0]))
+        self.daemon.terminate()
+        data = self.daemon.settings["data_directory"]
+        for name in os.listdir(data):
+            if name.startswith("jobs.sqlite"):
+                os.remove(os.path.join(data, name))
+        self.restart()
+        found = self.client.job(jobs[0])
+        self.assertEqual((list(found.labels), found.pinned), (["after"], True))
+        with open(os.path.join(data, "jobs", jobs[0], "marks"), "r+b") as file:
+            file.write(b"damaged")
+        self.assertEqual(list(self.client.job(jobs[1]).labels), ["before"])
+
+    def test_a_waiting_job_keeps_them_through_a_restart(self):
+        running = [self.client.submit(fake_case("steps=500 sleep_ms=10")).id for _ in range(2)]
+        waiting = self.client.submit(fake_case("steps=5")).id
+        self.dccast("label", waiting, "soon")
+        self.daemon.terminate()
+        self.restart()
+        self.assertNotIn("made again", self.daemon.said())
+        self.assertEqual(list(self.client.job(waiting).labels), ["soon"])
+        for job in running:
+            self.client.cancel(job)
+
+
+class Retention(QueueTest):
+    settings = {"keep_time": "1 s"}
+
+    def test_old_jobs_go_and_pinned_ones_stay(self):
+        old, pinned, awaited = [self.client.submit(fake_case("steps=5")).id for _ in range(3)]
+        self.dccast("pin", pinned)
+        self.client.until_state(awaited, SUCCEEDED)
+        running = self.client.submit(fake_case("steps=1000 wait_at=3")).id
+        self.client.submit(fake_case("steps=5"), after=[awaited, running])
+        until(lambda: old not in self.dccast("list", "--ids").split(), 30)
+        self.assertEqual(self.state(pinned), SUCCEEDED)
+        self.assertEqual(self.state(awaited), SUCCEEDED)
+        self.dccast("unpin", pinned)
+        until(lambda: pinned not in self.dccast("list", "--ids").split(), 30)
+        self.assertFalse(os.path.exists(
+            os.path.join(self.daemon.settings["data_directory"], "jobs", pinned)))
+
+
+class RetentionBySize(QueueTest):
+    def test_the_oldest_go_first(self):
+        jobs = []
+        for _ in range(4):
+            jobs.append(self.client.submit(fake_case("steps=5")).id)
+            self.client.until_state(jobs[-1], SUCCEEDED)
+        self.daemon.terminate()
+        folders = os.path.join(self.daemon.settings["data_directory"], "jobs")
+        sizes = [sum(os.path.getsize(os.path.join(at, name)) for name in names)
+                 for at, _, names in os.walk(os.path.join(folders, jobs[3]))]
+        self.daemon.settings["keep_size"] = f"{int(2.5 * sum(sizes))} bytes"
+        self.restart()
+        until(lambda: self.dccast("list", "--ids").split() == jobs[:1:-1], 30)
+
+
+class Limits(QueueTest):
+    settings = {"maximum_time": "60 s"}
+
+    def test_a_job_ends_at_its_time_limit_and_says_what_to_do(self):
+        path = self.case_file("a.toml", "steps=100000 sleep_ms=20")
+        job = self.dccast("submit", "--time-limit", "2 s", path).strip()
+        found = self.client.until_state(job, job_pb2.FAILED, seconds=30)
+        self.assertEqual(found.failure.kind, job_pb2.Failure.TIME_LIMIT)
+        self.assertIn(f"--from {job} --time-limit", found.failure.message)
+        self.assertGreaterEqual(found.run_s, 2.0)
+        self.assertLess(found.run_s, 30.0)
+        self.assertIn("time limit", self.dccast("show", job))
+
+    def test_the_time_before_a_pause_counts_and_a_cancel_wins(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=20"), time_limit_s=4).id
+        self.client.until_step(job, 50)
+        self.dccast("pause", job)
+        ran_s = self.client.job(job).run_s
+        self.assertGreater(ran_s, 0.5)
+        self.dccast("resume", job)
+        found = self.client.until_state(job, job_pb2.FAILED, seconds=30)
+        self.assertEqual(found.failure.kind, job_pb2.Failure.TIME_LIMIT)
+        self.assertGreater(found.run_s, ran_s)
+
+    def test_a_limit_beyond_that_of_the_server_is_refused(self):
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
+                             fake_case("steps=5"), time_limit_s=61)
+        self.assertIn("maximum_time = 60", error.details())
+        for wrong in (-1.0, float("nan"), float("inf")):
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, fake_case("steps=5"),
+                         time_limit_s=wrong)
+        self.dccast("submit", "--time-limit", "60 mm", self.case_file("a.toml", "steps=5"), code=2)
+
+
+class RunningLimit(QueueTest):
+    settings = {"maximum_running_per_user": 1, "stop_grace": "0.5 s"}
+
+    def test_one_user_leaves_workers_to_others(self):
+        first, second = [self.client.submit(fake_case("steps=1000 wait_at=3")).id for _ in range(2)]
+        self.client.until_step(first, 3)
+        job = self.client.job(second)
+        self.assertEqual(job.state, job_pb2.QUEUED)
+        self.assertIn("maximum_running_per_user = 1", job.held)
+        self.client.cancel(first)
+        self.client.until_step(second, 3)
+
+
+class Times(QueueTest):
+    settings = {"workers": 1}
+
+    def test_start_and_end_are_foreseen_from_jobs_before(self):
+        for _ in range(2):
+            self.client.until_state(self.client.submit(fake_case("steps=100 sleep_ms=10")).id, SUCCEEDED)
+        jobs = [self.client.submit(fake_case("steps=300 sleep_ms=10")).id for _ in range(3)]
+        self.client.until_step(jobs[0], 30)
+        running, *waiting = [self.client.job(job) for job in jobs]
+        self.assertTrue(0 < running.ends_in_s < 30, running.ends_in_s)
+        self.assertLess(waiting[0].starts_in_s, waiting[1].starts_in_s)
+        self.assertLess(waiting[1].starts_in_s, waiting[1].ends_in_s)
+        self.assertIn("starts in", self.dccast("show", jobs[2]))
+
+    def test_nothing_is_foreseen_of_a_job_that_waits_for_another(self):
+        first = self.client.submit(fake_case("steps=300 sleep_ms=10")).id
+        after = self.client.submit(fake_case("steps=5"), after=[first])
+        self.assertFalse(after.HasField("starts_in_s"))
+        self.client.cancel(first)
+
+
+class Hooks(QueueTest):
+    def setUp(self):
+        super().setUp()
+        self.daemon.terminate()
+        self.told = os.path.join(self.folder, "told")
+        hook = os.path.join(self.folder, "hook")
+        with open(hook, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\n"
+                       f'echo "$# $1 $2 $DCCAST_JOB $DCCAST_STATE $DCCAST_OWNER $DCCAST_MAIL" >>{self.told}\n'
+                       f'printf "%s\\n" "$DCCAST_TITLE" >>{self.told}\n')
+        os.chmod(hook, 0o700)
+        self.daemon.settings["job_end_hook"] = hook
+        self.restart()
+
+    def lines(self):
+        if not os.path.exists(self.told):
+            return []
+        with open(self.told, encoding="utf-8") as file:
+            return file.read().splitlines()
+
+    def test_it_is_run_once_a_job_and_no_shell_reads_a_title(self):
+        title = 'steps=5 $(touch /tmp/x) `id` ; "a" %s'
+        path = self.case_file("a.toml", title.replace('"', '\\"'))
+        done = self.dccast("submit", "--mail", "anna@example.org", path).strip()
+        me = self.client.job(done).owner
+        until(lambda: len(self.lines()) == 2, 20)
+        failed = self.client.submit(fake_case("steps=5 fail_at=2")).id
+        until(lambda: len(self.lines()) == 4, 20)
+        self.assertEqual(self.lines()[:3], [f"2 {done} SUCCEEDED {done} SUCCEEDED {me} anna@example.org",
+                                            title, f"2 {failed} FAILED {failed} FAILED {me} "])
+        self.restart_and_see_nothing_more()
+
+    def restart_and_see_nothing_more(self):
+        self.daemon.terminate()
+        self.restart()
+        self.client.until_state(self.client.submit(fake_case("steps=5")).id, SUCCEEDED)
+        until(lambda: len(self.lines()) == 6, 20)
+
+    def test_a_mail_that_is_no_address_is_refused(self):
+        for wrong in ("anna", "-f@x", "a b@x", "@x", "a@x,b@y", "a\n@x"):
+            self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, fake_case("steps=5"),
+                         mail=wrong)
+
+    def test_a_hook_that_cannot_be_run_is_an_invalid_setting(self):
+        self.daemon.terminate()
+        self.daemon.settings["job_end_hook"] = "/nowhere"
+        ended = subprocess.run(self.daemon.command(), capture_output=True, timeout=20, check=False)
+        self.assertEqual(ended.returncode, 2)
+
+    def test_submit_waits_and_notifies(self):
+        files = [self.case_file("a.toml", "steps=5"), self.case_file("b.toml", "steps=5 fail_at=2")]
+        noted = os.path.join(self.folder, "noted")
+        self.dccast("submit", "--notify", f'echo "$DCCAST_STATE" >> {noted}', *files, code=3)
+        with open(noted, encoding="utf-8") as file:
+            self.assertEqual(file.read().split(), ["succeeded", "failed"])
+
+
 if __name__ == "__main__":
     main()

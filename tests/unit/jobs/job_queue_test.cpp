@@ -102,5 +102,26 @@ TEST(JobQueue, HoldsAJobOnce) {
   EXPECT_EQ(queue.position("a"), 0);
 }
 
+TEST(JobQueue, AnOwnerWhoMayNotStartIsPassedOver) {
+  for (const auto half_life : {std::chrono::hours(24), std::chrono::hours(0)}) {
+    JobQueue queue(half_life);
+    queue.push(job_of("anna", "a", v1::NORMAL, start));
+    queue.push(job_of("ben", "b", v1::NORMAL, start + 1));
+    EXPECT_EQ(queue.front(), "a");
+    EXPECT_EQ(queue.front([](const std::string& owner) { return owner != "anna"; }), "b");
+    EXPECT_EQ(queue.front([](const std::string&) { return false; }), std::nullopt);
+  }
+}
+
+TEST(JobQueue, PositionsWithoutSharesAreThoseOfOneOrder) {
+  JobQueue queue(std::chrono::seconds(0));
+  for (int i = 0; i < 6; ++i)
+    queue.push(job_of(i < 4 ? "anna" : "ben", std::to_string(i), v1::NORMAL, start + i));
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(queue.position(std::to_string(i)), 1);
+    EXPECT_EQ(take_first(queue), std::to_string(i));
+  }
+}
+
 }  // namespace
 }  // namespace dccast::jobs

@@ -147,13 +147,19 @@ public:
     if (before_update) before_update();
     JobStore::update(record, durability);
   }
+  void update_marks(const v1::Job& job) override {
+    refuse(refuses_updates);
+    JobStore::update_marks(job);
+  }
   std::optional<JobRecord> find(const std::string& id) override {
     refuse(refuses_reads);
+    ++reads;
     return JobStore::find(id);
   }
   std::function<void()> before_update;  ///< set before the scheduler is started
   std::atomic<bool> refuses_updates = false;
   std::atomic<bool> refuses_reads = false;
+  std::atomic<int> reads = 0;
 
 private:
   static void refuse(bool refuses) {

@@ -1,0 +1,128 @@
+// What the server is at, redrawn until one leaves.
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <ctime>
+#include <iostream>
+
+#include "client/commands/commands.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/terminal.hpp"
+#include "client/text/top_text.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct TopOptions {
+  bool once = false;
+  int interval_s = 1;
+};
+
+/// The terminal with a page of its own, without cursor and echo; as it was once this has gone.
+class FullScreen {
+public:
+  FullScreen() : keys_(::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &before_) == 0) {
+    if (keys_) {
+      termios now = before_;
+      now.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+      ::tcsetattr(STDIN_FILENO, TCSANOW, &now);
+    }
+    write("\033[?1049h\033[?25l");
+  }
+  FullScreen(const FullScreen&) = delete;
+  ~FullScreen() {
+    write("\033[?25h\033[?1049l");
+    if (keys_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  void show(const std::string& page) const {
+    std::string text = "\033[H";
+    for (const char c : page) text += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
+    write(text + "\033[J");
+  }
+  bool reads_keys() const { return keys_; }
+
+private:
+  /// Not by std::cout, which throws where the terminal has gone.
+  static void write(const std::string& text) {
+    [[maybe_unused]] const auto written = ::write(STDOUT_FILENO, text.data(), text.size());
+  }
+
+  termios before_{};
+  const bool keys_;
+};
+
+int lines_of_terminal() {
+  winsize size{};
+  constexpr int usual = 24;
+  return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 2 ? size.ws_row : usual;
+}
+
+std::string page_now(Connection& connection, int columns, int lines) {
+  constexpr int most = 1000;
+  render::TopView view{.server = connection.server()};
+  view.about = connection.call(&Stub::GetServerInfo, v1::GetServerInfoRequest());
+  v1::ListJobsRequest request;
+  request.add_states(v1::RUNNING);
+  view.running = list_jobs(connection, request, most);
+  request.set_states(0, v1::QUEUED);
+  view.queued = list_jobs(connection, request, most);
+  return render::top_page(view, columns, lines, std::time(nullptr));
+}
+
+/// @return whether one wants to leave
+bool wait_for_key(Connection& connection, bool keys, int seconds) {
+  constexpr int tick_ms = 100;
+  for (int waited = 0; waited < 1000 * seconds; waited += tick_ms) {
+    if (!keys) {
+      connection.interruption().sleep(std::chrono::milliseconds(tick_ms));
+      continue;
+    }
+    if (connection.interruption().came()) throw Interrupted("");
+    pollfd key{STDIN_FILENO, POLLIN, 0};
+    char pressed = 0;
+    if (::poll(&key, 1, tick_ms) == 1 &&
+        (::read(STDIN_FILENO, &pressed, 1) != 1 || pressed == 'q' || pressed == 'Q'))
+      return true;
+  }
+  return false;
+}
+
+ExitCode run(const TopOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
+  if (options.once || !terminal.interactive) {
+    std::cout << page_now(connection,
+                          options.once && terminal.interactive ? terminal.columns : 1000, 0)
+              << std::flush;
+    return ExitCode::done;
+  }
+  std::string page = page_now(connection, render::columns_now(terminal), lines_of_terminal() - 1);
+  const FullScreen screen;
+  try {
+    for (;;) {
+      screen.show(page);
+      if (wait_for_key(connection, screen.reads_keys(), options.interval_s)) break;
+      page = page_now(connection, render::columns_now(terminal), lines_of_terminal() - 1);
+    }
+  } catch (const Interrupted&) {  // Ctrl-C is one way to leave
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_top(cli::CommandLine& line, Program& program) {
+  const auto options = std::make_shared<TopOptions>();
+  const cli::Command command = line.command(
+      "top", "Running jobs, the queue by owner and the workers, redrawn; q or Ctrl-C leaves",
+      "dccast top\n  dccast top --once");
+  command.flag("--once", options->once, "Print the page once; so does output that is no terminal");
+  command.option("-n,--interval", options->interval_s, "Seconds between two pages")
+      .between(1, 3600)
+      .show_default();
+  command.action([options, &program] { return run(*options, program); });
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,242 @@
+#include "server/daemon/metrics.hpp"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <chrono>
+#include <initializer_list>
+#include <map>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "core/storage/file.hpp"
+#include "core/storage/sync_totals.hpp"
+#include "proto/values/printable.hpp"
+#include "server/access/certificates.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/log.hpp"
+#include "server/jobs/process_table.hpp"
+#include "server/jobs/quarantine.hpp"
+#include "server/service/listener.hpp"
+
+namespace dccast::daemon {
+
+namespace {
+
+using Labels = std::initializer_list<std::pair<const char*, std::string>>;
+
+std::string number(double value) {
+  return fmt::format("{}", value);
+}
+
+/// @return `{state="QUEUED"}`; empty for none
+std::string text_of(const Labels& labels) {
+  std::string text;
+  for (const auto& [name, value] : labels) {
+    text += (text.empty() ? "{" : ",") + std::string(name) + "=\"";
+    for (const char c : values::escaped(value)) {
+      if (c == '"' || c == '\\') text += '\\';
+      text += c;
+    }
+    text += '"';
+  }
+  return text.empty() ? text : text + "}";
+}
+
+/// Writes the text format. Small enough to be our own: prometheus-cpp would bring a web server and
+/// two more libraries for it.
+class Exposition {
+public:
+  void begin(const char* name, const char* type, const char* help) {
+    name_ = name;
+    text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
+  }
+  void sample(double value, const Labels& labels = {}, const char* suffix = "") {
+    text_ += name_ + suffix + text_of(labels) + " " + number(value) + "\n";
+  }
+  void gauge(const char* name, const char* help, double value) {
+    begin(name, "gauge", help);
+    sample(value);
+  }
+  void histogram(const jobs::Histogram& histogram, const Labels& labels = {}) {
+    const std::string own = text_of(labels);
+    const std::string before = own.empty() ? "{" : own.substr(0, own.size() - 1) + ",";
+    std::uint64_t so_far = 0;
+    for (std::size_t i = 0; i < histogram.bounds().size(); ++i)
+      text_ += fmt::format("{}_bucket{}le=\"{}\"}} {}\n", name_, before,
+                           number(histogram.bounds()[i]), so_far += histogram.counts()[i]);
+    text_ += fmt::format("{}_bucket{}le=\"+Inf\"}} {}\n", name_, before, histogram.count());
+    sample(histogram.sum(), labels, "_sum");
+    sample(static_cast<double>(histogram.count()), labels, "_count");
+  }
+  std::string text() && { return std::move(text_); }
+
+private:
+  std::string name_, text_;
+};
+
+double seconds_since(std::int64_t since_ms) {
+  return 1e-3 *
+         static_cast<double>(std::max<std::int64_t>(0, jobs::milliseconds(jobs::now()) - since_ms));
+}
+
+void add_jobs(Exposition& to, const MetricSources& from) {
+  const auto groups = from.context.store.groups();
+  to.begin("dccast_jobs", "gauge", "Jobs in the store by state and owner.");
+  for (const auto& group : groups)
+    to.sample(static_cast<double>(group.jobs),
+              {{"state", v1::JobState_Name(group.state)}, {"owner", group.owner}});
+  to.begin("dccast_jobs_disk_bytes", "gauge",
+           "What jobs hold on the disk, by owner; of one that has not ended its case alone.");
+  std::map<std::string, std::int64_t> bytes;
+  for (const auto& group : groups) bytes[group.owner] += group.bytes;
+  for (const auto& [owner, held] : bytes) to.sample(static_cast<double>(held), {{"owner", owner}});
+  double oldest = 0.0;
+  for (const auto& group : groups)
+    if (group.state == v1::QUEUED) oldest = std::max(oldest, seconds_since(group.oldest_ms));
+  to.gauge("dccast_queue_oldest_wait_seconds", "Age of the oldest job in the queue; 0: none waits.",
+           oldest);
+  const std::string held = from.context.scheduler.held();
+  to.begin("dccast_queue_held", "gauge", "1 while no job starts for a fault of the server.");
+  to.sample(held.empty() ? 0 : 1, {{"reason", held}});
+  to.gauge("dccast_jobs_running", "Jobs whose workers run.", from.context.scheduler.running());
+  to.gauge("dccast_workers", "Jobs that may run at once.", from.context.workers);
+  to.gauge("dccast_quarantined_folders", "Folders without a job.",
+           static_cast<double>(jobs::quarantined_folders(from.context.jobs_directory).size()));
+}
+
+void add_tally(Exposition& to, const jobs::TallyFigures& tally) {
+  to.begin("dccast_job_wait_seconds", "histogram", "From submission to the first start of a job.");
+  to.histogram(tally.wait_s);
+  to.begin("dccast_job_run_seconds", "histogram",
+           "Wall time of a job that has ended, in all its attempts.");
+  to.histogram(tally.run_s);
+  to.begin("dccast_processor_seconds_total", "counter", "Processor time of ended jobs.");
+  for (const auto& [owner, seconds] : tally.processor_s) to.sample(seconds, {{"owner", owner}});
+  to.begin("dccast_jobs_ended_total", "counter", "Jobs that have ended, by how.");
+  for (const v1::JobState state : {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED}) {
+    const auto found = tally.ended.find(state);
+    to.sample(found == tally.ended.end() ? 0.0 : static_cast<double>(found->second),
+              {{"state", v1::JobState_Name(state)}});
+  }
+  to.begin("dccast_job_failures_total", "counter", "Jobs that have failed, by cause.");
+  // All of them from the beginning: the first one of a kind is an increase, too.
+  const auto* kinds = v1::Failure::Kind_descriptor();
+  for (int i = 1; i < kinds->value_count(); ++i) {
+    const auto found =
+        tally.failures.find(static_cast<v1::Failure::Kind>(kinds->value(i)->number()));
+    to.sample(found == tally.failures.end() ? 0.0 : static_cast<double>(found->second),
+              {{"cause", kinds->value(i)->name()}});
+  }
+  to.begin("dccast_findings_total", "counter", "Findings of ended jobs (docs/findings.md).");
+  for (const auto& [key, count] : tally.findings)
+    to.sample(static_cast<double>(count),
+              {{"code", key.first}, {"severity", v1::Finding::Severity_Name(key.second)}});
+}
+
+void add_calls(Exposition& to, service::Gate& gate) {
+  const service::CallFigures calls = gate.figures();
+  to.begin("dccast_call_seconds", "histogram",
+           "Time to the answer of a call; of a stream until it was open.");
+  for (const auto& [key, seconds] : calls.seconds)
+    to.histogram(seconds, {{"method", key.first}, {"code", key.second}});
+  to.begin("dccast_refused_calls_total", "counter",
+           "Calls that a limit has refused, by its setting.");
+  for (const auto& [limit, count] : calls.refused)
+    to.sample(static_cast<double>(count), {{"limit", limit}});
+  to.gauge("dccast_streams_open", "Watches, downloads and queries that are open.",
+           static_cast<double>(gate.open_streams()));
+}
+
+void add_processes(Exposition& to) {
+  const auto processes = jobs::child_processes();
+  to.begin("dccast_worker_processes", "gauge",
+           "Workers that this daemon has started, by what they are at.");
+  for (const auto& [name, total] : processes) to.sample(total.number, {{"name", name}});
+  to.begin("dccast_worker_resident_memory_bytes", "gauge", "Their memory.");
+  for (const auto& [name, total] : processes)
+    to.sample(static_cast<double>(total.resident_bytes), {{"name", name}});
+  to.gauge("process_resident_memory_bytes", "Memory of the daemon.",
+           static_cast<double>(jobs::own_resident_bytes()));
+}
+
+void add_disk(Exposition& to, const MetricSources& from) {
+  const storage::SyncTotals syncs = storage::sync_totals();
+  to.begin("dccast_fsync_seconds", "summary", "Waiting for the disk to take files and folders.");
+  to.sample(syncs.seconds, {}, "_sum");
+  to.sample(static_cast<double>(syncs.count), {}, "_count");
+  struct statvfs disk {};
+  if (::statvfs(from.data_directory.c_str(), &disk) == 0) {
+    const double block = static_cast<double>(disk.f_frsize);
+    to.gauge("dccast_disk_free_bytes", "Free space where the data directory is.",
+             block * static_cast<double>(disk.f_bavail));
+    to.gauge("dccast_disk_size_bytes", "Size of the file system of the data directory.",
+             block * static_cast<double>(disk.f_blocks));
+  }
+  if (from.certificate.empty()) return;
+  const auto certificate =
+      access::read_certificate(storage::read_file(from.certificate), from.certificate);
+  to.gauge("dccast_certificate_expires_timestamp_seconds",
+           "When the certificate of listen_tls ends, since 1970.",
+           static_cast<double>(certificate.ends_unix));
+}
+
+}  // namespace
+
+std::string metrics_text(const MetricSources& sources) {
+  Exposition to;
+  to.begin("dccast_build_info", "gauge", "1, with the version of the daemon.");
+  to.sample(1, {{"version", sources.context.version}});
+  add_jobs(to, sources);
+  add_tally(to, sources.tally.figures());
+  add_calls(to, sources.context.gate);
+  add_processes(to);
+  add_disk(to, sources);
+  return std::move(to).text();
+}
+
+struct MetricsServer::Listener {
+  httplib::Server server;
+  std::jthread thread;
+  ~Listener() { server.stop(); }
+};
+
+MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
+    : listener_(std::make_unique<Listener>()) {
+  if (!service::is_loopback(address))
+    throw std::runtime_error("metrics = \"" + address +
+                             "\" can be reached from other machines; permitted: a loopback "
+                             "address such as 127.0.0.1:9117");
+  constexpr std::size_t threads = 2, most_request_bytes = 1024;
+  httplib::Server& server = listener_->server;
+  server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
+  server.set_payload_max_length(most_request_bytes);
+  server.set_keep_alive_max_count(1);
+  server.Get("/metrics", [sources](const httplib::Request&, httplib::Response& response) {
+    try {
+      response.set_content(metrics_text(sources), "text/plain; version=0.0.4; charset=utf-8");
+    } catch (const std::exception& error) {
+      log::error("metrics: {}", error.what());
+      response.status = 500;
+    }
+  });
+  const auto colon = address.rfind(':');
+  std::string host = address.substr(0, colon);
+  if (host.starts_with('[')) host = host.substr(1, host.size() - 2);
+  int port = std::stoi(address.substr(colon + 1));
+  if (port == 0)
+    port = server.bind_to_any_port(host.c_str());
+  else if (!server.bind_to_port(host.c_str(), port))
+    port = -1;
+  if (port < 0) throw std::runtime_error("cannot listen on " + address + " for metrics");
+  address_ = address.substr(0, colon) + ":" + std::to_string(port);
+  listener_->thread = std::jthread([&server] { server.listen_after_bind(); });
+  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+MetricsServer::~MetricsServer() = default;
+
+}  // namespace dccast::daemon

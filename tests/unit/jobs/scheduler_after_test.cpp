@@ -1,0 +1,132 @@
+// Jobs that wait for others, and what may change of a job while it waits.
+#include "server/jobs/retention.hpp"
+#include "tests/unit/jobs/scheduler_fixture.hpp"
+
+namespace dccast::jobs {
+namespace {
+
+class After : public SchedulerTest {
+protected:
+  /// A daemon with a longer queue than that of the fixture.
+  struct LongQueue {
+    explicit LongQueue(const fs::path& folder, int running_per_user = 0)
+        : store(folder / "jobs.sqlite"),
+          logs(folder),
+          executor(2),
+          scheduler({.attempts = {.jobs_directory = folder, .worker_restarts = 1},
+                     .maximum_running_per_user = running_per_user},
+                    store, logs, executor) {
+      scheduler.recover();
+    }
+    FailingStore store;
+    EventLogs logs;
+    ScriptedExecutor executor;
+    Scheduler scheduler;
+  };
+
+  static std::string submit(LongQueue& daemon, std::vector<std::string> after = {},
+                            const std::string& owner = "anna") {
+    NewJob job = new_job();
+    job.after = std::move(after);
+    job.owner = owner;
+    return daemon.scheduler.submit(job, {}).id();
+  }
+  static bool becomes(LongQueue& daemon, const std::string& id, v1::JobState wanted) {
+    return eventually([&] { return daemon.scheduler.find(id)->state() == wanted; });
+  }
+};
+
+TEST_F(After, OnlyThoseThatWaitForAJobAreLookedAtWhenItEnds) {
+  constexpr int others = 60;
+  LongQueue daemon(folder_.path());
+  const auto blocker = submit(daemon), first = submit(daemon);
+  for (const auto& id : {blocker, first}) daemon.scheduler.pause(id);
+  for (int i = 0; i < others; ++i) submit(daemon, {blocker});
+  const auto waits = submit(daemon, {first});
+  const auto waits_for_both = submit(daemon, {first, blocker});
+  const int at_start = daemon.store.reads;
+  daemon.scheduler.start();
+  // The first look is at all, at each job that one waits for.
+  EXPECT_TRUE(eventually([&] { return daemon.store.reads - at_start >= others + 3; }));
+  const int before = daemon.store.reads;
+  daemon.scheduler.cancel(first, "");
+  EXPECT_TRUE(becomes(daemon, waits, v1::CANCELLED));
+  EXPECT_TRUE(becomes(daemon, waits_for_both, v1::CANCELLED));
+  EXPECT_LT(daemon.store.reads - before, others / 2);
+  EXPECT_EQ(daemon.scheduler.queued(), others);
+  EXPECT_TRUE(daemon.scheduler.is_awaited(blocker));
+  EXPECT_FALSE(daemon.scheduler.is_awaited(first));
+  daemon.scheduler.shut_down();
+}
+
+TEST_F(After, AChainIsCancelledToItsEnd) {
+  LongQueue daemon(folder_.path());
+  std::vector<std::string> chain{submit(daemon)};
+  daemon.scheduler.pause(chain.front());
+  for (int i = 0; i < 20; ++i) chain.push_back(submit(daemon, {chain.back()}));
+  daemon.scheduler.start();
+  daemon.scheduler.cancel(chain.front(), "");
+  for (const auto& id : chain) EXPECT_TRUE(becomes(daemon, id, v1::CANCELLED));
+  EXPECT_EQ(daemon.scheduler.queued(), 0);
+  daemon.scheduler.shut_down();
+}
+
+TEST_F(After, AUserAtTheLimitLeavesWorkersToOthers) {
+  LongQueue daemon(folder_.path(), 1);
+  const auto first = submit(daemon), second = submit(daemon), of_ben = submit(daemon, {}, "ben");
+  daemon.scheduler.start();
+  EXPECT_TRUE(becomes(daemon, first, v1::RUNNING));
+  EXPECT_TRUE(becomes(daemon, of_ben, v1::RUNNING));
+  EXPECT_EQ(daemon.scheduler.find(second)->state(), v1::QUEUED);
+  EXPECT_EQ(daemon.scheduler.find(second)->held(),
+            "anna has 1 jobs running; maximum_running_per_user = 1");
+  daemon.scheduler.shut_down();
+}
+
+TEST_F(After, AChangeThatTheStoreRefusesLeavesTheFolderAsItWas) {
+  LongQueue daemon(folder_.path());
+  const auto id = submit(daemon);
+  const auto pin = [](v1::Job& job) {
+    job.set_pinned(true);
+    return true;
+  };
+  EXPECT_TRUE(daemon.scheduler.mark(id, pin).job.pinned());
+  EXPECT_EQ(daemon.scheduler.mark(id, [](v1::Job&) { return false; }).kind, Reply::Kind::done);
+  EXPECT_EQ(daemon.scheduler.mark("no such job", pin).kind, Reply::Kind::not_found);
+  daemon.store.refuses_updates = true;
+  EXPECT_THROW(daemon.scheduler.mark(id,
+                                     [](v1::Job& job) {
+                                       job.set_pinned(false);
+                                       return true;
+                                     }),
+               StoreError);
+  v1::Job in_folder;
+  read_marks(folder_.path() / id, in_folder);
+  EXPECT_TRUE(in_folder.pinned());
+}
+
+TEST_F(After, RetentionTakesTheOldestAndLeavesPinnedAndAwaitedJobs) {
+  LongQueue daemon(folder_.path());
+  std::vector<std::string> jobs;
+  for (int i = 0; i < 4; ++i) {
+    jobs.push_back(submit(daemon));
+    daemon.scheduler.cancel(jobs.back(), "");
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // each ends at a time of its own
+  }
+  daemon.scheduler.mark(jobs[0], [](v1::Job& job) {
+    job.set_pinned(true);
+    return true;
+  });
+  const auto bytes = bytes_kept(folder_.path() / jobs[3]);
+  EXPECT_GT(daemon.store.find(jobs[3])->bytes, bytes / 2) << "all but the last event";
+  const Retention retention({.jobs_directory = folder_.path(),
+                             .bytes = 5 * bytes / 2,
+                             .interval = std::chrono::milliseconds(5)},
+                            daemon.store, daemon.scheduler);
+  EXPECT_TRUE(eventually([&] { return !daemon.scheduler.find(jobs[1]); }));
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(jobs[3])->bytes == bytes; }));
+  for (const int left : {0, 2, 3}) EXPECT_TRUE(daemon.scheduler.find(jobs[left]));
+}
+
+}  // namespace
+}  // namespace dccast::jobs
