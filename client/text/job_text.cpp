@@ -66,14 +66,6 @@ std::string done_cell(const v1::Job& job) {
   return job.has_last_step() ? fixed(100.0 * job.last_step().progress(), 0) + " %" : "-";
 }
 
-/// Of the monitor with the largest one.
-std::string curl_cell(const v1::Job& job) {
-  double largest = NAN;
-  for (const v1::MonitorValue& monitor : job.last_step().monitors())
-    if (!(std::abs(curl_of(monitor)) <= std::abs(largest))) largest = curl_of(monitor);
-  return std::isfinite(largest) ? fixed(1e3 * largest, 2) : "-";
-}
-
 std::string labels_cell(const v1::Job& job) {
   std::string text;
   for (const std::string& label : job.labels()) text += (text.empty() ? "" : ",") + label;
@@ -114,7 +106,7 @@ constexpr std::array columns{
     Column{"job", "JOB", job_cell, true, false},
     Column{"state", "STATE", full_state_text, true, false},
     Column{"done", ">DONE", done_cell, true, false},
-    Column{"curl", ">CURL mm", curl_cell, true, false},
+    Column{"curl", ">CURL mm", largest_curl_text, true, false},
     Column{"findings", "FINDINGS", findings_cell, true, true},
     Column{"left", ">LEFT", left_cell, true, true},
     Column{"created", "CREATED", created_cell, true, false},
@@ -140,6 +132,13 @@ const Column& column_of(const std::string& name) {
 }
 
 }  // namespace
+
+std::string largest_curl_text(const v1::Job& job) {
+  double largest = NAN;
+  for (const v1::MonitorValue& monitor : job.last_step().monitors())
+    if (!(std::abs(curl_of(monitor)) <= std::abs(largest))) largest = curl_of(monitor);
+  return std::isfinite(largest) ? fixed(1e3 * largest, 2) : "-";
+}
 
 std::string state_text(v1::JobState state) {
   return lower_words(v1::JobState_Name(state));

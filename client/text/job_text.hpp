@@ -10,6 +10,9 @@ namespace dccast::client::render {
 /// "running", "succeeded", ...
 std::string state_text(v1::JobState state);
 
+/// The curl so far, of the monitor with the largest one [mm]; "-" for none.
+std::string largest_curl_text(const v1::Job& job);
+
 /// Local time of a time stamp, "2024-05-01 13:45:10"; "-" for none.
 std::string time_text(const google::protobuf::Timestamp& time);
 

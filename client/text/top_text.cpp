@@ -5,8 +5,8 @@
 #include <map>
 #include <sstream>
 
-#include "client/model/curl_history.hpp"
 #include "client/session/jobs.hpp"
+#include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
@@ -25,14 +25,6 @@ std::string bar(double progress) {
          fixed(100.0 * progress, 0) + " %";
 }
 
-/// [mm], of the monitor with the largest one.
-std::string largest_curl(const v1::StepReport& step) {
-  double largest = NAN;
-  for (const v1::MonitorValue& monitor : step.monitors())
-    if (!(std::abs(curl_of(monitor)) <= std::abs(largest))) largest = curl_of(monitor);
-  return std::isfinite(largest) ? fixed(1e3 * largest, 2) : "-";
-}
-
 std::string running_table(const TopView& view) {
   std::vector<std::string> ids;
   for (const v1::Job& job : view.running) ids.push_back(job.id());
@@ -40,8 +32,7 @@ std::string running_table(const TopView& view) {
   Table table({"JOB", "OWNER", "DONE", ">LEFT", ">CURL mm", "TITLE"});
   for (const v1::Job& job : view.running)
     table.add({job.id().substr(0, length), job.owner(), bar(job.last_step().progress()),
-               job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "-",
-               largest_curl(job.last_step()),
+               job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "-", largest_curl_text(job),
                job.title() + (job.held().empty() ? "" : " (" + job.held() + ")")});
   return table.text();
 }

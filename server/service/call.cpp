@@ -1,12 +1,15 @@
 #include "server/service/call.hpp"
 
 #include <grpcpp/security/auth_context.h>
+#include <grpcpp/security/auth_metadata_processor.h>
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "dccast/v1/service.pb.h"
 #include "server/access/certificates.hpp"
+#include "server/service/connection_watch.hpp"
 
 namespace dccast::service {
 
@@ -17,8 +20,7 @@ std::string property(const grpc::AuthContext& context, const char* name) {
   return values.empty() ? "" : std::string(values.front().data(), values.front().size());
 }
 
-std::string token_of(const grpc::CallbackServerContext& context) {
-  const auto& metadata = context.client_metadata();
+std::string token_in(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
   const auto found = metadata.find("authorization");
   if (found == metadata.end()) return "";
   const std::string value(found->second.data(), found->second.size());
@@ -26,21 +28,52 @@ std::string token_of(const grpc::CallbackServerContext& context) {
   return value.starts_with(scheme) ? value.substr(7) : value;
 }
 
-Shown shown_of(const grpc::CallbackServerContext& context) {
-  const auto security = context.auth_context();
-  Shown shown{.peer = context.peer(), .over_tls = true};
-  if (security == nullptr) return shown;
-  // Only the loopback listener takes connections without TLS.
-  shown.over_tls = property(*security, "transport_security_type") != "insecure";
-  if (!shown.over_tls) return shown;
-  shown.token = token_of(context);
-  shown.certificate_name = property(*security, "x509_common_name");
+Shown shown_over_tls(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata,
+                     const grpc::AuthContext& security, std::string peer) {
+  Shown shown{.peer = std::move(peer), .over_tls = true, .token = token_in(metadata)};
+  shown.certificate_name = property(security, "x509_common_name");
   if (!shown.certificate_name.empty())
     shown.certificate_ends_unix =
-        access::read_certificate(property(*security, "x509_pem_cert"), "the client's certificate")
+        access::read_certificate(property(security, "x509_pem_cert"), "the client's certificate")
             .ends_unix;
   return shown;
 }
+
+Shown shown_of(const grpc::CallbackServerContext& context) {
+  const auto security = context.auth_context();
+  if (security == nullptr) return {.peer = context.peer(), .over_tls = true};
+  // Only the loopback listener takes connections without TLS.
+  if (property(*security, "transport_security_type") == "insecure") return {.peer = context.peer()};
+  return shown_over_tls(context.client_metadata(), *security, context.peer());
+}
+
+class ProofBeforeBody final : public grpc::AuthMetadataProcessor {
+public:
+  explicit ProofBeforeBody(Gate& gate) : gate_(gate) {}
+
+  bool IsBlocking() const override { return false; }  // it has the users at hand
+
+  grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext* security, OutputMetadata*,
+                       OutputMetadata*) override try {
+    const auto path = metadata.find(":path");
+    const auto* method =
+        path == metadata.end() ? nullptr : method_at({path->second.data(), path->second.size()});
+    if (method == nullptr) return grpc::Status::OK;  // of gRPC, or UNIMPLEMENTED
+    const access::CallRule& rule = access::rule_of(*method->input_type());
+    if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
+    const Shown shown = shown_over_tls(metadata, *security, peer_read_last());
+    const access::Caller caller = gate_.identify(shown);
+    if (caller.refusal.empty()) return grpc::Status::OK;
+    const grpc::Status status = gate_.permit(caller, rule, shown.peer);
+    gate_.record({}, caller, rule, shown.peer, status);
+    return status;
+  } catch (const std::exception& error) {
+    return {grpc::StatusCode::UNAVAILABLE, error.what()};
+  }
+
+private:
+  Gate& gate_;
+};
 
 /// The field `id` of a request that has one.
 std::string id_of(const google::protobuf::Message& request, const access::CallRule& rule) {
@@ -50,6 +83,18 @@ std::string id_of(const google::protobuf::Message& request, const access::CallRu
 }
 
 }  // namespace
+
+const google::protobuf::MethodDescriptor* method_at(std::string_view path) {
+  const auto* service =
+      v1::SubmitJobRequest::descriptor()->file()->FindServiceByName("SimulationService");
+  const std::string place = "/" + service->full_name() + "/";
+  if (!path.starts_with(place)) return nullptr;
+  return service->FindMethodByName(std::string(path.substr(place.size())));
+}
+
+std::shared_ptr<grpc::AuthMetadataProcessor> proof_before_body(Gate& gate) {
+  return std::make_shared<ProofBeforeBody>(gate);
+}
 
 CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
                        const google::protobuf::Message& request)

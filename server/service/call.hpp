@@ -8,13 +8,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "server/jobs/worker_process.hpp"
 #include "server/service/gate.hpp"
 
 namespace grpc {
+class AuthMetadataProcessor;
 class CallbackServerContext;
-}
+}  // namespace grpc
 
 namespace dccast::service {
 
@@ -60,6 +62,14 @@ private:
   std::optional<access::Caller> caller_;  ///< once it was judged
   grpc::Status refusal_;
 };
+
+/// The call of ours at a path ("/dccast.v1.SimulationService/GetJob"); null: none.
+const google::protobuf::MethodDescriptor* method_at(std::string_view path);
+
+/// For a listener over TLS: a call that needs a proof of who one is, and has none, is refused when
+/// its headers have come, before its request is read.
+/// @param gate  outlives it
+std::shared_ptr<grpc::AuthMetadataProcessor> proof_before_body(Gate& gate);
 
 /// The status of a call that is cancelled or past its deadline; nothing while its caller waits.
 std::optional<grpc::Status> no_longer_wanted(const Call& call);

@@ -62,14 +62,18 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
-/// A job that can never start is not taken.
-grpc::Status check_jobs_before(Context& context,
+/// A job that can never start is not taken; which others there are, and whether they failed, is
+/// read by those alone who may read them.
+grpc::Status check_jobs_before(Context& context, const access::Caller& caller,
                                const google::protobuf::RepeatedPtrField<std::string>& after) {
   constexpr int most = 100;
   if (after.size() > most)
     return {grpc::StatusCode::INVALID_ARGUMENT, "a job waits for at most 100 others"};
   for (const std::string& id : after) {
     if (const auto status = check_job_id(id); !status.ok()) return status;
+    const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
+    if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
+      return status;
     const auto job = context.scheduler.find(id);
     if (!job) return job_not_found(id);
     if (job->state() == v1::FAILED || job->state() == v1::CANCELLED)
@@ -90,7 +94,8 @@ grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequ
     return status;
   if (const auto status = check_mail(request.mail()); !status.ok()) return status;
   if (const auto status = check_case_file(request.case_file()); !status.ok()) return status;
-  if (const auto status = check_jobs_before(context, request.after()); !status.ok()) return status;
+  if (const auto status = check_jobs_before(context, call.caller, request.after()); !status.ok())
+    return status;
   examined = context.intake.examine(request.case_(), request.attachments(), {},
                                     waiting_time(call, context.check_timeout));
   return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
@@ -232,37 +237,14 @@ Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* requ
     return examine(context_, call, *request, *examined);
   };
   const auto keep = [=, this](const Call& call) {
-    if (const auto status = may_queue(call, request->request_id()); !status.ok()) return status;
+    if (const auto status = may_queue(context_, call, request->request_id()); !status.ok())
+      return status;
     *job = submit(context_, call, *request, *examined);
     call.note->set_job(job->id());
     call.note->set_case_sha256(job->case_sha256());
     return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
-}
-
-grpc::Status SimulationService::may_queue(const Call& call, const std::string& request_id) {
-  const access::Caller& caller = call.caller;
-  if (caller.role >= v1::ADMIN) return grpc::Status::OK;
-  const auto sent_before =
-      request_id.empty() ? std::nullopt : context_.store.find_request(request_id);
-  if (sent_before && sent_before->job.owner() == caller.name) return grpc::Status::OK;
-  if (sent_before)
-    return {grpc::StatusCode::ALREADY_EXISTS,
-            "another user has submitted a job with this request_id; choose a new one"};
-  if (const double most = context_.maximum_disk_per_user_bytes; most > 0.0)
-    if (const auto held = context_.store.bytes_of(caller.name); static_cast<double>(held) >= most)
-      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
-              "the jobs of " + caller.name + " hold " + std::to_string(held) +
-                  " bytes on the server; maximum_disk_per_user = " +
-                  std::to_string(std::llround(most)) + " bytes; delete some (dccast delete)"};
-  const int unfinished = context_.store.unfinished_of(caller.name);
-  if (unfinished < context_.maximum_queued_per_user) return grpc::Status::OK;
-  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
-          caller.name + " has " + std::to_string(unfinished) +
-              " jobs that have not ended; maximum_queued_per_user = " +
-              std::to_string(context_.maximum_queued_per_user) +
-              "; submit again when some have ended"};
 }
 
 Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {

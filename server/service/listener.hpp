@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/storage/file.hpp"
+#include "server/service/connection_watch.hpp"
 
 namespace dccast::service {
 
@@ -39,6 +40,7 @@ public:
     /// What a connection has received before its first request is complete [bytes]: greetings and
     /// the handshake of TLS.
     std::uint64_t greeting_bytes = 0;
+    bool over_tls = false;
   };
 
   /// Begins to accept.
@@ -61,6 +63,8 @@ private:
   bool end_a_silent_one(const std::string& host);
   bool has_room(const std::string& host);
   void forget_closed();
+  void pace();
+  void trim();
 
   storage::FileDescriptor socket_;
   std::string address_;
@@ -69,6 +73,8 @@ private:
   std::function<void(int)> admit_;
   std::vector<Admitted> admitted_;  ///< oldest first
   bool full_ = false;
+  bool trim_is_due_ = false;
+  const EndedConnections hostile_ = std::make_shared<std::atomic<int>>(0);  ///< since the last pace
   std::thread thread_;
 };
 

@@ -135,6 +135,7 @@ public:
 
   /// Runs it as a job that goes first, which stays.
   grpc::Status run_as_job(const jobs::CallLimits& waiting) {
+    if (const auto status = may_queue(context_, call_); !status.ok()) return status;
     jobs::NewJob job = intake::new_job(request_.case_(), request_.attachments(), examined_);
     job.owner = call_.caller.name;
     job.changes = {request_.changes().begin(), request_.changes().end()};

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
+#include "server/service/call.hpp"
+#include "server/service/context.hpp"
 
 namespace dccast::service {
 
@@ -97,6 +100,30 @@ grpc::Status read_page(const std::string& list, const std::string& token, int si
 
 std::string age_token(std::int64_t created_ms, const std::string& id) {
   return std::to_string(created_ms) + "." + id;
+}
+
+grpc::Status may_queue(Context& context, const Call& call, const std::string& request_id) {
+  const access::Caller& caller = call.caller;
+  if (caller.role >= v1::ADMIN) return grpc::Status::OK;
+  const auto sent_before =
+      request_id.empty() ? std::nullopt : context.store.find_request(request_id);
+  if (sent_before && sent_before->job.owner() == caller.name) return grpc::Status::OK;
+  if (sent_before)
+    return {grpc::StatusCode::ALREADY_EXISTS,
+            "another user has submitted a job with this request_id; choose a new one"};
+  if (const double most = context.maximum_disk_per_user_bytes; most > 0.0)
+    if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              "the jobs of " + caller.name + " hold " + std::to_string(held) +
+                  " bytes on the server; maximum_disk_per_user = " +
+                  std::to_string(std::llround(most)) + " bytes; delete some (dccast delete)"};
+  const int unfinished = context.store.unfinished_of(caller.name);
+  if (unfinished < context.maximum_queued_per_user) return grpc::Status::OK;
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          caller.name + " has " + std::to_string(unfinished) +
+              " jobs that have not ended; maximum_queued_per_user = " +
+              std::to_string(context.maximum_queued_per_user) +
+              "; submit again when some have ended"};
 }
 
 }  // namespace dccast::service

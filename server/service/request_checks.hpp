@@ -13,6 +13,9 @@
 
 namespace dccast::service {
 
+struct Call;
+struct Context;
+
 grpc::Status check_job_id(const std::string& id);
 grpc::Status check_study_id(const std::string& id);
 /// Of the study that a job names; it may be empty.
@@ -24,6 +27,10 @@ grpc::Status check_text(const std::string& name, const std::string& text);
 grpc::Status check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels);
 /// No more text than is kept with a job.
 grpc::Status check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes);
+
+/// Whether the caller may queue one more job, or has sent this one before. A study begins under
+/// the same limit; its jobs are queued few at a time.
+grpc::Status may_queue(Context& context, const Call& call, const std::string& request_id = {});
 
 /// What an answer that could go on without end is cut to [bytes]. A client's gRPC takes 4 MiB
 /// unless it sets another limit.

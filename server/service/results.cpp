@@ -2,12 +2,14 @@
 #include <fcntl.h>
 #include <algorithm>
 #include <charconv>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
@@ -166,15 +168,28 @@ std::optional<v1::Artifact> artifact_of(const v1::Job& job, const std::string& n
   return std::nullopt;
 }
 
+/// A job of a client that has no file, as Python's and those of a study, has one by its case.
+void write_case_file(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  v1::Case submitted;
+  if (!submitted.ParseFromString(jobs::read_job_description(folder).submitted_case))
+    throw std::runtime_error("the description of the job cannot be read");
+  std::ofstream(path) << case_file::to_toml(submitted);
+}
+
 /// What a job of any state may have beside its results, as it is now.
 grpc::Status open_own_file(Context& context, const v1::Job& job, const std::string& name,
                            SentFile& sent) {
-  const auto path = context.jobs_directory / job.id() / name;
-  if (!std::filesystem::exists(path))
-    return {grpc::StatusCode::NOT_FOUND,
-            "job " + job.id() +
-                (name == jobs::submitted_file ? " was submitted without the file of its case"
-                                              : " has no worker.log: it has not begun")};
+  const auto folder = context.jobs_directory / job.id();
+  std::optional<jobs::CheckFolder> made;  // its file goes with the call
+  auto path = folder / name;
+  if (!std::filesystem::exists(path)) {
+    if (name != jobs::submitted_file)
+      return {grpc::StatusCode::NOT_FOUND,
+              "job " + job.id() + " has no worker.log: it has not begun"};
+    made.emplace(context.query_directory, jobs::Attachments{});
+    path = made->path() / name;
+    write_case_file(folder, path);
+  }
   sent = {.file = storage::File(path, O_RDONLY), .name = name};
   sent.size = sent.file.size();
   // A worker may go on writing: what follows is not sent.

@@ -1,6 +1,5 @@
 #include "server/service/server.hpp"
 
-#include <google/protobuf/descriptor.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "server/jobs/log.hpp"
+#include "server/service/connection_watch.hpp"
 
 namespace dccast::service {
 
@@ -47,7 +47,7 @@ void end_idle_connections(grpc::ServerBuilder& builder) {
 constexpr std::uint64_t greeting_bytes = 200;
 constexpr std::uint64_t tls_greeting_bytes = 1200;
 
-std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls) {
+std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls, Gate& gate) {
   constexpr unsigned looked_at_every_s = 1;
   const bool asks = !tls.client_ca.empty();
   grpc::experimental::TlsServerCredentialsOptions options(
@@ -58,7 +58,9 @@ std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls
   // One who shows no certificate may have a token; one who shows a wrong one is refused.
   options.set_cert_request_type(asks ? GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY
                                      : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
-  return grpc::experimental::TlsServerCredentials(options);
+  auto credentials = grpc::experimental::TlsServerCredentials(options);
+  credentials->SetAuthMetadataProcessor(proof_before_body(gate));
+  return credentials;
 }
 
 std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_with(
@@ -80,17 +82,8 @@ std::function<void(int)> hand_over(
 
 using grpc::experimental::InterceptionHookPoints;
 
-/// @param method  "/dccast.v1.SimulationService/GetJob"
-bool is_a_call_of_ours(const std::string& method) {
-  const std::string service = v1::SimulationService::service_full_name();
-  const auto* declared =
-      google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(service);
-  return declared != nullptr && method.starts_with("/" + service + "/") &&
-         declared->FindMethodByName(method.substr(service.size() + 2)) != nullptr;
-}
-
 grpc::Status readable_status(const std::string& method) {
-  if (is_a_call_of_ours(method))
+  if (method_at(method) != nullptr)
     return {
         grpc::StatusCode::INVALID_ARGUMENT,
         "the request of " + method +
@@ -134,11 +127,13 @@ std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterfac
   return all;
 }
 
+// Of requests that have not come whole, beside one of the largest [bytes].
+constexpr std::size_t unfinished_beside_the_largest = 32'000'000;
+
 /// One connection has no more calls open than a busy client needs: what waits beyond is the
 /// client's. Memory of all transports is bounded, too.
 void bound_connections(grpc::ServerBuilder& builder) {
-  constexpr int most_calls_of_a_connection = 200;
-  // out.
+  constexpr int most_calls_of_a_connection = 100;
   constexpr std::size_t most_bytes = 256'000'000;
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_calls_of_a_connection);
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(most_bytes));
@@ -165,12 +160,15 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   auto local_acceptor = acceptor_with(builder, grpc::InsecureServerCredentials());
-  const auto tls_acceptor = tls_ ? acceptor_with(builder, tls_credentials(*tls_)) : nullptr;
+  const auto tls_acceptor =
+      tls_ ? acceptor_with(builder, tls_credentials(*tls_, context.gate)) : nullptr;
   builder.experimental().SetInterceptorCreators(interceptors());
   builder.RegisterService(&service_);
   builder.SetMaxReceiveMessageSize(static_cast<int>(context.maximum_message_bytes));
   refuse_compression(builder);
   bound_connections(builder);
+  bound_unfinished_requests(static_cast<std::size_t>(context.maximum_message_bytes) +
+                            unfinished_beside_the_largest);
   permit_pings(builder);
   end_idle_connections(builder);
   server_ = builder.BuildAndStart();
@@ -180,7 +178,8 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   if (tls_)
     tls_->listener.start({.connections = context.maximum_connections,
                           .per_peer = tls_->connections_per_peer,
-                          .greeting_bytes = tls_greeting_bytes},
+                          .greeting_bytes = tls_greeting_bytes,
+                          .over_tls = true},
                          hand_over(tls_acceptor));
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });

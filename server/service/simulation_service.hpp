@@ -73,9 +73,6 @@ private:
     std::function<grpc::Status(const Call&)> work;
   };
   struct UnaryCall;
-  /// Whether the caller may queue one more job, or has sent this one before. A study begins under
-  /// the same limit; its jobs are queued few at a time.
-  grpc::Status may_queue(const Call& call, const std::string& request_id = {});
 
   /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends
   /// it.

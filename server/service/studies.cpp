@@ -135,7 +135,7 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
           !status.ok())
         return status;
     if (!context_.studies.complete(*request, *whole)) return study_not_found(before);
-    if (const auto status = may_queue(call); !status.ok()) return status;
+    if (const auto status = may_queue(context_, call); !status.ok()) return status;
     return examine(context_, call, *whole);
   };
   const auto create = [=, this](const Call& call) {

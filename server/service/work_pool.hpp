@@ -54,8 +54,8 @@ struct Lanes {
       : checks(checkers, bound(maximum_waiting_checks)),
         queries(query_workers, bound(maximum_waiting_checks)) {}
 
-  static constexpr std::size_t waiting_bytes = 512'000'000;  ///< of requests, for each lane
-  static constexpr WaitingBound many{.number = 10000, .bytes = waiting_bytes};
+  static constexpr std::size_t waiting_bytes = 64'000'000;  ///< of requests, for each lane
+  static constexpr WaitingBound many{.number = 3000, .bytes = waiting_bytes};
 
   WorkPool status{4, many};     ///< one look into the store
   WorkPool histories{2, many};  ///< reads event logs

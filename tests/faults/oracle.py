@@ -21,6 +21,10 @@ class Count:
     duplicated: int = 0  # jobs or events that are there twice
     wrong: int = 0       # another state, result or history than undisturbed; or a service that failed
     notes: list = dataclasses.field(default_factory=list)
+    figures: dict = dataclasses.field(default_factory=dict)  # the largest of each, by its unit
+
+    def measured(self, unit, value):
+        self.figures[unit] = max(value, self.figures.get(unit, 0))
 
     def add(self, other):
         self.tried += other.tried
@@ -28,6 +32,8 @@ class Count:
         self.duplicated += other.duplicated
         self.wrong += other.wrong
         self.notes += other.notes
+        for unit, value in other.figures.items():
+            self.measured(unit, value)
 
     def found(self, kind, note):
         setattr(self, kind, getattr(self, kind) + 1)

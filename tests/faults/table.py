@@ -19,8 +19,9 @@ def markdown(fault, count, seconds, options):
     """The row of a fault."""
     form = "--long" if options.long else "--short"
     command = f"tests/faults/run.py {form} --only {fault.name()} --seed {options.seed}"
+    measured = "".join(f"; {value:.3g} {unit}" for unit, value in count.figures.items())
     figures = [count.tried, count.lost, count.duplicated, count.wrong, round(seconds)]
-    return "| " + " | ".join([fault.says(), *map(str, figures), f"`{command}`"]) + " |"
+    return "| " + " | ".join([fault.says() + measured, *map(str, figures), f"`{command}`"]) + " |"
 
 
 def version(programs):

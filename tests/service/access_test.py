@@ -232,6 +232,20 @@ class Owners(AccessTest):
                                   timeout=10).state == job_pb2.CANCELLED, 20)
         kalle.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
 
+    def test_who_holds_too_much_of_the_disk_submits_no_more(self):
+        self.start(maximum_disk_per_user="2 kB")
+        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
+        job = self.submit(anna)
+        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
+                                  timeout=10).state == job_pb2.SUCCEEDED, 20)
+        details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
+                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
+        for part in ("anna", "maximum_disk_per_user = 2000 bytes", "dccast delete"):
+            self.assertIn(part, details)
+        self.submit(bert)
+        anna.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.submit(anna)
+
     def test_own_jobs_alone_are_read_where_the_settings_have_it(self):
         self.start(read="own")
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
@@ -246,6 +260,9 @@ class Owners(AccessTest):
                      service_pb2.WatchJobRequest(id=job.id))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
                      service_pb2.ListJobsRequest(owner="anna"))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.SubmitJob,
+                     service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]))
+        anna.SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]), timeout=10)
 
     @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
     def test_another_local_user_does_not_delete_roots_job(self):
@@ -325,6 +342,9 @@ class Limits(AccessTest):
                                service_pb2.SubmitJobRequest(case=fake("steps=3")))
         self.assertIn("anna has 2 jobs", details)
         self.assertIn("maximum_queued_per_user = 2", details)
+        self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, lambda *request, **rest: list(
+            anna.QueryButtCurl(*request, **rest)), service_pb2.QueryButtCurlRequest(
+                case=fake("steps=3"), keep=True))
         self.submit(self.local())
         for job in jobs:
             anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)

@@ -4,6 +4,7 @@ several cases under one request id, lists and usage."""
 import json
 import os
 import pwd
+import resource
 import subprocess
 
 import grpc
@@ -130,10 +131,14 @@ class Cases(QueueTest):
         compared = json.loads(self.dccast("compare", first, "--set", "schedule.hold=4 s", "--json"))
         self.assertTrue(compared)
 
-    def test_a_job_without_a_file_has_none(self):
+    def test_a_job_without_a_file_has_one_by_its_case(self):
         job = self.client.submit(fake_case("steps=5"))
-        self.assertIn("without the file", self.dccast("case", job.id, code=5))
-        self.assertIn("without the file", self.dccast("submit", "--from", job.id, code=5))
+        path = os.path.join(self.folder, "by_its_case.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.dccast("case", job.id))
+        again = [self.dccast("submit", path).strip(), self.dccast("submit", "--from", job.id).strip()]
+        for one in again:
+            self.assertEqual(self.client.job(one).case_sha256, job.case_sha256)
         self.dccast("submit", code=2)
 
     def test_logs(self):
@@ -325,6 +330,24 @@ class Times(QueueTest):
         self.assertLess(waiting[0].starts_in_s, waiting[1].starts_in_s)
         self.assertLess(waiting[1].starts_in_s, waiting[1].ends_in_s)
         self.assertIn("starts in", self.dccast("show", jobs[2]))
+
+    def test_nothing_is_foreseen_while_the_queue_is_held(self):
+        self.client.until_state(self.client.submit(fake_case("steps=100 sleep_ms=10")).id, SUCCEEDED)
+        jobs = [self.client.submit(fake_case("steps=400 sleep_ms=10")).id for _ in range(3)]
+        self.client.until_step(jobs[0], 10)
+        self.assertTrue(self.client.job(jobs[2]).HasField("starts_in_s"))
+        self.limit_file_size(1)
+        until(lambda: self.client.job(jobs[2]).held, 20)
+        held = self.client.job(jobs[2])
+        self.assertEqual((held.HasField("starts_in_s"), held.HasField("ends_in_s")), (False, False))
+        self.limit_file_size(resource.RLIM_INFINITY)
+        until(lambda: self.client.job(jobs[2]).HasField("starts_in_s"), 20)
+        for job in jobs:
+            self.client.cancel(job)
+
+    def limit_file_size(self, size):
+        resource.prlimit(self.daemon.process.pid, resource.RLIMIT_FSIZE,
+                         (size, resource.RLIM_INFINITY))
 
     def test_nothing_is_foreseen_of_a_job_that_waits_for_another(self):
         first = self.client.submit(fake_case("steps=300 sleep_ms=10")).id

@@ -1,0 +1,89 @@
+"""Hostile peers: memory of the daemon, and how long another client waits, during and after each kind."""
+import os
+import re
+import subprocess
+import sys
+import time
+
+import grpc
+
+from access import RemoteFault, over_tls
+from cases import fake
+from clients import ANSWER, memory_of
+from dccast.v1 import service_pb2
+from hostile_peers import KINDS
+from oracle import must
+
+MOST_MEMORY = 300e6
+WAYS = ("local", "over TLS without a token", "over TLS with a token")
+
+
+class HostilePeers(RemoteFault):
+    """Peers of one kind: local ones, then others over TLS before and after they have shown a token."""
+    short = long = at_once = len(WAYS)
+    lasts, after = 8.0, 2.0
+
+    def begin(self, scene):
+        self.long_job = scene.submit(fake("steps=4000 sleep_ms=10"))
+        self.tokens = {name: self.enrol(scene, name) for name in ("anna", "mallory")}
+
+    def disturb(self, scene, count):
+        way = WAYS[count.tried % len(WAYS)]
+        # A local one is another user, by its system.
+        user = ["--reuid=65534", "--regid=65534", "--clear-groups"] if way == "local" else []
+        where = ([scene.daemon.address] if way == "local" else
+                 [scene.daemon.tls_address, self.ca(scene)])
+        if way.endswith("with a token"):
+            where.append(self.tokens["mallory"])
+        with open(f"/proc/{scene.daemon.process.pid}/clear_refs", "w", encoding="ascii") as file:
+            file.write("5")  # VmHWM begins anew
+        peers = subprocess.Popen(
+            ["setpriv", "--pdeathsig", "KILL", *user, sys.executable,
+             os.path.join(os.path.dirname(__file__), "hostile_peers.py"), type(self).__name__,
+             str(self.lasts), *where], env={**os.environ, "HOSTILE_JOB": self.long_job})
+        try:
+            slowest = self.watch_others(scene, self.lasts + self.after, count, way)
+        finally:
+            peers.kill()
+            peers.wait(10)
+        peak = memory_of(scene.daemon.process.pid, "VmHWM")
+        if os.environ.get("HOSTILE_FIGURES"):
+            print(f"    {type(self).__name__} {way}: {peak / 1e6:.0f} MB at most, now "
+                  f"{memory_of(scene.daemon.process.pid, 'VmRSS') / 1e6:.0f}, slowest {slowest:.2f} s",
+                  flush=True)
+        if peak > MOST_MEMORY:
+            count.found("wrong", f"{way}: the daemon took {peak / 1e6:.0f} MB")
+        if slowest > ANSWER:
+            count.found("wrong", f"{way}: a status took {slowest:.1f} s")
+        count.measured("MB", peak / 1e6)
+        count.measured("s", slowest)
+
+    def look(self, scene, count):
+        scene.client.cancel(self.long_job)
+        scene.acknowledged.pop(self.long_job)
+        must(count, lambda: scene.ended(self.long_job), "the job did not end", 30)
+        scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=self.long_job), timeout=10)
+
+    def watch_others(self, scene, seconds, count, way):
+        """Asks on both listeners, over a connection of before and a new one. Returns the slowest answer [s]."""
+        before = [scene.client.stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
+        slowest, end = 0.0, time.monotonic() + seconds
+        while time.monotonic() < end:
+            new = [scene.connected().stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
+            for stub in before + new:
+                begin = time.monotonic()
+                try:
+                    stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=20,
+                                       wait_for_ready=True)
+                except grpc.RpcError as error:
+                    count.found("wrong", f"{way}: a status was refused: {error.code().name}")
+                slowest = max(slowest, time.monotonic() - begin)
+            for _ in new:
+                scene.clients.pop().close()
+            time.sleep(0.1)
+        return slowest
+
+
+for NAME, KIND in KINDS.items():
+    globals()[NAME] = type(NAME, (HostilePeers,), {
+        "__doc__": f"Hostile peers: {KIND.says}; others are served within 2 s"})

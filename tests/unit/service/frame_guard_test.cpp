@@ -1,0 +1,131 @@
+#include "server/service/frame_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+namespace dccast::service {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+enum Kind : char {
+  data,
+  headers,
+  priority,
+  rst_stream,
+  settings,
+  ping = 6,
+  window_update = 8,
+  continuation
+};
+constexpr char end_stream = 1, end_headers = 4;
+const std::string preface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+
+std::string frame(Kind kind, char flags, std::uint32_t stream, std::size_t size = 0) {
+  const auto byte = [](std::size_t value, int place) {
+    return static_cast<char>(value >> (8 * place) & 0xff);
+  };
+  std::string whole{byte(size, 2), byte(size, 1), byte(size, 0), kind, flags};
+  for (int place = 3; place >= 0; --place) whole += byte(stream, place);
+  return whole + std::string(size, 'x');
+}
+
+std::string call(std::uint32_t stream) {
+  return frame(headers, end_headers, stream, 60) + frame(data, end_stream, stream, 5);
+}
+
+struct FrameGuardTest : testing::Test {
+  FrameGuard guard;
+  FrameGuard::Clock::time_point now = FrameGuard::Clock::now();
+
+  void SetUp() override { send(preface + frame(settings, 0, 0, 18) + frame(settings, 1, 0)); }
+  std::string send(const std::string& bytes) { return std::string(guard.take(bytes, now)); }
+
+  /// How many of these pass, at this instant.
+  int number_taken(const std::string& bytes, int most) {
+    int taken = 0;
+    while (taken < most && send(bytes).empty()) ++taken;
+    return taken;
+  }
+};
+
+TEST_F(FrameGuardTest, ABusyClientPasses) {
+  std::uint32_t stream = 1;
+  for (int second = 0; second < 30; ++second, now += 1s)
+    for (int i = 0; i < 1000; ++i, stream += 2)
+      ASSERT_EQ(send(call(stream) + frame(window_update, 0, stream, 4)), "");
+}
+
+TEST_F(FrameGuardTest, OneWhoDoesNotAcknowledgeTheBoundOnCallsBeginsFew) {
+  FrameGuard silent;
+  EXPECT_EQ(silent.take(preface + frame(settings, 0, 0, 18), now), "");
+  int taken = 0;
+  while (taken < 1000 && silent.take(call(1), now).empty()) ++taken;
+  EXPECT_EQ(taken, 100);
+}
+
+TEST_F(FrameGuardTest, ACallWithoutARequestHoldsMemoryToo) {
+  for (std::uint32_t stream = 1; stream < 200; stream += 2)
+    EXPECT_EQ(send(frame(headers, end_headers, stream, 60)), "");
+  EXPECT_GE(guard.unfinished_bytes(), 100U * 4096U);
+}
+
+TEST_F(FrameGuardTest, CallsThatAreTakenBackAreBounded) {
+  EXPECT_EQ(number_taken(call(1) + frame(rst_stream, 0, 1, 4), 1000), 200);
+}
+
+TEST_F(FrameGuardTest, AsManyAsAConnectionHasOpenMayBeTakenBackAgainLater) {
+  EXPECT_EQ(number_taken(frame(rst_stream, 0, 1, 4), 200), 200);
+  now += 2s;
+  EXPECT_EQ(number_taken(frame(rst_stream, 0, 1, 4), 200), 200);
+}
+
+TEST_F(FrameGuardTest, FramesAreFollowedWhereverTheBytesAreCut) {
+  for (const char byte : call(1)) ASSERT_EQ(send({byte}), "");
+  const std::string reset = frame(rst_stream, 0, 1, 4);
+  int taken = 0;
+  for (; taken < 1000; ++taken) {
+    bool passed = true;
+    for (const char byte : reset) passed = passed && send({byte}).empty();
+    if (!passed) break;
+  }
+  EXPECT_EQ(taken, 200);
+}
+
+TEST_F(FrameGuardTest, HeadersEnd) {
+  EXPECT_EQ(send(frame(headers, 0, 1, 16384)), "");
+  EXPECT_EQ(number_taken(frame(continuation, 0, 1, 16384), 100), 3);
+}
+
+TEST_F(FrameGuardTest, EmptyPiecesOfHeadersAreBounded) {
+  EXPECT_EQ(send(frame(headers, 0, 1, 10)), "");
+  EXPECT_LT(number_taken(frame(continuation, 0, 1), 5000), 2000);
+}
+
+TEST_F(FrameGuardTest, FramesThatBringNothingAreBounded) {
+  EXPECT_LT(number_taken(frame(data, 0, 1), 5000), 2000);
+  now += 60s;
+  EXPECT_LT(number_taken(frame(ping, 0, 0, 8), 5000), 2000);
+  EXPECT_LT(number_taken(frame(window_update, 0, 0, 4), 100000), 50000);
+}
+
+TEST_F(FrameGuardTest, UnfinishedBytesAreThoseOfCallsThatHaveNotEnded) {
+  EXPECT_EQ(send(frame(data, 0, 1, 10000) + frame(data, 0, 3, 20000)), "");
+  EXPECT_NEAR(static_cast<double>(guard.unfinished_bytes()), 30000.0, 1000.0);
+  EXPECT_EQ(send(frame(data, end_stream, 3, 7)), "");
+  EXPECT_NEAR(static_cast<double>(guard.unfinished_bytes()), 10000.0, 1000.0);
+  EXPECT_EQ(send(frame(rst_stream, 0, 1, 4)), "");
+  EXPECT_EQ(guard.unfinished_bytes(), 0U);
+}
+
+TEST_F(FrameGuardTest, ABodyInSmallPiecesCountsWhatGrpcKeepsOfThem) {
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(send(frame(data, 0, 1, 1)), "");
+  EXPECT_GE(guard.unfinished_bytes(), 32000U);
+}
+
+}  // namespace
+
+}  // namespace dccast::service
