@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +15,8 @@
 #include "core/thermal/cooling_spec.hpp"
 
 /// The description of one casting, complete and in SI units and °C. It mirrors
-/// proto/dccast/v1/case.proto field by field; meanings, ranges and defaults are documented there.
+/// proto/dccast/v1/case.proto field by field; meanings and ranges are documented there. Defaults
+/// stand there alone: what is left out here is zero, off, or the first of its kind.
 
 namespace dccast::casting {
 
@@ -35,8 +35,8 @@ struct Schedule {
 
 struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
-  double tolerance = 1e-11;  ///< [1] residual relative to the heat exchanged in a step
-  int maximum_iterations = 60;
+  double tolerance = 0.0;  ///< [1] residual relative to the heat exchanged in a step
+  int maximum_iterations = 0;
   /// Number of nodes of an extruded solid from which the two-grid solver replaces the
   /// factorisation. Measured; not a key of a case (docs/large-solids.md).
   int two_grids_from_nodes = 5000;
@@ -44,22 +44,22 @@ struct ThermalOptions {
 };
 
 struct MechanicsCase {
-  bool enabled = true;
+  bool enabled = false;
   double start = 0.0;  ///< [s] time at which the mechanics starts
   mechanics::Options options;
 };
 
 struct Coupling {
-  bool gap_feedback = true;
+  bool gap_feedback = false;
   int iterations = 1;
   bool deformed_zones =
       false;  ///< cooling zones act on the deformed side instead of the undeformed one
 };
 
 struct TimeControl {
-  double end = 0.0;            ///< [s]
-  Curve step;                  ///< [s] against time
-  double minimum_step = 1e-3;  ///< [s]
+  double end = 0.0;           ///< [s]
+  Curve step;                 ///< [s] against time
+  double minimum_step = 0.0;  ///< [s]
 };
 
 /// A point of the undeformed slab whose history is reported: x and y in 2D, x, y and z in a quarter
@@ -82,13 +82,13 @@ std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
 }
 
 struct OutputOptions {
-  double frame_interval = 10.0;  ///< [s]
-  bool stresses = true;
+  double frame_interval = 0.0;  ///< [s]
+  bool stresses = false;
 };
 
 struct CheckpointPolicy {
-  int every_steps = 50;         ///< 0: not by number of steps
-  double every_seconds = 30.0;  ///< [s] wall time; 0: not by time
+  int every_steps = 0;         ///< 0: not by number of steps
+  double every_seconds = 0.0;  ///< [s] wall time; 0: not by time
 };
 
 enum class WhenLost {
@@ -99,25 +99,25 @@ enum class WhenLost {
 /// Limits of the model; docs/validity.md explains how they were chosen.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
-  double maximum_liquid_pressure_error = 0.15;  ///< [1] relative; for the prestressed liquid only
-  double maximum_rotation = 10.0 * std::numbers::pi / 180.0;  ///< [rad]
-  double maximum_slip = 0.02;                                 ///< [m]
-  double minimum_shell = 0.0;  ///< [m]; 0: any continuous solid shell is enough
+  double maximum_liquid_pressure_error = 0.0;  ///< [1] relative; for the prestressed liquid only
+  double maximum_rotation = 0.0;               ///< [rad]
+  double maximum_slip = 0.0;                   ///< [m]
+  double minimum_shell = 0.0;                  ///< [m]; 0: any continuous solid shell is enough
 };
 
 /// Limits of the findings; docs/findings.md explains how they were chosen.
 struct Plausibility {
-  double minimum_superheat = 5.0;       ///< [K]
-  double minimum_shell = 5e-3;          ///< [m]
-  double maximum_mush_strain = 0.005;   ///< [1]
-  double maximum_sump_share = 0.95;     ///< [1] relative to the depth of the metal
+  double minimum_superheat = 0.0;       ///< [K]
+  double minimum_shell = 0.0;           ///< [m]
+  double maximum_mush_strain = 0.0;     ///< [1]
+  double maximum_sump_share = 0.0;      ///< [1] relative to the depth of the metal
   std::optional<double> least_curl;     ///< [m] lower end of the plant's range; absent: none
   std::optional<double> greatest_curl;  ///< [m] upper end of the plant's range; absent: none
 };
 
 struct Limits {
-  std::int64_t maximum_nodes = 400000;
-  std::int64_t maximum_steps = 200000;
+  std::int64_t maximum_nodes = 0;
+  std::int64_t maximum_steps = 0;
 };
 
 struct Case {

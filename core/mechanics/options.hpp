@@ -17,33 +17,34 @@ enum class Kinematics {
 
 /// Parameters of the paper's algorithms; case.proto gives the section numbers.
 struct AlgorithmParameters {
-  double gamma_p = 1.25e-12;       ///< [1/(Pa s)]
+  double gamma_p = 0.0;            ///< [1/(Pa s)]
   std::optional<double> lambda_p;  ///< [Pa s]; absent: 1 / (2 gamma_p)
-  double gamma_c = 5e8;            ///< [Pa/m]
+  double gamma_c = 0.0;            ///< [Pa/m]
   std::optional<double> lambda_c;  ///< [m/Pa]; absent: 1 / (2 gamma_c)
-  double relaxation = 0.9;         ///< [1]
-  bool plain = false;
-  bool increment_test = false;
+  double relaxation = 0.0;         ///< [1]
+  // Variants for the paper's tables, no keys of a case.
+  bool plain = false;           ///< nbm without Armijo rule and step control
+  bool increment_test = false;  ///< stop on increments instead of the residual
 };
 
 /// Table `mechanics` of a case, without the keys that only the time loop needs.
 struct Options {
   Algorithm algorithm = Algorithm::newton;
   Kinematics kinematics = Kinematics::small_strain;
-  double gravity = 9.81;  ///< [m/s2]
+  double gravity = 0.0;  ///< [m/s2]
   Liquid liquid = Liquid::prestressed;
-  double liquid_modulus = 1e3;   ///< [Pa]
-  double liquid_epsilon = 1e-3;  ///< [1]
-  double liquid_delta = 2.0;     ///< [1]
-  double liquid_beta = 1.0;      ///< [1]
-  bool confinement = true;
+  double liquid_modulus = 0.0;  ///< [Pa]
+  double liquid_epsilon = 0.0;  ///< [1]
+  double liquid_delta = 0.0;    ///< [1]
+  double liquid_beta = 0.0;     ///< [1]
+  bool confinement = false;
   Confinement confinement_by = Confinement::exact;
-  double confinement_stiffness = 1e12;  ///< [Pa/m] of the springs
+  double confinement_stiffness = 0.0;  ///< [Pa/m] of the springs
   /// A side released by the mould may lean against the mould wall but not pass through it.
   bool mould_wall = false;
   double mould_length = 0.0;  ///< [m] mould length below the metal level, for `mould_wall`
-  bool contact = true;
-  double tolerance = 1e-8;  ///< [1] residual relative to the acting forces
+  bool contact = false;
+  double tolerance = 0.0;  ///< [1] residual relative to the acting forces
   /// Absent: default of the algorithm, see iteration_limit()
   std::optional<int> maximum_iterations;
   AlgorithmParameters parameters;

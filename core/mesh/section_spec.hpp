@@ -34,18 +34,18 @@ struct SectionSpec {
   Curve half_thickness;
   double corner_radius = 0.0;  ///< [m] quarter slab only; 0 is a square corner
   double initial_depth = 0.0;  ///< [m]
-  ElementKind element = ElementKind::q1_bending;
-  int columns = 30;
-  int layers = 8;
-  int rows = 22;
-  double side_cell = 3e-3;            ///< [m] width of the column at the side
-  double wide_side_cell = 3e-3;       ///< [m] width of the layer at the wide face, at x = 0
-  double bottom_cell = 3e-3;          ///< [m] height of the lowest row
+  ElementKind element = ElementKind::p1;
+  int columns = 0;
+  int layers = 0;
+  int rows = 0;
+  double side_cell = 0.0;             ///< [m] width of the column at the side
+  double wide_side_cell = 0.0;        ///< [m] width of the layer at the wide face, at x = 0
+  double bottom_cell = 0.0;           ///< [m] height of the lowest row
   std::optional<double> growth_cell;  ///< [m]; absent: height of the topmost initial row
   RowMerging merging;  ///< quarter slab of hexahedra only; largest_cell is before refinement
   int refinement = 1;
   std::filesystem::path file;  ///< Gmsh mesh; empty: the built-in one
-  bool growth = true;
+  bool growth = false;
 };
 
 }  // namespace dccast::mesh

@@ -24,58 +24,58 @@ struct SideZone {
   std::optional<Face> face;  ///< face to which the zone applies; absent: all faces
 };
 
-/// How a falling film wets hot metal, loses contact with it and boils away (cooling.hpp). Defaults,
-/// ranges and sources stand in case.proto and docs/water.md.
+/// How a falling film wets hot metal, loses contact with it and boils away (cooling.hpp). Sources
+/// stand in docs/water.md.
 struct Wetting {
-  double flow_exponent = 0.0;          ///< [1] of the flow in the critical flux
-  double falling_film_share = 0.0;     ///< [1] critical flux of the falling film, of the jet's
-  double jet_length = 0.0;             ///< [m] below the water line
-  double rewetting_saturated = 0.0;    ///< [°C] rewetting temperature of water without subcooling
-  double rewetting_rise = 0.0;         ///< [K] by flow and subcooling
-  double rewetting_limit = 0.0;        ///< [°C]
-  double rewetting_width = 0.0;        ///< [K] of the transition from wet to vapour film
-  double lag = 0.0;                    ///< [s] in which a surface changes from one to the other
-  double jet_film_coefficient = 0.0;   ///< [W/(m2 K)] through the vapour film under the jet
-  double film_coefficient = 0.0;       ///< [W/(m2 K)] through the vapour film below the jet
-  double throw_off_length = 0.0;       ///< [m] of vapour film after which the water leaves the face
-  double least_flow = 0.0;             ///< [m2/s] that still covers the face
-  double evaporation_from = 0.0;       ///< [°C] film temperature from which vapour leaves the film
+  double flow_exponent = 0.0;         ///< [1] of the flow in the critical flux
+  double falling_film_share = 0.0;    ///< [1] critical flux of the falling film, of the jet's
+  double jet_length = 0.0;            ///< [m] below the water line
+  double rewetting_saturated = 0.0;   ///< [°C] rewetting temperature of water without subcooling
+  double rewetting_rise = 0.0;        ///< [K] by flow and subcooling
+  double rewetting_limit = 0.0;       ///< [°C]
+  double rewetting_width = 0.0;       ///< [K] of the transition from wet to vapour film
+  double lag = 0.0;                   ///< [s] in which a surface changes from one to the other
+  double jet_film_coefficient = 0.0;  ///< [W/(m2 K)] through the vapour film under the jet
+  double film_coefficient = 0.0;      ///< [W/(m2 K)] through the vapour film below the jet
+  double throw_off_length = 0.0;      ///< [m] of vapour film after which the water leaves the face
+  double least_flow = 0.0;            ///< [m2/s] that still covers the face
+  double evaporation_from = 0.0;      ///< [°C] film temperature from which vapour leaves the film
 };
 
 /// Jet and falling film below the water line.
 struct Water {
-  bool enabled = true;
-  double from = 0.065;              ///< [m] below the metal level
+  bool enabled = false;
+  double from = 0.0;                ///< [m] below the metal level
   double start = 0.0;               ///< [s]
   Curve temperature;                ///< [°C]
-  double critical_heat_flux = 4e6;  ///< [W/m2]
+  double critical_heat_flux = 0.0;  ///< [W/m2]
   bool film_boiling = false;
-  double film_boiling_coefficient = 500.0;  ///< [W/(m2 K)]
-  double film_boiling_above = 350.0;        ///< [°C]
+  double film_boiling_coefficient = 0.0;  ///< [W/(m2 K)]
+  double film_boiling_above = 0.0;        ///< [°C]
   /// The critical flux is that of the jet at `full_flow` and 25 °C; all limits follow flow and film
   /// temperature, and the film's heat is marched down the face (water_film.hpp). Otherwise the
   /// three values above hold everywhere.
   bool boiling_follows_flow = false;
   Wetting wetting;
   double pulse_period = 0.0;  ///< [s] from one opening of the valve to the next; 0: no pulses
-  double pulse_share = 0.5;   ///< [1] of the period in which the water runs
+  double pulse_share = 0.0;   ///< [1] of the period in which the water runs
   double pulse_end = 0.0;     ///< [s] from then on the water runs continuously
   Curve coefficient;          ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
 };
 
 /// The block as a body: heat flows through its thickness under each point of the bottom.
 struct BlockBody {
-  double thickness = 0.0;               ///< [m]
-  double conductivity = 0.0;            ///< [W/(m K)]
-  double heat_capacity = 0.0;           ///< [J/(m3 K)]
-  double cooling_coefficient = 0.0;     ///< [W/(m2 K)] of its lower side, to the water
+  double thickness = 0.0;            ///< [m]
+  double conductivity = 0.0;         ///< [W/(m K)]
+  double heat_capacity = 0.0;        ///< [J/(m3 K)]
+  double cooling_coefficient = 0.0;  ///< [W/(m2 K)] of its lower side, to the water
 };
 
 struct BottomBlock {
-  Curve contact_coefficient;  ///< [W/(m2 K)] against time
-  Curve gap_coefficient;      ///< [W/(m2 K)] against gap [m]
-  Curve temperature_factor;   ///< [1] against surface temperature [°C]
-  Curve temperature;          ///< [°C] against time; of a body its value at the start
+  Curve contact_coefficient;      ///< [W/(m2 K)] against time
+  Curve gap_coefficient;          ///< [W/(m2 K)] against gap [m]
+  Curve temperature_factor;       ///< [1] against surface temperature [°C]
+  Curve temperature;              ///< [°C] against time; of a body its value at the start
   std::optional<BlockBody> body;  ///< absent: the block keeps the temperature of the table
   /// Water in gaps wider than `wet_gap`, once water has met the butt; absent: none gets in.
   std::optional<double> wet_coefficient;  ///< [W/(m2 K)] from slab and from block to the water
@@ -95,9 +95,9 @@ struct CoolingSpec {
   Water water;
   std::optional<Water> narrow_water;  ///< on the narrow face; absent: as on the wide face
   BottomBlock bottom_block;
-  double dry_coefficient = 20.0;      ///< [W/(m2 K)]
-  double ambient_temperature = 25.0;  ///< [°C]
-  Top top = Top::held;
+  double dry_coefficient = 0.0;      ///< [W/(m2 K)]
+  double ambient_temperature = 0.0;  ///< [°C]
+  Top top = Top::pouring;
   double level_coefficient = 0.0;  ///< [W/(m2 K)] from the level to the surroundings, if pouring
 
   const Water& water_of(Face face) const {

@@ -122,6 +122,7 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
                                double side_height) {
   water_ = {};
   side_water_.assign(side_.size(), {});
+  if (std::ranges::none_of(side_, [](const auto& share) { return share.law == law_water; })) return;
   find_columns(forms);
   const auto column = [&](std::size_t i) {
     return std::pair(side_[i].face, forms.side_column()[std::size_t(side_[i].node)]);

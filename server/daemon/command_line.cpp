@@ -145,7 +145,9 @@ CommandLine read_command_line(int argc, char** argv) {
   app.set_version_flag("--version", "dccastd " DCCAST_VERSION);
   app.footer(
       "Example: dccastd --config deploy/config/dccastd.toml --set workers=2\n"
-      "SIGTERM and SIGINT stop running jobs at a checkpoint; the next start goes on with them.\n"
+      "SIGTERM and SIGINT stop running jobs at a checkpoint; the next start goes on with them. "
+      "SIGUSR1 "
+      "leaves them running for it.\n"
       "Exit codes: 0 stopped as asked, or sound; 2 usage or invalid settings; 3 damage is left in "
       "the "
       "data directory; 4 the address or the data directory cannot be used.");

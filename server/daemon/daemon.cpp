@@ -22,6 +22,7 @@
 #include "core/storage/file.hpp"
 #include "server/daemon/administration.hpp"
 #include "server/daemon/metrics.hpp"
+#include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/end_hook.hpp"
 #include "server/jobs/local_executor.hpp"
@@ -162,7 +163,9 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
   v1::WorkerRequest request;
   request.mutable_name_solver();
   try {
-    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
+    auto answer = workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
+    log::info("workers: {}", answer.sandbox());
+    return answer;
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     log::warn("queries are answered by a run each time: {}", error.what());
@@ -260,12 +263,13 @@ std::optional<std::string> owner_of(const Found& found) {
   return found ? std::optional(found->owner()) : std::nullopt;
 }
 
-/// @return SIGTERM or SIGINT
+/// @return SIGTERM or SIGINT, or SIGUSR1, which leaves running jobs to their workers
 int wait_for_signal() {
   sigset_t awaited;
   sigemptyset(&awaited);
   sigaddset(&awaited, SIGTERM);
   sigaddset(&awaited, SIGINT);
+  sigaddset(&awaited, SIGUSR1);
   int signal = 0;
   while (::sigwait(&awaited, &signal) != 0) {
   }
@@ -313,17 +317,71 @@ void stop_serving(const Serving& of, bool left_running) {
   of.server.shut_down();
 }
 
-void serve_until_signal(const Serving& serving, bool left_running) {
+/// @return the queue in words; nothing when it does not turn
+std::string queue_status(jobs::Scheduler& scheduler, std::chrono::milliseconds longest) {
+  if (!scheduler.turns(longest)) return {};
+  const std::string held = scheduler.held();
+  return std::to_string(scheduler.queued()) + " queued, " + std::to_string(scheduler.running()) +
+         " running" + (held.empty() ? "" : "; the queue is held: " + held);
+}
+
+/// Those of Slurm need no daemon, and a machine that is given back is hard to get again. Workers
+/// without patience end with their daemon.
+bool leaves_workers(int signal, const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  if (config.executor() == v1::SLURM) return true;
+  return (signal == SIGUSR1 || workers.left_running) && workers.patience_s > 0.0;
+}
+
+void serve_until_signal(const Serving& serving, ServiceManager& manager,
+                        const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  manager.ready([&](auto longest) { return queue_status(serving.scheduler, longest); });
   const int signal = wait_for_signal();
-  log::info("{}: running jobs {}", ::strsignal(signal),
-            left_running ? "go on for the next dccastd"
-                         : "stop at a checkpoint and go back into the queue");
+  const bool left_running = leaves_workers(signal, config, workers);
+  const std::string jobs = left_running
+                               ? "running jobs go on for the next dccastd"
+                               : "running jobs stop at a checkpoint and go back into the queue";
+  log::info("{}: {}", ::strsignal(signal), jobs);
+  manager.stopping(jobs);
   stop_serving(serving, left_running);
+  if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
+  log::info("dccastd has stopped");
+}
+
+jobs::RetentionOptions retention_options(const v1::DaemonConfig& config,
+                                         const DataDirectory& directory) {
+  return {.jobs_directory = directory.jobs(),
+          .time = whole_seconds(config.keep_time_s()),
+          .bytes = std::llround(config.keep_size_bytes())};
+}
+
+/// @return null where the settings ask for none
+std::unique_ptr<MetricsServer> serve_metrics(const v1::DaemonConfig& config,
+                                             MetricSources sources) {
+  if (config.metrics().empty()) return nullptr;
+  auto server = std::make_unique<MetricsServer>(config.metrics(), std::move(sources));
+  log::info("metrics on http://{}/metrics", server->address());
+  return server;
+}
+
+void set_limits(service::Context& context, const v1::DaemonConfig& config) {
+  context.workers = capacity(config);
+  context.maximum_queued = config.maximum_queued();
+  context.maximum_queued_per_user = config.maximum_queued_per_user();
+  context.maximum_time_s = config.maximum_time_s();
+  context.maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes();
+  context.token_lifetime_s = std::llround(config.token_lifetime_s());
+  context.maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes());
+  context.checks_at_once = number_or_cores(config.checkers());
+  context.queries_at_once = number_or_cores(config.query_workers());
+  context.query_threads = query_threads(config);
+  context.maximum_waiting_checks = config.maximum_waiting_checks();
+  context.check_timeout = milliseconds(config.check_timeout_s());
 }
 
 }  // namespace
 
 int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+  ServiceManager manager;
   service::log_grpc_as_debug();
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
@@ -361,52 +419,28 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
                      {.job = [&](const std::string& id) { return owner_of(scheduler.find(id)); },
                       .study = [&](const std::string& id) { return owner_of(studies.find(id)); }},
                      listener.address());
-  service::Context context{
-      .scheduler = scheduler,
-      .logs = logs,
-      .store = store,
-      .studies = studies,
-      .intake = intake,
-      .gate = gate,
-      .warm_workers = warm_workers,
-      .solver = solver,
-      .worker_sandbox = worker.sandbox(),
-      .query_directory = directory.check(),
-      .jobs_directory = directory.jobs(),
-      .version = DCCAST_VERSION,
-      .workers = capacity(config),
-      .maximum_queued = config.maximum_queued(),
-      .maximum_queued_per_user = config.maximum_queued_per_user(),
-      .maximum_time_s = config.maximum_time_s(),
-      .maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes(),
-      .token_lifetime_s = std::llround(config.token_lifetime_s()),
-      .maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes()),
-      .checks_at_once = number_or_cores(config.checkers()),
-      .queries_at_once = number_or_cores(config.query_workers()),
-      .query_threads = query_threads(config),
-      .maximum_waiting_checks = config.maximum_waiting_checks(),
-      .check_timeout = std::chrono::milliseconds(std::lround(config.check_timeout_s() * 1000)),
-      .maximum_connections = connections};
+  service::Context context{.scheduler = scheduler,
+                           .logs = logs,
+                           .store = store,
+                           .studies = studies,
+                           .intake = intake,
+                           .gate = gate,
+                           .warm_workers = warm_workers,
+                           .solver = solver,
+                           .worker_sandbox = worker.sandbox(),
+                           .query_directory = directory.check(),
+                           .jobs_directory = directory.jobs(),
+                           .version = DCCAST_VERSION,
+                           .maximum_connections = connections};
+  set_limits(context, config);
   service::PublicServer server(context, listener, tls.listening());
   scheduler.start();
   studies.start();
-  const jobs::Retention retention({.jobs_directory = directory.jobs(),
-                                   .time = whole_seconds(config.keep_time_s()),
-                                   .bytes = std::llround(config.keep_size_bytes())},
-                                  store, scheduler);
-  std::optional<MetricsServer> metrics;
-  if (!config.metrics().empty()) {
-    metrics.emplace(config.metrics(),
-                    MetricSources{context, tally, directory.path(), tls.certificate()});
-    log::info("metrics on http://{}/metrics", metrics->address());
-  }
+  const jobs::Retention retention(retention_options(config, directory), store, scheduler);
+  const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
   log_address(config, listener.address(), tls.address(), directory);
-  log::info("workers: {}", worker.sandbox());
-  // Those of Slurm need no daemon, and a machine that is given back is hard to get again.
-  const bool left_running = slurm || (workers.left_running && workers.patience_s > 0.0);
-  serve_until_signal({server, studies, scheduler, context, logs, executor}, left_running);
-  if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
-  log::info("dccastd has stopped");
+  serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
+                     workers);
   return 0;
 }
 

@@ -1,10 +1,15 @@
+#include <grp.h>
+#include <pwd.h>
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <exception>
 #include <iostream>
+#include <system_error>
 
 #include "server/access/users.hpp"
 #include "server/daemon/command_line.hpp"
@@ -27,11 +32,26 @@ void prepare_signals() {
   sigemptyset(&awaited);
   sigaddset(&awaited, SIGTERM);
   sigaddset(&awaited, SIGINT);
+  sigaddset(&awaited, SIGUSR1);
   ::pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGCHLD,
            SIG_DFL);  // ignored by who started us, the ends of workers could not be learned
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+}
+
+/// Root works as the user whom the data directory belongs to: what root wrote there, the service of
+/// that user could not read.
+void become_owner_of(const std::string& data_directory) {
+  struct stat status {};
+  if (::geteuid() != 0 || ::stat(data_directory.c_str(), &status) != 0 || status.st_uid == 0)
+    return;
+  const passwd* owner = ::getpwuid(status.st_uid);
+  const bool grouped = owner == nullptr ? ::setgroups(0, nullptr) == 0
+                                        : ::initgroups(owner->pw_name, status.st_gid) == 0;
+  if (!grouped || ::setgid(status.st_gid) != 0 || ::setuid(status.st_uid) != 0)
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot become the owner of " + data_directory);
 }
 
 int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig& config) {
@@ -73,6 +93,7 @@ int main(int argc, char** argv) {
       dccast::log::set_format(config.log_format() == dccast::v1::JSON
                                   ? dccast::log::Format::json
                                   : dccast::log::Format::journal);
+    become_owner_of(config.data_directory());
     return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {
     std::cerr << error.what() << '\n';

@@ -131,6 +131,7 @@ void Scheduler::run() {
   std::unique_lock lock(mutex_);
   expected_wake_ = Clock::now();
   while (!stopping_) {
+    if (std::exchange(round_requested_, false)) changed_.notify_all();
     notice_standstill();
     attempts_.kill_overdue(Clock::now());
     lock.unlock();
@@ -140,8 +141,9 @@ void Scheduler::run() {
     start_jobs();
     lock.lock();
     if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
-    if (!hold_.holds() &&
-        (!attempts_.ended().empty() || !to_look_at_.empty() || (may_start() && next_job()))) {
+    if (round_requested_ ||
+        (!hold_.holds() &&
+         (!attempts_.ended().empty() || !to_look_at_.empty() || (may_start() && next_job())))) {
       expected_wake_ = Clock::now();
       continue;
     }

@@ -116,6 +116,9 @@ public:
   Reply mark(const std::string& id, const std::function<bool(v1::Job& job)>& change);
   /// Whether a job waits for this one to succeed.
   bool is_awaited(const std::string& id);
+  /// Has the thread of the queue make a round. @return whether it began one in time; false when it
+  /// hangs, for example on a disk. Does not return while another thread hangs with the mutex.
+  bool turns(std::chrono::milliseconds longest);
   int queued();
   int running();
   /// Why nothing is started now; empty when nothing holds the queue.
@@ -200,6 +203,7 @@ private:
   int submissions_under_way_ = 0;
   bool shutting_down_ = false;
   bool stopping_ = false;            ///< the thread's end
+  bool round_requested_ = false;     ///< see turns()
   Clock::time_point expected_wake_;  ///< of the thread
   std::thread thread_;
 };

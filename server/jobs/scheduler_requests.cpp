@@ -204,6 +204,13 @@ std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
   return jobs;
 }
 
+bool Scheduler::turns(std::chrono::milliseconds longest) {
+  std::unique_lock lock(mutex_);
+  round_requested_ = true;
+  changed_.notify_all();
+  return changed_.wait_for(lock, longest, [this] { return !round_requested_; });
+}
+
 int Scheduler::queued() {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(queue_.size() + dependents_.size());

@@ -47,9 +47,9 @@ private:
   void keep(std::uint32_t stream, std::size_t bytes);
   void forget(std::uint32_t stream);
 
-  // A client that leaves takes back the calls it has open, as many as a connection may have; an
+  // A client that looks at the first event of a job takes each call back, some hundred a second; an
   // update of a window stands for some 16 kB of an answer, and pings for seconds.
-  Allowance resets_{100.0, 200.0}, begun_{2000.0, 10000.0}, updates_{20000.0, 40000.0},
+  Allowance resets_{1000.0, 2000.0}, begun_{2000.0, 10000.0}, updates_{20000.0, 40000.0},
       others_{200.0, 1000.0};
   int begun_before_acknowledgement_ = 0;
   bool acknowledged_ = false;  ///< our settings, which bound the calls of a connection

@@ -66,21 +66,19 @@ thermal::Top top_of(v1::Cooling::Top from) {
 
 thermal::Water water(const v1::Water& from) {
   thermal::Water to;
-  if (from.has_enabled()) to.enabled = from.enabled();
-  if (from.has_from_m()) to.from = from.from_m();
-  if (from.has_start_s()) to.start = from.start_s();
+  to.enabled = from.enabled();
+  to.from = from.from_m();
+  to.start = from.start_s();
   to.temperature = to_core(from.temperature_c());
-  if (from.has_critical_heat_flux_w_per_m2())
-    to.critical_heat_flux = from.critical_heat_flux_w_per_m2();
-  if (from.has_film_boiling()) to.film_boiling = from.film_boiling();
-  if (from.has_film_boiling_coefficient_w_per_m2_k())
-    to.film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k();
-  if (from.has_film_boiling_above_c()) to.film_boiling_above = from.film_boiling_above_c();
-  if (from.has_boiling_follows_flow()) to.boiling_follows_flow = from.boiling_follows_flow();
+  to.critical_heat_flux = from.critical_heat_flux_w_per_m2();
+  to.film_boiling = from.film_boiling();
+  to.film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k();
+  to.film_boiling_above = from.film_boiling_above_c();
+  to.boiling_follows_flow = from.boiling_follows_flow();
   to.wetting = wetting(from.wetting());
-  if (from.has_pulse_period_s()) to.pulse_period = from.pulse_period_s();
-  if (from.has_pulse_share()) to.pulse_share = from.pulse_share();
-  if (from.has_pulse_end_s()) to.pulse_end = from.pulse_end_s();
+  to.pulse_period = from.pulse_period_s();
+  to.pulse_share = from.pulse_share();
+  to.pulse_end = from.pulse_end_s();
   to.coefficient = to_core(from.coefficient_w_per_m2_k());
   return to;
 }
@@ -116,8 +114,8 @@ thermal::CoolingSpec cooling_to_core(const v1::Cooling& from) {
                      .profile_y = to_core(block.profile_y_m())};
   if (block.has_wet_coefficient_w_per_m2_k())
     to.bottom_block.wet_coefficient = block.wet_coefficient_w_per_m2_k();
-  if (from.has_dry_coefficient_w_per_m2_k()) to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
-  if (from.has_ambient_temperature_c()) to.ambient_temperature = from.ambient_temperature_c();
+  to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
+  to.ambient_temperature = from.ambient_temperature_c();
   to.top = top_of(from.top());
   to.level_coefficient = from.level_coefficient_w_per_m2_k();
   return to;
@@ -165,13 +163,11 @@ mechanics::Kinematics kinematics_of(const v1::Case& from) {
 
 mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
   mechanics::AlgorithmParameters to;
-  if (from.has_gamma_p_per_pa_s()) to.gamma_p = from.gamma_p_per_pa_s();
+  to.gamma_p = from.gamma_p_per_pa_s();
   if (from.has_lambda_p_pa_s()) to.lambda_p = from.lambda_p_pa_s();
-  if (from.has_gamma_c_pa_per_m()) to.gamma_c = from.gamma_c_pa_per_m();
+  to.gamma_c = from.gamma_c_pa_per_m();
   if (from.has_lambda_c_m_per_pa()) to.lambda_c = from.lambda_c_m_per_pa();
-  if (from.has_relaxation()) to.relaxation = from.relaxation();
-  to.plain = from.plain();
-  to.increment_test = from.increment_test();
+  to.relaxation = from.relaxation();
   return to;
 }
 
@@ -180,25 +176,24 @@ mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
 casting::MechanicsCase mechanics_to_core(const v1::Case& complete) {
   const v1::Mechanics& from = complete.mechanics();
   casting::MechanicsCase to;
-  if (from.has_enabled()) to.enabled = from.enabled();
+  to.enabled = from.enabled();
   to.start = from.start_s();
   mechanics::Options& options = to.options;
   options.algorithm = algorithm_of(from.algorithm());
   options.kinematics = kinematics_of(complete);
-  if (from.has_gravity_m_per_s2()) options.gravity = from.gravity_m_per_s2();
+  options.gravity = from.gravity_m_per_s2();
   options.liquid = liquid_of(from.liquid());
-  if (from.has_liquid_modulus_pa()) options.liquid_modulus = from.liquid_modulus_pa();
-  if (from.has_liquid_epsilon()) options.liquid_epsilon = from.liquid_epsilon();
-  if (from.has_liquid_delta()) options.liquid_delta = from.liquid_delta();
-  if (from.has_liquid_beta()) options.liquid_beta = from.liquid_beta();
-  if (from.has_confinement()) options.confinement = from.confinement();
+  options.liquid_modulus = from.liquid_modulus_pa();
+  options.liquid_epsilon = from.liquid_epsilon();
+  options.liquid_delta = from.liquid_delta();
+  options.liquid_beta = from.liquid_beta();
+  options.confinement = from.confinement();
   if (from.hold() == v1::Mechanics::PENALTY)
     options.confinement_by = mechanics::Confinement::penalty;
-  if (from.has_mould_penalty_pa_per_m())
-    options.confinement_stiffness = from.mould_penalty_pa_per_m();
-  if (from.has_mould_wall()) options.mould_wall = from.mould_wall();
-  if (from.has_contact()) options.contact = from.contact();
-  if (from.has_tolerance()) options.tolerance = from.tolerance();
+  options.confinement_stiffness = from.mould_penalty_pa_per_m();
+  options.mould_wall = from.mould_wall();
+  options.contact = from.contact();
+  options.tolerance = from.tolerance();
   if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();
   options.parameters = parameters(from.parameters());
   return to;

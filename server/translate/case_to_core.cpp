@@ -66,17 +66,17 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.initial_depth = from.section().initial_depth_m();
   const v1::Mesh& mesh = from.mesh();
   to.element = element(mesh.element());
-  if (mesh.has_columns()) to.columns = mesh.columns();
-  if (mesh.has_rows()) to.rows = mesh.rows();
-  if (mesh.has_layers()) to.layers = mesh.layers();
-  if (mesh.has_side_cell_m()) to.side_cell = mesh.side_cell_m();
-  if (mesh.has_wide_side_cell_m()) to.wide_side_cell = mesh.wide_side_cell_m();
-  if (mesh.has_bottom_cell_m()) to.bottom_cell = mesh.bottom_cell_m();
+  to.columns = mesh.columns();
+  to.rows = mesh.rows();
+  to.layers = mesh.layers();
+  to.side_cell = mesh.side_cell_m();
+  to.wide_side_cell = mesh.wide_side_cell_m();
+  to.bottom_cell = mesh.bottom_cell_m();
   if (mesh.has_growth_cell_m()) to.growth_cell = mesh.growth_cell_m();
   to.merging = {mesh.merge_below_m(), mesh.merged_cell_m()};
-  if (mesh.has_refinement()) to.refinement = mesh.refinement();
+  to.refinement = mesh.refinement();
   to.file = attached(mesh.file(), attachments);
-  if (mesh.has_growth()) to.growth = mesh.growth();
+  to.growth = mesh.growth();
   return to;
 }
 
@@ -136,8 +136,8 @@ material::AlloyCard alloy(const v1::Alloy& from) {
 casting::ThermalOptions thermal_options(const v1::Thermal& from, const fs::path& attachments) {
   casting::ThermalOptions to;
   if (from.has_initial_temperature_c()) to.initial_temperature = from.initial_temperature_c();
-  if (from.has_tolerance()) to.tolerance = from.tolerance();
-  if (from.has_maximum_iterations()) to.maximum_iterations = from.maximum_iterations();
+  to.tolerance = from.tolerance();
+  to.maximum_iterations = from.maximum_iterations();
   to.file = attached(from.file(), attachments);
   return to;
 }
@@ -146,16 +146,16 @@ casting::TimeControl time_control(const v1::TimeControl& from) {
   casting::TimeControl to;
   to.end = from.end_s();
   to.step = to_core(from.step_s());
-  if (from.has_minimum_step_s()) to.minimum_step = from.minimum_step_s();
+  to.minimum_step = from.minimum_step_s();
   return to;
 }
 
 casting::Plausibility plausibility(const v1::Plausibility& from) {
   casting::Plausibility to;
-  if (from.has_minimum_superheat_k()) to.minimum_superheat = from.minimum_superheat_k();
-  if (from.has_minimum_shell_m()) to.minimum_shell = from.minimum_shell_m();
-  if (from.has_maximum_mush_strain()) to.maximum_mush_strain = from.maximum_mush_strain();
-  if (from.has_maximum_sump_share()) to.maximum_sump_share = from.maximum_sump_share();
+  to.minimum_superheat = from.minimum_superheat_k();
+  to.minimum_shell = from.minimum_shell_m();
+  to.maximum_mush_strain = from.maximum_mush_strain();
+  to.maximum_sump_share = from.maximum_sump_share();
   if (from.has_least_curl_m()) to.least_curl = from.least_curl_m();
   if (from.has_greatest_curl_m()) to.greatest_curl = from.greatest_curl_m();
   return to;
@@ -164,11 +164,10 @@ casting::Plausibility plausibility(const v1::Plausibility& from) {
 casting::Validity validity(const v1::Validity& from) {
   casting::Validity to;
   if (from.when_lost() == v1::Validity::CONTINUE) to.when_lost = casting::WhenLost::go_on;
-  if (from.has_maximum_liquid_pressure_error())
-    to.maximum_liquid_pressure_error = from.maximum_liquid_pressure_error();
-  if (from.has_maximum_rotation_rad()) to.maximum_rotation = from.maximum_rotation_rad();
-  if (from.has_maximum_slip_m()) to.maximum_slip = from.maximum_slip_m();
-  if (from.has_minimum_shell_m()) to.minimum_shell = from.minimum_shell_m();
+  to.maximum_liquid_pressure_error = from.maximum_liquid_pressure_error();
+  to.maximum_rotation = from.maximum_rotation_rad();
+  to.maximum_slip = from.maximum_slip_m();
+  to.minimum_shell = from.minimum_shell_m();
   return to;
 }
 
@@ -179,18 +178,16 @@ casting::Monitor monitor(const v1::Monitor& from) {
 }
 
 void small_tables(const v1::Case& from, casting::Case& to) {
-  if (from.coupling().has_gap_feedback()) to.coupling.gap_feedback = from.coupling().gap_feedback();
-  if (from.coupling().has_iterations()) to.coupling.iterations = from.coupling().iterations();
+  to.coupling.gap_feedback = from.coupling().gap_feedback();
+  to.coupling.iterations = from.coupling().iterations();
   to.coupling.deformed_zones = from.coupling().deformed_zones();
   for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
-  if (from.output().has_frame_interval_s())
-    to.output.frame_interval = from.output().frame_interval_s();
-  if (from.output().has_stresses()) to.output.stresses = from.output().stresses();
-  if (from.checkpoint().has_every_steps())
-    to.checkpoint.every_steps = from.checkpoint().every_steps();
-  if (from.checkpoint().has_every_s()) to.checkpoint.every_seconds = from.checkpoint().every_s();
-  if (from.limits().has_maximum_nodes()) to.limits.maximum_nodes = from.limits().maximum_nodes();
-  if (from.limits().has_maximum_steps()) to.limits.maximum_steps = from.limits().maximum_steps();
+  to.output.frame_interval = from.output().frame_interval_s();
+  to.output.stresses = from.output().stresses();
+  to.checkpoint.every_steps = from.checkpoint().every_steps();
+  to.checkpoint.every_seconds = from.checkpoint().every_s();
+  to.limits.maximum_nodes = from.limits().maximum_nodes();
+  to.limits.maximum_steps = from.limits().maximum_steps();
 }
 
 }  // namespace

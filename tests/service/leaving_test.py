@@ -65,6 +65,18 @@ class CtrlC(AdoptionTest):
         self.assertGreaterEqual(self.resumed_once(job_id, expected), 50)
 
 
+class RestartedByItsManager(AdoptionTest):
+    """systemctl restart sends SIGUSR1, systemctl stop SIGTERM: deploy/debian/dccastd.service."""
+
+    def test_sigusr1_leaves_the_worker_to_the_next_daemon(self):
+        job_id, worker = self.running_job()
+        self.daemon.process.send_signal(signal.SIGUSR1)
+        self.assertEqual(self.daemon.wait(), 0)
+        self.assertEqual(self.daemon.worker_processes(), [worker])
+        self.restart()
+        self.ended_untouched(job_id, 60)
+
+
 class LeftRunning(AdoptionTest):
     before_exec = staticmethod(os.setpgrp)
     options = ("--worker-patience", "60", "--leave-workers")

@@ -160,9 +160,11 @@ class Restarts(SlurmTest):
         self.succeeds(job_id)
 
     def test_a_job_that_slurm_has_lost_is_submitted_again(self):
-        job_id, _ = self.running_job()
-        # What kill -9 of slurmctld a moment after a submission does in one of three tries.
+        job_id, worker = self.running_job()
+        # What kill -9 of slurmctld a moment after a submission does in one of three tries. The signal
+        # is sent by a thread of slurmctld, which must not be killed before.
         cluster.run("scancel", "--me", "--signal=KILL", "--full")
+        until(lambda: not start_ticks(worker), 30)
         cluster.kill("slurmctld")
         for name in os.listdir(cluster.path("state")):
             if name.startswith(("job_state", "hash.")):

@@ -75,9 +75,12 @@ export function jobPage(element, signal, id) {
     }, text => replace(details, h('p', {class: 'bad', role: 'alert'}, text)));
   }
 
+  let asked = 0, answered = 0;
   async function load() {
-    shown = await get(`/job/${id}`);
-    if (signal.aborted) return;
+    const question = ++asked, seen = await get(`/job/${id}`);
+    if (signal.aborted || question < answered) return;  // a later question has its answer already
+    answered = question;
+    shown = seen;
     redraw();
     replace(details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
     if (!ended.has(shown.job.state) && !watched) watch();

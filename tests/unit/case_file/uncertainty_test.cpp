@@ -163,7 +163,9 @@ TEST(Uncertainty, OfTheShippedDataIsSound) {
     for (const UncertainKey& datum : keys) add_range(all, datum.key, datum.range);
     for (const v1::Fault& fault : uncertainty_faults(all))
       ADD_FAILURE() << shipped.name << ": " << describe(fault, {});
-    if (shipped.name.starts_with("start")) EXPECT_GE(keys.size(), 15u) << shipped.name;
+    if (shipped.name.starts_with("start")) {
+      EXPECT_GE(keys.size(), 15u) << shipped.name;
+    }
   }
 }
 

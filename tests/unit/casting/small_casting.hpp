@@ -7,12 +7,14 @@
 #include <bit>
 #include <cstdint>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "core/case/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/usual_options.hpp"
 #include "tests/unit/thermal/casting_case.hpp"
 
 namespace dccast::casting::testing {
@@ -29,7 +31,9 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   c.section.rows = 6;
   c.section.side_cell = 0.012;
   c.section.bottom_cell = 0.010;
+  c.section.wide_side_cell = 3e-3;
   c.section.growth_cell = 0.008;
+  c.section.growth = true;
   c.alloy = thermal::testing::casting_alloy();
   c.alloy.name = "paper";
   c.alloy.coherency = 649.0;
@@ -41,14 +45,26 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   c.schedule.casting_temperature = Curve(680.0);
   c.schedule.water_flow = Curve(2e-3);
   c.cooling = thermal::testing::casting_cooling();
-  // Forces are judged against those that act, which are a thousand times the weight: at the default
-  // of 1e-7 the reaction is off by up to 5e-4 of it.
-  c.mechanics.options.tolerance = 1e-9;
+  c.thermal.tolerance = 1e-11;
+  c.thermal.maximum_iterations = 60;
+  c.mechanics.enabled = true;
+  // Forces are judged against those that act, which are a thousand times the weight: at 1e-7 the
+  // reaction is off by up to 5e-4 of it.
+  c.mechanics.options = dccast::testing::usual_options(1e-9);
+  c.coupling.gap_feedback = true;
+  c.time.minimum_step = 1e-3;
   c.time.end = 20.0;
   c.time.step = {Abscissa::time, {-10.0, -0.001, 0.0, 4.0, 4.001}, {1.0, 1.0, 0.25, 0.25, 1.0}};
   c.monitors = {{"corner", 0.28, 0.0}, {"centre", 0.0, 0.0}, {"not yet poured", 0.1, 0.115}};
-  c.output.frame_interval = 5.0;
-  c.checkpoint = {0, 0.0};
+  c.output = {.frame_interval = 5.0, .stresses = true};
+  c.validity = {.maximum_liquid_pressure_error = 0.15,
+                .maximum_rotation = 10.0 * std::numbers::pi / 180.0,
+                .maximum_slip = 0.02};
+  c.plausibility.minimum_superheat = 5.0;
+  c.plausibility.minimum_shell = 5e-3;
+  c.plausibility.maximum_mush_strain = 0.005;
+  c.plausibility.maximum_sump_share = 0.95;
+  c.limits = {.maximum_nodes = 400000, .maximum_steps = 200000};
   return c;
 }
 

@@ -52,6 +52,23 @@ TEST_F(SchedulerTest, AJobThatGoesFirstWaitsForNoPlace) {
   EXPECT_EQ(daemon.executor.launches(), 2u);
 }
 
+TEST_F(SchedulerTest, ATurnIsNotMadeWhileTheThreadOfTheQueueHangs) {
+  Daemon daemon(folder_.path());
+  std::promise<void> begun, may_go_on;
+  daemon.store.before_update = [&, first = true]() mutable {
+    if (!std::exchange(first, false)) return;
+    begun.set_value();
+    may_go_on.get_future().wait();
+  };
+  daemon.scheduler.start();
+  EXPECT_TRUE(daemon.scheduler.turns(std::chrono::seconds(10))) << "an idle one turns";
+  daemon.scheduler.submit(new_job(), {});
+  begun.get_future().wait();
+  EXPECT_FALSE(daemon.scheduler.turns(std::chrono::milliseconds(20)));
+  may_go_on.set_value();
+  EXPECT_TRUE(daemon.scheduler.turns(std::chrono::seconds(10)));
+}
+
 // The daemon is asked to leave while the start of a job is being written.
 TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
   Daemon daemon(folder_.path());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tests/support/usual_options.hpp"
 #include "tests/verification/mechanics/fixed_body.hpp"
 
 /// Bodies and options the tests of mechanics share.
@@ -50,9 +51,7 @@ void hold_boundary(FixedBody<Element>& body, Field&& displacement) {
 }
 
 inline Options tight(double tolerance = 1e-14) {
-  Options options;
-  options.tolerance = tolerance;
-  return options;
+  return dccast::testing::usual_options(tolerance);
 }
 
 inline PlaneStress difference(PlaneStress a, const PlaneStress& b) {

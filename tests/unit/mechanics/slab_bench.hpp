@@ -8,6 +8,7 @@
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
+#include "tests/support/usual_options.hpp"
 #include "tests/unit/material/paper_card.hpp"
 #include "tests/unit/mechanics/bodies.hpp"
 
@@ -18,9 +19,7 @@ namespace dccast::mechanics::testing {
 constexpr double hydrostatic = 1e-8, strained = 1e-11;
 
 inline Options balanced_to(double tolerance) {
-  Options options;
-  options.tolerance = tolerance;
-  return options;
+  return dccast::testing::usual_options(tolerance);
 }
 
 /// A small slab section with temperatures given by a function of place.

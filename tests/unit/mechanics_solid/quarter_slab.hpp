@@ -9,6 +9,7 @@
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/quarter_section.hpp"
+#include "tests/support/usual_options.hpp"
 #include "tests/unit/material/paper_card.hpp"
 #include "tests/unit/mechanics_solid/box_mesh.hpp"
 
@@ -75,9 +76,7 @@ public:
 };
 
 inline Options slab_options(double tolerance = 1e-9) {
-  Options options;
-  options.tolerance = tolerance;
-  return options;
+  return dccast::testing::usual_options(tolerance);
 }
 
 }  // namespace dccast::mechanics::testing

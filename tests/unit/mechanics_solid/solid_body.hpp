@@ -7,6 +7,7 @@
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/solve_step.hpp"
+#include "tests/support/usual_options.hpp"
 #include "tests/unit/mechanics_solid/box_mesh.hpp"
 
 namespace dccast::mechanics::testing {
@@ -15,9 +16,7 @@ template <class Element>
 inline constexpr bool of_tetrahedra = Element::nodes == 4;
 
 inline Options in_balance(double tolerance = 1e-13) {
-  Options options;
-  options.tolerance = tolerance;
-  return options;
+  return dccast::testing::usual_options(tolerance);
 }
 
 /// A solid of fixed shape and constant elastic and creep data, stepped through time.

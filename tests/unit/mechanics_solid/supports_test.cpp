@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "tests/support/usual_options.hpp"
 #include "tests/unit/mechanics_solid/quarter_slab.hpp"
 
 namespace dccast::mechanics {
@@ -22,7 +23,7 @@ public:
     state.released.assign(std::size_t(slab.mesh().nodes()), 0);
     const std::vector<double> hot(std::size_t(slab.mesh().nodes()), 650.0);
     std::vector<char> closed(supports.bottom_nodes().size(), 1);
-    supports.hold_sides(problem, state, Options(), hot, 620.0, 0.0, {}, closed);
+    supports.hold_sides(problem, state, dccast::testing::usual_options(1e-8), hot, 620.0, 0.0, {}, closed);
     for (const auto& frame : supports.frames()) frame_of[frame.node] = frame;
   }
 

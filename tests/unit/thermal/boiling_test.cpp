@@ -13,6 +13,11 @@ namespace {
 
 Water start_up_water(double temperature = 25.0) {
   Water water;
+  water.enabled = true;
+  water.from = 0.065;
+  water.critical_heat_flux = 4e6;
+  water.film_boiling_coefficient = 500.0;
+  water.film_boiling_above = 350.0;
   water.temperature = Curve(temperature);
   water.boiling_follows_flow = true;
   water.wetting = testing::wetting();
@@ -197,6 +202,7 @@ TEST_F(StartUp, NoFaceGivesOffMoreThanItsWaterTakes) {
 TEST_F(StartUp, PulsedWaterTakesLessHeat) {
   Water pulsed = start_up_water();
   pulsed.pulse_period = 1.0;
+  pulsed.pulse_share = 0.5;
   pulsed.pulse_end = 100.0;
   const double steady = run(start_up_water(), 3e-3, 4.0).side,
                in_pulses = run(pulsed, 3e-3, 4.0).side;

@@ -58,7 +58,16 @@ inline CoolingSpec casting_cooling() {
   cooling.zones[1].to = 0.065;
   cooling.zones[1].liquid_coefficient = Curve(150.0);
   cooling.zones[1].solid_coefficient = Curve(150.0);
+  cooling.water.enabled = true;
+  cooling.water.from = 0.065;
   cooling.water.temperature = Curve(25.0);
+  cooling.water.critical_heat_flux = 4e6;
+  cooling.water.film_boiling_coefficient = 500.0;
+  cooling.water.film_boiling_above = 350.0;
+  cooling.water.pulse_share = 0.5;
+  cooling.dry_coefficient = 20.0;
+  cooling.ambient_temperature = 25.0;
+  cooling.top = Top::held;
   cooling.bottom_block.contact_coefficient = {Abscissa::time, {10, 40}, {2000, 500}};
   cooling.bottom_block.gap_coefficient = {Abscissa::gap, {0.2e-3, 5e-3, 5.5e-3}, {100, 100, 1000}};
   cooling.bottom_block.temperature = Curve(80.0);
@@ -72,6 +81,7 @@ inline mesh::SectionSpec casting_section(mesh::ElementKind element) {
   section.element = element;
   section.columns = 30;
   section.rows = 22;
+  section.side_cell = section.bottom_cell = 3e-3;
   section.growth_cell = 0.006;
   return section;
 }

@@ -10,6 +10,11 @@ namespace {
 
 Water wet_side() {
   Water water;
+  water.enabled = true;
+  water.from = 0.065;
+  water.critical_heat_flux = 4e6;
+  water.film_boiling_coefficient = 500.0;
+  water.film_boiling_above = 350.0;
   water.temperature = Curve(20.0);
   return water;
 }
@@ -138,6 +143,8 @@ TEST(BottomBlock, HeatOfAWetGapAddsUp) {
 
 TEST(DrySide, IsPlainConvection) {
   CoolingSpec cooling;
+  cooling.dry_coefficient = 20.0;
+  cooling.ambient_temperature = 25.0;
   EXPECT_DOUBLE_EQ(dry_flux(cooling, {125.0, 0.0}).flux, 2000.0);
   EXPECT_DOUBLE_EQ(dry_flux(cooling, {125.0, 0.0}).d_temperature, 20.0);
 }

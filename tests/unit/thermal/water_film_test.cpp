@@ -11,6 +11,11 @@ namespace {
 
 Water water() {
   Water w;
+  w.enabled = true;
+  w.from = 0.065;
+  w.critical_heat_flux = 4e6;
+  w.film_boiling_coefficient = 500.0;
+  w.film_boiling_above = 350.0;
   w.temperature = Curve(25.0);
   w.boiling_follows_flow = true;
   w.wetting = testing::wetting();

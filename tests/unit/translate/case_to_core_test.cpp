@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "proto/case_file/case_file.hpp"
+
 namespace dccast::translate {
 namespace {
 
@@ -209,15 +211,40 @@ TEST(CaseToCore, TakesFacesPulsesFactorsAndShifts) {
   EXPECT_FALSE(to_core(v1::Case(), "").cooling.narrow_water);
 }
 
-TEST(CaseToCore, AbsentKeysKeepTheDefaultsOfTheCore) {
-  const casting::Case to = to_core(v1::Case(), "");
-  const casting::Case defaults;
-  EXPECT_EQ(to.section.columns, defaults.section.columns);
-  EXPECT_EQ(to.time.minimum_step, defaults.time.minimum_step);
-  EXPECT_TRUE(to.section.file.empty());
-  EXPECT_TRUE(to.mechanics.enabled);
-  EXPECT_TRUE(to.cooling.water.enabled);
-  EXPECT_TRUE(to.schedule.casting_speed.empty());
+/// Core has no defaults: what it cannot do without is filled by those of the schema.
+TEST(CaseToCore, DefaultsOfTheSchemaFillWhatCoreNeeds) {
+  v1::Case complete;
+  case_file::apply_defaults(complete);
+  const casting::Case to = to_core(complete, "");
+  const mechanics::Options& options = to.mechanics.options;
+  EXPECT_TRUE(to.mechanics.enabled && options.contact && options.confinement);
+  EXPECT_TRUE(to.cooling.water.enabled && to.section.growth && to.coupling.gap_feedback);
+  for (const double needed : {to.thermal.tolerance,
+                              double(to.thermal.maximum_iterations),
+                              options.tolerance,
+                              options.gravity,
+                              options.liquid_modulus,
+                              options.confinement_stiffness,
+                              options.parameters.gamma_p,
+                              options.parameters.gamma_c,
+                              options.parameters.relaxation,
+                              to.time.minimum_step,
+                              to.output.frame_interval,
+                              to.checkpoint.every_seconds,
+                              to.validity.maximum_rotation,
+                              to.validity.maximum_slip,
+                              to.plausibility.minimum_shell,
+                              to.plausibility.maximum_mush_strain,
+                              to.plausibility.maximum_sump_share,
+                              double(to.limits.maximum_nodes),
+                              double(to.limits.maximum_steps),
+                              to.cooling.water.from,
+                              to.cooling.water.critical_heat_flux,
+                              to.cooling.water.pulse_share,
+                              to.cooling.dry_coefficient})
+    EXPECT_GT(needed, 0.0);
+  EXPECT_EQ(to.section.refinement, 1);
+  EXPECT_EQ(to.coupling.iterations, 1);
 }
 
 }  // namespace

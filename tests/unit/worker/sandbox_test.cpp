@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
@@ -15,6 +16,7 @@
 #include <cerrno>
 #include <functional>
 #include <new>
+#include <thread>
 #include <vector>
 
 #include "core/casting/simulation.hpp"
@@ -150,6 +152,21 @@ TEST_F(SandboxTest, ReachesNoOtherProcess) {
               iovec to{&word, sizeof word}, from{&word, sizeof word};
               MUST(refused(::process_vm_readv(parent, &to, 1, &from, 1, 0)));
               MUST(::prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) == 1);
+            }),
+            0);
+}
+
+/// A user namespace has every privilege inside; clone() makes one as unshare() does.
+TEST_F(SandboxTest, MakesNoNamespaceAndStartsNoOtherProgram) {
+  EXPECT_EQ(status_of_child([] {
+              isolate();
+              MUST(refused(::unshare(CLONE_NEWUSER)));
+              MUST(refused(::syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, 0, 0, 0, 0)));
+              MUST(::syscall(SYS_clone3, nullptr, 0) < 0 && errno == ENOSYS);
+              MUST(refused(::syscall(SYS_execveat, AT_FDCWD, "/bin/true", nullptr, nullptr, 0)));
+              int made = 0;
+              std::thread([&] { made = 1; }).join();
+              MUST(made == 1);
             }),
             0);
 }

@@ -74,7 +74,6 @@ mesh::SectionSpec uniform_section(double width, int columns, double depth, int r
   section.rows = rows;
   section.bottom_cell = depth / rows;
   section.element = element;
-  section.growth = false;
   return section;
 }
 
@@ -250,8 +249,7 @@ material::AlloyCard metal_of(const StefanData& stefan) {
 /// No heat passes but through what the caller opens.
 CoolingSpec insulated() {
   CoolingSpec cooling;
-  cooling.water.enabled = false;
-  cooling.dry_coefficient = 0.0;
+  cooling.top = thermal::Top::held;
   cooling.bottom_block.contact_coefficient = Curve(0.0);
   cooling.bottom_block.temperature = Curve(0.0);
   return cooling;

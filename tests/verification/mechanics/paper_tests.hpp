@@ -5,13 +5,14 @@
 
 #include "core/mechanics/options.hpp"
 #include "core/mesh/section_spec.hpp"
+#include "tests/support/usual_options.hpp"
 #include "tests/verification/mechanics/figures.hpp"
 
 namespace dccast::verification {
 
 /// How one of the paper's tests is run.
 struct TestRun {
-  mechanics::Options options;
+  mechanics::Options options = testing::usual_options(1e-8);
   double dt = 0.0625;                                  ///< [s]
   int cells = 0;                                       ///< per side; 0: the paper's mesh
   mesh::ElementKind element = mesh::ElementKind::p1;

@@ -1,3 +1,4 @@
+#include "tests/support/usual_options.hpp"
 #include "tests/verification/mechanics/t1.hpp"
 
 #include <cmath>
@@ -256,7 +257,7 @@ T1Result solve(const T1Run& run) {
   result.solid_elements = run.columns * run.rows * per_cell;
   set_materials(body, run, result.solid_elements);
   load(body);
-  mechanics::Options options;
+  mechanics::Options options = testing::usual_options(1e-8);
   options.contact = false;
   body.problem.weight = weight * 2.0 * half_width * height;
   const auto outcome = body.step(options, 1.0);

@@ -1,3 +1,4 @@
+#include "tests/support/usual_options.hpp"
 #include "tests/verification/program/named_tests.hpp"
 
 #include <stdexcept>
@@ -9,13 +10,11 @@
 namespace dccast::verification {
 
 mechanics::Options options_of(const RunRequest& request) {
-  mechanics::Options options;
+  mechanics::Options options = testing::usual_options(request.tolerance.value_or(1e-8));
   options.algorithm = request.algorithm;
-  if (request.tolerance) options.tolerance = *request.tolerance;
   auto& p = options.parameters;
   p.plain = request.plain;
   p.increment_test = request.increment_test;
-  p.relaxation = 0.9;
   if (request.algorithm != mechanics::Algorithm::sbm) return options;
   p.gamma_p = 1e-6, p.lambda_p = 0.5e6;
   if (request.name.starts_with("hertz")) {

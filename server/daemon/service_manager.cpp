@@ -1,0 +1,93 @@
+#include "server/daemon/service_manager.hpp"
+
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdlib>
+#include <mutex>
+#include <utility>
+
+#include "server/jobs/log.hpp"
+
+namespace dccast::daemon {
+
+namespace {
+
+std::string take_variable(const char* name) {
+  const char* value = std::getenv(name);
+  const std::string taken = value == nullptr ? "" : value;
+  ::unsetenv(name);
+  return taken;
+}
+
+/// @return 0 when `text` is no number
+long long number(const std::string& text) {
+  long long value = 0;
+  const auto end = text.data() + text.size();
+  return std::from_chars(text.data(), end, value).ptr == end ? value : 0;
+}
+
+}  // namespace
+
+ServiceManager::ServiceManager()
+    : address_(take_variable("NOTIFY_SOCKET")), interval_(std::chrono::seconds(10)) {
+  const long long watchdog_us = number(take_variable("WATCHDOG_USEC"));
+  const std::string watched_process = take_variable("WATCHDOG_PID");
+  watched_ = watchdog_us > 0 && (watched_process.empty() || number(watched_process) == ::getpid());
+  if (watched_)
+    interval_ = std::clamp(Milliseconds(watchdog_us / 4000), Milliseconds(1), interval_);
+  if (address_.empty()) return;
+  if (address_.front() == '@') address_.front() = '\0';  // no file, a name that the kernel keeps
+  socket_ = storage::FileDescriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  // A manager that does not read does not hold up the end of the daemon.
+  constexpr timeval longest{.tv_sec = 1, .tv_usec = 0};
+  ::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
+}
+
+void ServiceManager::send(const std::string& lines) const {
+  if (address_.empty()) return;
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  const std::size_t length = std::min(address_.size(), sizeof to.sun_path);
+  std::copy_n(address_.begin(), length, to.sun_path);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
+  if (::sendto(socket_.get(), lines.data(), lines.size(), MSG_NOSIGNAL,
+               reinterpret_cast<const sockaddr*>(&to), size) < 0)
+    log::warn("the service manager cannot be reached: {}", ::strerror(errno));
+}
+
+void ServiceManager::ready(std::function<std::string(Milliseconds)> status) {
+  if (address_.empty()) return;
+  send("READY=1\nSTATUS=" + status(interval_));
+  reporter_ = std::jthread(
+      [this, status = std::move(status)](const std::stop_token& stop) { report(stop, status); });
+}
+
+void ServiceManager::report(const std::stop_token& stop,
+                            const std::function<std::string(Milliseconds)>& status) {
+  std::mutex mutex;
+  std::condition_variable_any ended;
+  std::unique_lock lock(mutex);
+  while (!ended.wait_for(lock, stop, interval_, [&] { return stop.stop_requested(); })) {
+    const std::string text = status(interval_);
+    if (text.empty())
+      log::error("the queue does not turn: no sign of life goes to the service manager");
+    else
+      send((watched_ ? "WATCHDOG=1\nSTATUS=" : "STATUS=") + text);
+  }
+}
+
+void ServiceManager::stopping(const std::string& why) {
+  reporter_ = {};
+  send("STOPPING=1\nSTATUS=" + why);
+}
+
+}  // namespace dccast::daemon
