@@ -14,6 +14,7 @@ add_compile_options(-pthread)
 # Hardened, as Debian builds its own packages; PIE is its compiler's default. Sanitizers look at the
 # same places themselves.
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT DCCAST_SANITIZE)
+  add_compile_options(-fstack-protector-strong -D_FORTIFY_SOURCE=2)
   add_link_options(-Wl,-z,relro -Wl,-z,now)
 endif()
 

@@ -17,7 +17,7 @@ struct DashboardOptions {
   bool open = false;
 };
 
-/// Whoever opens a dashboard that others can reach acts by its login, so that may only look.
+/// All who open a dashboard that others can reach act by its login, which therefore may only look.
 void require_viewer(Program& program) {
   Connection connection = program.connect();
   const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
@@ -37,6 +37,11 @@ web::Listening listening_of(const DashboardOptions& options, Program& program) {
                             "PEM files of a certificate for this name");
   require_viewer(program);
   const HostAndPort at = host_and_port(options.listen);
+  if (at.port.size() > 5 || at.port.find_first_not_of("0123456789") != std::string::npos ||
+      std::atoi(at.port.c_str()) > 65535)
+    throw CommandFailed(ExitCode::invalid, "--listen " + options.listen +
+                                               ": the port is not 1 to 65535; without one, a free "
+                                               "one is taken");
   return {.host = at.host,
           .port = at.port.empty() ? options.port : std::atoi(at.port.c_str()),
           .certificate = options.certificate,

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <set>
@@ -117,38 +118,8 @@ ExitCode run(const WaitOptions& options, Program& program) {
 }
 
 struct LabelOptions {
-  std::string id;
   std::vector<std::string> labels, remove;
-  bool json = false;
 };
-
-ExitCode update(Program& program, v1::UpdateJobRequest request, bool json) {
-  Connection connection = program.connect();
-  request.set_id(resolve_job(connection, request.id()));
-  const v1::Job job = connection.call(&Stub::UpdateJob, request);
-  if (json) {
-    std::cout << to_json(job).dump() << '\n';
-    return ExitCode::done;
-  }
-  std::cout << job.id();
-  for (const std::string& label : job.labels()) std::cout << ' ' << label;
-  std::cout << (job.pinned() ? " (pinned)\n" : "\n");
-  return ExitCode::done;
-}
-
-void add_pin_command(cli::CommandLine& line, Program& program, const char* name,
-                     const char* description, const char* example, bool pinned) {
-  const auto options = std::make_shared<LabelOptions>();
-  const cli::Command command = line.command(name, description, example);
-  command.option("JOB", options->id, job_help).required();
-  command.json(options->json);
-  command.action([options, pinned, &program] {
-    v1::UpdateJobRequest request;
-    request.set_id(options->id);
-    request.set_pinned(pinned);
-    return update(program, request, options->json);
-  });
-}
 
 struct DeleteOptions {
   std::vector<std::string> ids;
@@ -227,18 +198,21 @@ std::string new_state(const v1::Job& job) {
 
 /// Adds a command that makes one call about one job and prints the job. The request holds the
 /// options: JOB, and those that the caller adds to the returned command.
-/// @param text  formats the job as text; --json prints all of it
+/// @param text      formats the job as text; --json prints all of it
+/// @param complete  sets what an option cannot write into the request itself
 template <typename Request>
 cli::Command add_job_command(cli::CommandLine& line, Program& program, const JobCommand& about,
                              grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
                                                           v1::Job*),
                              std::shared_ptr<Request> request,
-                             std::string (*text)(const v1::Job&) = new_state) {
+                             std::string (*text)(const v1::Job&) = new_state,
+                             std::function<void(Request&)> complete = nullptr) {
   const cli::Command command = line.command(about.name, about.description, about.example);
   const auto json = std::make_shared<bool>(false);
   command.option("JOB", *request->mutable_id(), job_help).required();
   command.json(*json);
   command.action([=, &program] {
+    if (complete) complete(*request);
     Connection connection = program.connect();
     request->set_id(resolve_job(connection, request->id()));
     v1::Job job = about.repeatable ? connection.call(method, *request)
@@ -249,6 +223,20 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
     return ExitCode::done;
   });
   return command;
+}
+
+/// "0f2b9a4e-... line=3 (pinned)", one line: the output of commands that mark a job.
+std::string marks_of(const v1::Job& job) {
+  std::string text = job.id();
+  for (const std::string& label : job.labels()) text += " " + label;
+  return text + (job.pinned() ? " (pinned)\n" : "\n");
+}
+
+void add_pin_command(cli::CommandLine& line, Program& program, const JobCommand& about,
+                     bool pinned) {
+  const auto request = std::make_shared<v1::UpdateJobRequest>();
+  request->set_pinned(pinned);
+  add_job_command(line, program, about, &Stub::UpdateJob, request, marks_of);
 }
 
 }  // namespace
@@ -323,32 +311,29 @@ void add_delete(cli::CommandLine& line, Program& program) {
 
 void add_label(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<LabelOptions>();
-  const cli::Command command = line.command(
-      "label", "Change the labels of a job of yours: key=value takes the place of that key",
-      "dccast label JOB line=3 checked\n  dccast label JOB --remove line");
-  command.option("JOB", options->id, job_help).required();
+  const cli::Command command = add_job_command<v1::UpdateJobRequest>(
+      line, program,
+      {"label", "Change the labels of a job of yours: key=value takes the place of that key",
+       "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
+      &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), marks_of,
+      [options](v1::UpdateJobRequest& request) {
+        request.mutable_set_labels()->Assign(options->labels.begin(), options->labels.end());
+        request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
+      });
   command.option("LABEL", options->labels, "Labels to be added");
   command
       .option("--remove", options->remove, "Labels, or keys of labels, to be removed; repeatable")
       .comma_separated()
       .one_value_each();
-  command.json(options->json);
-  command.action([options, &program] {
-    v1::UpdateJobRequest request;
-    request.set_id(options->id);
-    request.mutable_set_labels()->Assign(options->labels.begin(), options->labels.end());
-    request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
-    return update(program, request, options->json);
-  });
 }
 
 void add_pin(cli::CommandLine& line, Program& program) {
-  add_pin_command(line, program, "pin", "Keep a job when the server deletes old ones",
-                  "dccast pin JOB", true);
+  add_pin_command(line, program,
+                  {"pin", "Keep a job when the server deletes old ones", "dccast pin JOB"}, true);
 }
 
 void add_unpin(cli::CommandLine& line, Program& program) {
-  add_pin_command(line, program, "unpin", "Undo pin", "dccast unpin JOB", false);
+  add_pin_command(line, program, {"unpin", "Undo pin", "dccast unpin JOB"}, false);
 }
 
 void add_show(cli::CommandLine& line, Program& program) {

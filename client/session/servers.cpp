@@ -53,12 +53,6 @@ toml::table table_of(const StoredServer& server) {
   return table;
 }
 
-std::string host_name() {
-  std::array<char, 200> name{};
-  ::gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 [[noreturn]] void fail(const fs::path& file, const std::string& what) {
   throw CommandFailed(ExitCode::invalid, file.string() + ": " + what);
 }
@@ -170,7 +164,7 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
   Connection connection(server.endpoint, interruption);
   v1::EnrolRequest request;
   request.set_secret(line.secret);
-  request.set_machine(host_name());
+  request.set_machine(name_of_this_machine());
   v1::EnrolResponse response;
   const grpc::Status status = connection.try_once(&Stub::Enrol, request, response);
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {

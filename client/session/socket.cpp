@@ -61,6 +61,12 @@ HostAndPort host_and_port(const std::string& address) {
   return parts;
 }
 
+std::string name_of_this_machine() {
+  std::array<char, 256> name{};
+  ::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
 Socket::Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 Socket::~Socket() {

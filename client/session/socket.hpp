@@ -13,6 +13,8 @@ struct HostAndPort {
 };
 HostAndPort host_and_port(const std::string& address);
 
+std::string name_of_this_machine();
+
 /// A TCP connection with a time limit for each step. Neither gRPC nor a proxy is involved.
 class Socket {
 public:

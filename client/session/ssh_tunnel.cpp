@@ -15,7 +15,7 @@
 #include <iostream>
 #include <regex>
 
-#include "client/session/failure.hpp"
+#include "client/session/connection.hpp"
 
 namespace dccast::client {
 namespace {
@@ -29,8 +29,8 @@ std::vector<std::string> command_for(const std::string& server) {
     throw CommandFailed(ExitCode::invalid, "--server " + server +
                                                ": write ssh://[USER@]HOST[:SSH_PORT][/PORT], where "
                                                "PORT is that of dccastd on HOST (7117)");
-  std::vector<std::string> command{"ssh", "-T", "-W",
-                                   "127.0.0.1:" + (parts[3].matched ? parts[3].str() : "7117")};
+  const std::string port = parts[3].matched ? ":" + parts[3].str() : default_port;
+  std::vector<std::string> command{"ssh", "-T", "-W", "127.0.0.1" + port};
   if (parts[2].matched) command.insert(command.end(), {"-p", parts[2].str()});
   command.insert(command.end(), {"--", parts[1].str()});
   return command;

@@ -1,29 +1,21 @@
 #include "client/web/entrance.hpp"
 
 #include <openssl/crypto.h>
-#include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
 #include <algorithm>
-#include <array>
 
-#include "client/session/failure.hpp"
 #include "client/session/socket.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::client::web {
 namespace {
 
 constexpr std::size_t most_keys = 16;  // that are waiting to be used
 
-/// 256 random bits in hexadecimal digits.
+/// 256 random bits.
 std::string secret() {
-  std::array<unsigned char, 32> bytes;
-  if (RAND_bytes(bytes.data(), bytes.size()) != 1)
-    throw CommandFailed(ExitCode::invalid, "no random numbers are to be had for the session's key");
-  std::string text;
-  for (const unsigned char byte : bytes)
-    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
+  return values::random_hexadecimal(32);
 }
 
 /// In a time that does not depend on where they differ.

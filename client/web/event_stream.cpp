@@ -11,7 +11,8 @@ namespace dccast::client::web {
 namespace {
 
 constexpr std::size_t most_waiting = 1000;  // events that a slow browser has not taken
-// So often a comment tells whether the browser is still there, and a server that stops is noticed.
+// At this interval a comment shows whether the browser is still there, and a server that stops is
+// noticed.
 constexpr std::chrono::milliseconds pulse{500};
 
 }  // namespace

@@ -1,13 +1,12 @@
 #include "client/web/web_server.hpp"
 
 #include <httplib.h>
-#include <unistd.h>
 
-#include <array>
 #include <chrono>
 #include <thread>
 
 #include "client/model/json.hpp"
+#include "client/session/socket.hpp"
 #include "client/web/entrance.hpp"
 
 namespace dccast::client::web {
@@ -47,13 +46,6 @@ int status_of(ExitCode code) {
     default:
       return 502;  // the server of the jobs, not this one
   }
-}
-
-/// The name for addresses of a server that listens on all of this machine's.
-std::string name_of_this_machine() {
-  std::array<char, 256> name{};
-  ::gethostname(name.data(), name.size() - 1);
-  return name.data();
 }
 
 std::unique_ptr<httplib::Server> server_for(const Listening& listening) {

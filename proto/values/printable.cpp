@@ -57,11 +57,11 @@ std::string hexadecimal(const char* format, std::uint32_t code) {
 
 std::string name_of(const Character& c) {
   if (!c.is_utf8) return hexadecimal("the byte 0x%02X, which is no UTF-8,", c.code);
-  static constexpr std::array names{std::pair{0x00u, "NUL"}, std::pair{0x09u, "tab"},
-                                    std::pair{0x0Au, "line feed"},
-                                    std::pair{0x0Du, "carriage return"}, std::pair{0x1Bu, "ESC"},
-                                    std::pair{0x7Fu, "DEL"}, std::pair{0x9Bu, "CSI"},
-                                    std::pair{0x9Du, "OSC"}};
+  static constexpr std::array names{
+      std::pair{0x00u, "NUL"},       std::pair{0x09u, "tab"},
+      std::pair{0x0Au, "line feed"}, std::pair{0x0Du, "carriage return"},
+      std::pair{0x1Bu, "ESC"},       std::pair{0x7Fu, "DEL"},
+      std::pair{0x9Bu, "CSI"},       std::pair{0x9Du, "OSC"}};
   std::string name = hexadecimal("U+%04X", c.code);
   for (const auto& [code, known] : names)
     if (code == c.code) name.append(" (").append(known).append(")");
@@ -114,6 +114,15 @@ std::size_t whole_characters(std::string_view text, std::size_t limit) {
 }
 
 }  // namespace
+
+std::string escaped_in_quotes(std::string_view text) {
+  std::string quotable;
+  for (const char c : escaped(text)) {
+    if (c == '"' || c == '\\') quotable += '\\';
+    quotable += c;
+  }
+  return quotable;
+}
 
 std::string shortened(std::string_view text, std::size_t limit) {
   const std::size_t line = std::min(text.find('\n'), text.size());

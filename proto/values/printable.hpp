@@ -22,6 +22,9 @@ std::optional<std::size_t> first_broken_utf8(std::string_view text);
 /// The result is UTF-8.
 std::string escaped(std::string_view text, Lines lines = Lines::one);
 
+/// escaped(), for between quotation marks: '"' and '\\' have a backslash before them.
+std::string escaped_in_quotes(std::string_view text);
+
 /// Largest part of a value that a message repeats [bytes].
 inline constexpr std::size_t longest_echo = 60;
 

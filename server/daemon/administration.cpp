@@ -18,6 +18,7 @@
 #include "core/storage/storage_error.hpp"
 #include "server/access/certificates.hpp"
 #include "server/access/users.hpp"
+#include "server/service/listener.hpp"
 #include "server/state/state_folder.hpp"
 
 namespace dccast::daemon {
@@ -84,12 +85,6 @@ access::Certificate read(const fs::path& file) {
   return access::read_certificate(storage::read_file(file), file.string());
 }
 
-std::string host_of(const std::string& address) {
-  std::string host = address.substr(0, address.rfind(':'));
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return host;
-}
-
 bool is_any(const std::string& host) {
   return host.empty() || host == "0.0.0.0" || host == "::";
 }
@@ -98,7 +93,7 @@ bool is_any(const std::string& host) {
 std::vector<std::string> server_names(const v1::DaemonConfig& config) {
   auto names = access::names_of_this_machine();
   for (const std::string& address : {config.listen_tls(), config.public_address()}) {
-    const std::string host = host_of(address);
+    const std::string host = service::host_and_port(address).host;
     if (!is_any(host) && std::find(names.begin(), names.end(), host) == names.end())
       names.insert(names.begin(), host);
   }
@@ -113,7 +108,7 @@ std::string reached_at(const v1::DaemonConfig& config) {
     throw Refused(
         "listen_tls is not set: no one could log in. Set it in the settings, e.g. listen_tls = "
         "\"0.0.0.0:7118\", restart dccastd, and name the settings here, too (--config)");
-  if (!is_any(host_of(listen))) return listen;
+  if (!is_any(service::host_and_port(listen).host)) return listen;
   return access::names_of_this_machine().front() + listen.substr(listen.rfind(':'));
 }
 

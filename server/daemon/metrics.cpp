@@ -36,12 +36,8 @@ std::string number(double value) {
 std::string text_of(const Labels& labels) {
   std::string text;
   for (const auto& [name, value] : labels) {
-    text += (text.empty() ? "{" : ",") + std::string(name) + "=\"";
-    for (const char c : values::escaped(value)) {
-      if (c == '"' || c == '\\') text += '\\';
-      text += c;
-    }
-    text += '"';
+    text += (text.empty() ? "{" : ",") + std::string(name) + "=\"" +
+            values::escaped_in_quotes(value) + "\"";
   }
   return text.empty() ? text : text + "}";
 }
@@ -223,16 +219,14 @@ MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
       response.status = 500;
     }
   });
-  const auto colon = address.rfind(':');
-  std::string host = address.substr(0, colon);
-  if (host.starts_with('[')) host = host.substr(1, host.size() - 2);
-  int port = std::stoi(address.substr(colon + 1));
+  const auto named = service::host_and_port(address);
+  int port = std::stoi(named.port);
   if (port == 0)
-    port = server.bind_to_any_port(host.c_str());
-  else if (!server.bind_to_port(host.c_str(), port))
+    port = server.bind_to_any_port(named.host);
+  else if (!server.bind_to_port(named.host, port))
     port = -1;
   if (port < 0) throw std::runtime_error("cannot listen on " + address + " for metrics");
-  address_ = address.substr(0, colon) + ":" + std::to_string(port);
+  address_ = address.substr(0, address.rfind(':') + 1) + std::to_string(port);
   listener_->thread = std::jthread([&server] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

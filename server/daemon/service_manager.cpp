@@ -11,22 +11,15 @@
 #include <charconv>
 #include <condition_variable>
 #include <cstddef>
-#include <cstdlib>
 #include <mutex>
 #include <utility>
 
 #include "server/jobs/log.hpp"
+#include "server/jobs/worker_process.hpp"
 
 namespace dccast::daemon {
 
 namespace {
-
-std::string take_variable(const char* name) {
-  const char* value = std::getenv(name);
-  const std::string taken = value == nullptr ? "" : value;
-  ::unsetenv(name);
-  return taken;
-}
 
 /// @return 0 when `text` is no number
 long long number(const std::string& text) {
@@ -38,9 +31,9 @@ long long number(const std::string& text) {
 }  // namespace
 
 ServiceManager::ServiceManager()
-    : address_(take_variable("NOTIFY_SOCKET")), interval_(std::chrono::seconds(10)) {
-  const long long watchdog_us = number(take_variable("WATCHDOG_USEC"));
-  const std::string watched_process = take_variable("WATCHDOG_PID");
+    : address_(jobs::take_variable("NOTIFY_SOCKET")), interval_(std::chrono::seconds(10)) {
+  const long long watchdog_us = number(jobs::take_variable("WATCHDOG_USEC"));
+  const std::string watched_process = jobs::take_variable("WATCHDOG_PID");
   watched_ = watchdog_us > 0 && (watched_process.empty() || number(watched_process) == ::getpid());
   if (watched_)
     interval_ = std::clamp(Milliseconds(watchdog_us / 4000), Milliseconds(1), interval_);

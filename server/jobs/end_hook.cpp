@@ -93,9 +93,7 @@ void EndHook::run_program(const v1::Job& job, const std::stop_token& stop) const
   if (!status)
     log::error("job {}: {} was killed after {} s at most", job.id(), program_, longest_.count());
   else if (*status != 0)
-    log::warn("job {}: {} ended with {}", job.id(), program_,
-              WIFEXITED(*status) ? "exit code " + std::to_string(WEXITSTATUS(*status))
-                                 : "signal " + std::to_string(WTERMSIG(*status)));
+    log::warn("job {}: {} ended with {}", job.id(), program_, describe_exit(*status));
 }
 
 }  // namespace dccast::jobs

@@ -33,18 +33,9 @@ int severity(Level level) {
   return 6;
 }
 
-std::string json_text(std::string_view printable) {
-  std::string text;
-  for (const char c : printable) {
-    if (c == '"' || c == '\\') text += '\\';
-    text += c;
-  }
-  return text;
-}
-
 std::string line_of(Level level, std::string_view message) {
+  if (format_of_lines == Format::json) return values::escaped_in_quotes(message);
   std::string printable = values::escaped(message);
-  if (format_of_lines == Format::json) return json_text(printable);
   if (format_of_lines == Format::journal) return fmt::format("<{}>{}", severity(level), printable);
   return printable;
 }

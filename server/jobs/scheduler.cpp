@@ -100,8 +100,9 @@ void Scheduler::charge_recent_use() {
 }
 
 void Scheduler::learn_from_ended_jobs() {
-  auto ended = store_.list({.states = {v1::SUCCEEDED}});
-  for (const JobRecord& record : ended | std::views::reverse) forecast_.learn(record.job);
+  const auto ended = store_.list({.states = {v1::SUCCEEDED}});
+  std::for_each(ended.rbegin(), ended.rend(),
+                [this](const JobRecord& record) { forecast_.learn(record.job); });
 }
 
 void Scheduler::start() {

@@ -123,6 +123,13 @@ std::string describe_exit(int wait_status) {
   return "exit code " + std::to_string(WEXITSTATUS(wait_status));
 }
 
+std::string take_variable(const char* name) {
+  const char* value = ::getenv(name);
+  std::string text = value == nullptr ? "" : value;
+  ::unsetenv(name);
+  return text;
+}
+
 WorkerProcess::WorkerProcess(const std::filesystem::path& program,
                              const std::filesystem::path& scratch)
     : name_(program.filename().string()) {

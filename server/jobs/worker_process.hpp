@@ -109,4 +109,7 @@ private:
 /// "signal 11 (Segmentation fault)".
 std::string describe_exit(int wait_status);
 
+/// Takes a variable out of the environment, so that no child inherits it. @return empty: not set
+std::string take_variable(const char* name);
+
 }  // namespace dccast::jobs

@@ -37,9 +37,9 @@ std::string host_of(const std::string& address) {
 }
 
 /// "localhost" is 127.0.0.1: one socket, and every client tries that one too.
-std::string numeric_host_of(const std::string& address) {
+std::string numeric(const std::string& address) {
   const std::string host = host_of(address);
-  return host == "localhost" ? "127.0.0.1" : host;
+  return host == "localhost" ? "127.0.0.1" + address.substr(host.size()) : address;
 }
 
 [[noreturn]] void fail(const std::string& address, const std::string& reason) {
@@ -50,13 +50,11 @@ std::string numeric_host_of(const std::string& address) {
 using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
 
 Addresses resolve(const std::string& address) {
-  std::string host = numeric_host_of(address);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  const auto [host, port] = host_and_port(numeric(address));
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  const std::string port = address.substr(address.rfind(':') + 1);
   const int error = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
   if (error != 0) fail(address, ::gai_strerror(error));
   return {found, &::freeaddrinfo};
@@ -99,6 +97,12 @@ int port_in_use(int socket) {
 
 }  // namespace
 
+HostAndPort host_and_port(const std::string& address) {
+  std::string host = host_of(address);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return {std::move(host), address.substr(address.rfind(':') + 1)};
+}
+
 bool is_loopback(const std::string& address) {
   const std::string host = host_of(address);
   return host == "localhost" || host == "[::1]" ||
@@ -115,7 +119,7 @@ Listener::Listener(const std::string& address) : ended_(::eventfd(0, EFD_CLOEXEC
   if (::bind(socket_.get(), found->ai_addr, found->ai_addrlen) != 0 ||
       ::listen(socket_.get(), SOMAXCONN) != 0)
     fail(address, ::strerror(errno));
-  address_ = numeric_host_of(address) + ":" + std::to_string(port_in_use(socket_.get()));
+  address_ = host_of(numeric(address)) + ":" + std::to_string(port_in_use(socket_.get()));
 }
 
 Listener::~Listener() {
@@ -147,8 +151,8 @@ void Listener::run() {
   }
 }
 
-/// One whose connection was ended for what it sent comes back at once. Each such end costs the next
-/// connection a moment, whoever's it is: there is no telling local clients apart by their address.
+/// A client whose connection was ended for what it sent comes back at once. Each such end delays
+/// the next connection, whichever client it is from: local ones have the same address.
 void Listener::pace() {
   constexpr std::chrono::milliseconds per_ended{25};
   constexpr int most_at_once = 8;

@@ -15,6 +15,12 @@
 
 namespace dccast::service {
 
+/// "127.0.0.1:7117" or "[::1]:7117" in its parts, the host without brackets.
+struct HostAndPort {
+  std::string host, port;
+};
+HostAndPort host_and_port(const std::string& address);
+
 /// Whether clients on other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
 /// "localhost:7117").
 bool is_loopback(const std::string& address);

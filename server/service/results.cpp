@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -173,7 +172,7 @@ void write_case_file(const std::filesystem::path& folder, const std::filesystem:
   v1::Case submitted;
   if (!submitted.ParseFromString(jobs::read_job_description(folder).submitted_case))
     throw std::runtime_error("the description of the job cannot be read");
-  std::ofstream(path) << case_file::to_toml(submitted);
+  storage::write_file(path, case_file::to_toml(submitted));
 }
 
 /// What a job of any state may have beside its results, as it is now.

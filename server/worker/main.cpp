@@ -24,6 +24,7 @@
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/jobs/worker_order.hpp"
+#include "server/jobs/worker_process.hpp"
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
@@ -36,13 +37,6 @@ namespace {
 constexpr int exit_not_begun = 1;
 constexpr int exit_usage = 2;
 constexpr int exit_daemon_gone = 70;
-
-std::string take_variable(const char* name) {
-  const char* value = ::getenv(name);
-  std::string text = value == nullptr ? "" : value;
-  ::unsetenv(name);
-  return text;
-}
 
 int refuse_to_run_alone() {
   std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
@@ -219,7 +213,7 @@ int main(int argc, char** argv) {
   try {
     if (argc == 4 && argv[1] == std::string("--run"))
       return run_ordered(argv[2], std::atoi(argv[3]));
-    const std::string parent = take_variable("DCCAST_WORKER_PARENT");
+    const std::string parent = jobs::take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) return refuse_to_run_alone();
     const std::string scratch = take_variable("DCCAST_WORKER_SCRATCH");
     return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;

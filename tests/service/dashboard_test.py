@@ -185,6 +185,10 @@ class Others(ClientTest):
         other_name = self.dccast("dashboard", "--listen", "127.0.0.1", *self.words)
         self.assertEqual(other_name.returncode, 2)
         self.assertIn("is not for 127.0.0.1", other_name.stderr)
+        for port in ("7x", "65536", "-1"):
+            refused = self.dccast("dashboard", "--listen", "localhost:" + port, *self.words)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("1 to 65535", refused.stderr)
         wrong_key = self.dccast("dashboard", "--listen", "localhost", "--certificate",
                                 self.ca.key, "--key", self.ca.key)
         self.assertEqual(wrong_key.returncode, 2)
@@ -295,6 +299,11 @@ class InBrowser(Dashboard):
             return any(text in element.text for element in found)
         WebDriverWait(self.browser, seconds, ignored_exceptions=[Exception]).until(there)
 
+    def another(self):
+        return self.browser.execute_async_script(
+            "const done = arguments[0];"
+            "fetch('/another/', {method: 'POST'}).then(r => r.json()).then(r => done(r.address));")
+
     def complaints(self):
         return [entry["message"] for entry in self.browser.get_log("browser")
                 if entry["level"] == "SEVERE" and "favicon" not in entry["message"]
@@ -358,11 +367,6 @@ class Pages(InBrowser):
                 ? requestAnimationFrame(() => done(performance.now() - from)) : setTimeout(look, 5);
               look(); }, 300);""")
         print(f"\n1,000 jobs are listed in {took:.0f} ms")
-
-    def another(self):
-        return self.browser.execute_async_script(
-            "const done = arguments[0];"
-            "fetch('/another/', {method: 'POST'}).then(r => r.json()).then(r => done(r.address));")
 
     def test_it_comes_back_with_its_servers(self):
         self.wait_for("No jobs yet")

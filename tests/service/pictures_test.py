@@ -110,11 +110,6 @@ class Pictures(InBrowser):
                            capture_output=True, timeout=180, check=True)
             self.seen("paraview-slab.png")
 
-    def another(self):
-        return self.browser.execute_async_script(
-            "const done = arguments[0];"
-            "fetch('/another/', {method: 'POST'}).then(r => r.json()).then(r => done(r.address));")
-
 
 class Pages(InBrowser):
     def test_pages_show_no_other_pictures(self):

@@ -33,6 +33,9 @@ class Hardening(unittest.TestCase):
     def test_stack_is_not_executable(self):
         self.of_each("--program-headers", r"GNU_STACK.* RW +0x")
 
+    def test_overwritten_stacks_and_buffers_are_detected(self):
+        self.of_each("--dyn-syms", r" __stack_chk_fail@", r" __[a-z_]+_chk@")
+
 
 if __name__ == "__main__":
     unittest.main()

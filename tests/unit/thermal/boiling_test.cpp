@@ -12,12 +12,7 @@ namespace dccast::thermal {
 namespace {
 
 Water start_up_water(double temperature = 25.0) {
-  Water water;
-  water.enabled = true;
-  water.from = 0.065;
-  water.critical_heat_flux = 4e6;
-  water.film_boiling_coefficient = 500.0;
-  water.film_boiling_above = 350.0;
+  Water water = testing::water();
   water.temperature = Curve(temperature);
   water.boiling_follows_flow = true;
   water.wetting = testing::wetting();
@@ -46,9 +41,9 @@ TEST(Boiling, FollowsTheFlow) {
   EXPECT_NEAR((rewetting_temperature(water.wetting, whole) - 250.0) /
                   (rewetting_temperature(water.wetting, half) - 250.0),
               std::sqrt(2.0), 1e-14);
-  EXPECT_NEAR(film_coefficient(water.wetting, whole, 0.0) /
-                  film_coefficient(water.wetting, half, 0.0),
-              std::sqrt(2.0), 1e-14);
+  EXPECT_NEAR(
+      film_coefficient(water.wetting, whole, 0.0) / film_coefficient(water.wetting, half, 0.0),
+      std::sqrt(2.0), 1e-14);
   EXPECT_EQ(rewetting_temperature(water.wetting, film(0.1)), 600.0) << "the limit";
 }
 
@@ -158,7 +153,8 @@ protected:
 };
 
 TEST_F(StartUp, LittleWaterStaysUnderItsFilmAndMuchWets) {
-  const Outcome little = run(start_up_water(), 0.5e-3, 4.0), much = run(start_up_water(), 3e-3, 4.0);
+  const Outcome little = run(start_up_water(), 0.5e-3, 4.0),
+                much = run(start_up_water(), 3e-3, 4.0);
   EXPECT_LT(little.worst_balance, 1e-10);
   EXPECT_LT(much.worst_balance, 1e-10);
   EXPECT_GT(much.side, 3.0 * little.side);
@@ -190,7 +186,8 @@ TEST_F(StartUp, NoFaceGivesOffMoreThanItsWaterTakes) {
         input.water_flow = flow;
         const HeatStepOutcome outcome = solver.step(field, input);
         ASSERT_TRUE(outcome.converged) << flow << ' ' << step;
-        const double capacity = flow * water_density * (water_specific_heat * 75.0 + evaporation_heat);
+        const double capacity =
+            flow * water_density * (water_specific_heat * 75.0 + evaporation_heat);
         EXPECT_NEAR(outcome.water[0].capacity, capacity, 1e-9 * capacity);
         EXPECT_LE(outcome.water[0].taken, capacity * (1.0 + 1e-12)) << flow << ' ' << step;
         EXPECT_LT(outcome.balance.error, 1e-10);

@@ -48,6 +48,18 @@ inline Wetting wetting() {
           .evaporation_from = 80.0};
 }
 
+/// Jet and film of a start, of no temperature yet.
+inline Water water() {
+  Water water;
+  water.enabled = true;
+  water.from = 0.065;
+  water.critical_heat_flux = 4e6;
+  water.film_boiling_coefficient = 500.0;
+  water.film_boiling_above = 350.0;
+  water.pulse_share = 0.5;
+  return water;
+}
+
 inline CoolingSpec casting_cooling() {
   CoolingSpec cooling;
   cooling.zones.resize(2);
@@ -58,13 +70,8 @@ inline CoolingSpec casting_cooling() {
   cooling.zones[1].to = 0.065;
   cooling.zones[1].liquid_coefficient = Curve(150.0);
   cooling.zones[1].solid_coefficient = Curve(150.0);
-  cooling.water.enabled = true;
-  cooling.water.from = 0.065;
+  cooling.water = water();
   cooling.water.temperature = Curve(25.0);
-  cooling.water.critical_heat_flux = 4e6;
-  cooling.water.film_boiling_coefficient = 500.0;
-  cooling.water.film_boiling_above = 350.0;
-  cooling.water.pulse_share = 0.5;
   cooling.dry_coefficient = 20.0;
   cooling.ambient_temperature = 25.0;
   cooling.top = Top::held;

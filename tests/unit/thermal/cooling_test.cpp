@@ -1,5 +1,7 @@
 #include "core/thermal/cooling.hpp"
 
+#include "tests/unit/thermal/casting_case.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,12 +11,7 @@ namespace dccast::thermal {
 namespace {
 
 Water wet_side() {
-  Water water;
-  water.enabled = true;
-  water.from = 0.065;
-  water.critical_heat_flux = 4e6;
-  water.film_boiling_coefficient = 500.0;
-  water.film_boiling_above = 350.0;
+  Water water = testing::water();
   water.temperature = Curve(20.0);
   return water;
 }
@@ -133,8 +130,11 @@ TEST(BottomBlock, GoesFromContactThroughTheGap) {
 
 /// Slab, block and water exchange what each gains and loses.
 TEST(BottomBlock, HeatOfAWetGapAddsUp) {
-  const BottomPlace place{
-      .coefficient = 300.0, .block = 150.0, .compliance = 2e-4, .wet_coefficient = 900.0, .water = 25.0};
+  const BottomPlace place{.coefficient = 300.0,
+                          .block = 150.0,
+                          .compliance = 2e-4,
+                          .wet_coefficient = 900.0,
+                          .water = 25.0};
   const BottomFlux flux = bottom_flux({}, place, {500.0, 0.0});
   const double block = place.block + place.compliance * flux.into_block;
   const double into_water = 900.0 * (500.0 - 25.0) + 900.0 * (block - 25.0);

@@ -10,12 +10,7 @@ namespace dccast::thermal {
 namespace {
 
 Water water() {
-  Water w;
-  w.enabled = true;
-  w.from = 0.065;
-  w.critical_heat_flux = 4e6;
-  w.film_boiling_coefficient = 500.0;
-  w.film_boiling_above = 350.0;
+  Water w = testing::water();
   w.temperature = Curve(25.0);
   w.boiling_follows_flow = true;
   w.wetting = testing::wetting();
