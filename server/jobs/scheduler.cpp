@@ -5,7 +5,6 @@
 #include "server/jobs/log.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "server/jobs/events.hpp"

@@ -215,7 +215,7 @@ int main(int argc, char** argv) {
       return run_ordered(argv[2], std::atoi(argv[3]));
     const std::string parent = jobs::take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) return refuse_to_run_alone();
-    const std::string scratch = take_variable("DCCAST_WORKER_SCRATCH");
+    const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
     return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
