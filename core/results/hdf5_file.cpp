@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <new>
 #include <numeric>
 
 #include "core/storage/storage_error.hpp"
@@ -31,7 +32,8 @@ struct LibraryError {
   int system_code = EIO;
 };
 
-herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
+/// Called with the library's lock held, which an exception would leave locked for ever.
+herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) try {
   auto& error = *static_cast<LibraryError*>(into);
   // The rest repeats time, file and buffer; the error number is reported separately.
   if (depth == 0)
@@ -43,6 +45,9 @@ herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
   if (const auto at = text.find(key); at != std::string::npos)
     error.system_code = std::atoi(text.c_str() + at + key.size());
   return 0;
+} catch (const std::bad_alloc&) {
+  static_cast<LibraryError*>(into)->system_code = ENOMEM;
+  return -1;
 }
 
 LibraryError last_error() {

@@ -219,7 +219,7 @@ int main(int argc, char** argv) {
     return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
-    return jobs::exit_out_of_memory;
+    ::_exit(jobs::exit_out_of_memory);  // libraries that lacked memory may never end orderly
   } catch (const std::exception& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
     return exit_not_begun;

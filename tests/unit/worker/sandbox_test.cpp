@@ -57,7 +57,7 @@ bool has_landlock() {
   return ::syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0;
 }
 
-class SandboxTest : public testing::Test {
+class SandboxTest : public ::testing::Test {
 protected:
   SandboxTest() {
     fs::create_directories(own_);
