@@ -163,9 +163,7 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
   v1::WorkerRequest request;
   request.mutable_name_solver();
   try {
-    auto answer = workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
-    log::info("workers: {}", answer.sandbox());
-    return answer;
+    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     log::warn("queries are answered by a run each time: {}", error.what());
@@ -439,6 +437,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   const jobs::Retention retention(retention_options(config, directory), store, scheduler);
   const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
   log_address(config, listener.address(), tls.address(), directory);
+  log::info("workers: {}", worker.sandbox());
   serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
                      workers);
   return 0;
