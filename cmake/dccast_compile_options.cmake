@@ -36,3 +36,6 @@ if(DCCAST_SANITIZE)
   add_compile_options(-fsanitize=${kinds} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${kinds})
 endif()
+if(DCCAST_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # counts what a text reaches: tests/fuzz
+endif()

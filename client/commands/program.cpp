@@ -40,6 +40,7 @@ ExitCode run(const InfoOptions& options, Program& program) {
             << info.paused() << "\nlargest  " << info.maximum_message_bytes()
             << " bytes of case and attachments\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
+  if (!info.worker_sandbox().empty()) std::cout << "sandbox  " << info.worker_sandbox() << '\n';
   if (!info.storage_fault().empty())
     std::cout << "held     " << info.storage_fault() << "; no job starts until this is fixed\n";
   if (info.quarantined() > 0)

@@ -148,7 +148,8 @@ EnrolmentLine read_enrolment_line(const std::string& line) {
       second == std::string::npos ? "" : words.substr(first + 1, second - first - 1);
   constexpr std::size_t digits = 64;
   if (!fingerprint.starts_with(sha256_begins) ||
-      fingerprint.size() != std::strlen(sha256_begins) + digits)
+      fingerprint.size() != std::strlen(sha256_begins) + digits || first == 0 ||
+      second + 1 == words.size())
     throw CommandFailed(ExitCode::invalid, "\"" + values::escaped(values::shortened(line)) +
                                                "\" is not the line of `dccastd user add`: "
                                                "HOST:PORT/sha256:FINGERPRINT/SECRET");

@@ -286,8 +286,10 @@ private:
     return {RunEnd::cancelled, {}};
   }
 
-  /// The files are kept: the run continues from them once the disk can be written again.
+  /// The files are kept: the run continues from them once the disk can be written again. Called
+  /// where the error is caught; one of memory is no disk's, and goes on.
   RunOutcome with_storage_failure(const std::system_error& error) {
+    if (error.code() == std::errc::not_enough_memory) throw;
     run_->fail({FailureKind::storage, error.what(), run_->time(), 0.0, {}, {}});
     return {RunEnd::failed, run_->failures()};
   }

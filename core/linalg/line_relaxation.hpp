@@ -47,7 +47,7 @@ public:
     }
     for (auto& of : lower) {
       std::ranges::sort(of);
-      of.erase(std::ranges::unique(of).begin(), of.end());
+      of.erase(std::unique(of.begin(), of.end()), of.end());
       pair_line_.insert(pair_line_.end(), of.begin(), of.end());
       pair_start_.push_back(pair_line_.size());
     }

@@ -98,6 +98,10 @@ private:
   std::string section_ = "MeshFormat";
 };
 
+/// Of one entity. Each of its elements has them all, so that without a bound a file of a megabyte
+/// could ask for gigabytes.
+constexpr std::size_t most_groups = 100;
+
 /// Physical groups of the geometrical entities, by dimension and tag (4.1 only).
 using EntityGroups = std::map<std::pair<int, int>, std::vector<int>>;
 
@@ -117,7 +121,11 @@ void read_entities(Scanner& scan, EntityGroups& groups) {
       const int tag = scan.number<int>();
       scan.skip(dimension == 0 ? 3 : 6);  // position or bounding box
       auto& of_entity = groups[{dimension, tag}];
-      for (std::size_t i = scan.count(); i > 0; --i) of_entity.push_back(scan.number<int>());
+      const std::size_t added = scan.count();
+      if (of_entity.size() + added > most_groups)
+        throw FormatError("has an entity in more than " + std::to_string(most_groups) +
+                          " physical groups");
+      for (std::size_t i = added; i > 0; --i) of_entity.push_back(scan.number<int>());
       if (dimension > 0) scan.skip(scan.count());  // entities that bound it
     }
   }

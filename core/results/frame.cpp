@@ -2,10 +2,12 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <tuple>
 #include <utility>
 
 namespace dccast::results {
@@ -90,7 +92,38 @@ std::vector<double> on_all_nodes(const Frame& frame, const std::vector<double>& 
   return values;
 }
 
+bool in_range(const std::vector<std::int32_t>& nodes, std::int64_t count) {
+  return std::ranges::all_of(nodes, [&](std::int32_t node) { return node >= 0 && node < count; });
+}
+
 }  // namespace
+
+const char* misfit_of(const Frame& frame) {
+  if (frame.dimension != 2 && frame.dimension != 3) return "node";
+  if (frame.nodes_per_element <= 0) return "element_node";
+  const auto nodes = static_cast<std::size_t>(frame.nodes());
+  const auto dimension = static_cast<std::size_t>(frame.dimension);
+  const auto tensors =
+      static_cast<std::size_t>(frame.elements() * tensor_components(frame.dimension));
+  const auto rows = static_cast<std::size_t>(frame.nodes_per_element);
+  if (frame.node.size() != nodes * dimension) return "node";
+  if (frame.element_node.size() % rows != 0 || !in_range(frame.element_node, frame.nodes()))
+    return "element_node";
+  if (!in_range(frame.bottom_node, frame.nodes())) return "bottom_node";
+  const std::size_t bottom = frame.bottom_node.size();
+  using Field = std::tuple<const char*, const std::vector<double>&, std::size_t>;
+  for (const auto& [name, values, size] :
+       std::initializer_list<Field>{{"temperature", frame.temperature, nodes},
+                                    {"liquid_fraction", frame.liquid_fraction, nodes},
+                                    {"displacement", frame.displacement, nodes * dimension},
+                                    {"stress", frame.stress, tensors},
+                                    {"viscoplastic_strain", frame.viscoplastic_strain, tensors},
+                                    {"thermal_strain", frame.thermal_strain, nodes},
+                                    {"bottom_gap", frame.bottom_gap, bottom},
+                                    {"bottom_pressure", frame.bottom_pressure, bottom}})
+    if (!values.empty() && values.size() != size) return name;
+  return nullptr;
+}
 
 std::vector<DerivedField> derived_fields(const Frame& frame) {
   std::vector<DerivedField> fields;

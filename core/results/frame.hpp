@@ -43,6 +43,10 @@ struct Frame {
   bool operator==(const Frame&) const = default;
 };
 
+/// The array of a frame that does not fit its mesh, by its size or by a node that is not there;
+/// null where all fit. Fields that were not computed are empty.
+const char* misfit_of(const Frame& frame);
+
 /// Number of components of a symmetric tensor in a frame: xx, yy, zz, xy in 2D (zz is the
 /// out-of-plane direction, in an axisymmetric section the hoop direction), xx, yy, zz, xy, yz, xz
 /// in 3D.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <new>
 #include <numeric>
 
 #include "core/storage/storage_error.hpp"
@@ -19,6 +20,10 @@ constexpr hsize_t chunk_values = 1 << 17;
 /// Higher levels take longer and save nothing on shuffled doubles (2.6 MB for 22 frames at 1 and
 /// 4).
 constexpr unsigned deflate_level = 1;
+/// Deflate makes at most 1032 bytes of one; so many values need not be stored at all (fill values).
+/// A damaged or hostile file of kilobytes asks for megabytes, not for all the memory.
+constexpr double most_values_per_byte = 1032.0;
+constexpr double most_values_of_nothing = 1e6;
 
 /// The cause of the last failure as reported by the library: the innermost message and the system
 /// error number.
@@ -27,17 +32,22 @@ struct LibraryError {
   int system_code = EIO;
 };
 
-herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) {
+/// Called with the library's lock held, which an exception would leave locked for ever.
+herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) try {
   auto& error = *static_cast<LibraryError*>(into);
   // The rest repeats time, file and buffer; the error number is reported separately.
   if (depth == 0)
     error.message = std::string(entry->desc).substr(0, std::string(entry->desc).find(": time ="));
+  if (entry->maj_num == H5E_RESOURCE) error.system_code = ENOMEM;
   // The library hands errno over as text only.
   const std::string text = entry->desc;
   const std::string key = "errno = ";
   if (const auto at = text.find(key); at != std::string::npos)
     error.system_code = std::atoi(text.c_str() + at + key.size());
   return 0;
+} catch (const std::bad_alloc&) {
+  static_cast<LibraryError*>(into)->system_code = ENOMEM;
+  return -1;
 }
 
 LibraryError last_error() {
@@ -223,11 +233,16 @@ Handle File::open_object(const std::string& object) const {
   return opened;
 }
 
-Handle File::open_attribute(const std::string& object, const char* name) const {
+void File::read_attribute(const std::string& object, const char* name, hid_t type,
+                          void* value) const {
+  const std::string whole_name = object + "@" + name;
   const Handle owner = open_object(object);
-  Handle attribute(H5Aopen(owner.get(), name, H5P_DEFAULT), H5Aclose);
-  checked(attribute.get(), object + "@" + name, "is not in the file");
-  return attribute;
+  const Handle attribute(H5Aopen(owner.get(), name, H5P_DEFAULT), H5Aclose);
+  checked(attribute.get(), whole_name, "is not in the file");
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (H5Sget_simple_extent_npoints(space.get()) != 1)
+    throw storage::StorageError(EINVAL, path_.string() + ":" + whole_name, "is not one value");
+  checked(H5Aread(attribute.get(), type, value), whole_name, "cannot be read");
 }
 
 bool File::has(const std::string& object) const {
@@ -243,26 +258,43 @@ Shape File::shape_of(const std::string& object) const {
   return shape;
 }
 
+/// The product of the lengths is not to be trusted before it is compared with what is stored.
+std::size_t File::count_in(const std::string& object, std::optional<std::size_t> wanted) const {
+  const Handle dataset = open_object(object);
+  const double stored = std::min(static_cast<double>(H5Dget_storage_size(dataset.get())),
+                                 static_cast<double>(std::filesystem::file_size(path_)));
+  const Shape shape = shape_of(object);
+  double count = 1.0;
+  for (const hsize_t length : shape) count *= static_cast<double>(length);
+  if (count > most_values_of_nothing + most_values_per_byte * stored ||
+      (wanted && count_of(shape) != *wanted))
+    throw storage::StorageError(EINVAL, path_.string() + ":" + object, "has the wrong shape");
+  return count_of(shape);
+}
+
 void File::read_array(const std::string& object, hid_t memory_type, void* values) const {
   const Handle dataset = open_object(object);
   checked(H5Dread(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
           "cannot be read");
 }
 
-std::vector<double> File::read_reals(const std::string& object) const {
-  std::vector<double> values(count_of(shape_of(object)));
+std::vector<double> File::read_reals(const std::string& object,
+                                     std::optional<std::size_t> count) const {
+  std::vector<double> values(count_in(object, count));
   if (!values.empty()) read_array(object, H5T_NATIVE_DOUBLE, values.data());
   return values;
 }
 
-std::vector<std::int64_t> File::read_integers(const std::string& object) const {
-  std::vector<std::int64_t> values(count_of(shape_of(object)));
+std::vector<std::int64_t> File::read_integers(const std::string& object,
+                                              std::optional<std::size_t> count) const {
+  std::vector<std::int64_t> values(count_in(object, count));
   if (!values.empty()) read_array(object, H5T_NATIVE_INT64, values.data());
   return values;
 }
 
-std::vector<std::string> File::read_texts(const std::string& object) const {
-  std::vector<char*> texts(count_of(shape_of(object)), nullptr);
+std::vector<std::string> File::read_texts(const std::string& object,
+                                          std::optional<std::size_t> count) const {
+  std::vector<char*> texts(count_in(object, count), nullptr);
   const Handle type = text_type();
   if (!texts.empty()) read_array(object, type.get(), texts.data());
   return take_texts(texts);
@@ -274,23 +306,20 @@ bool File::has_attribute(const std::string& object, const char* name) const {
 
 double File::real_attribute(const std::string& object, const char* name) const {
   double value = 0.0;
-  checked(H5Aread(open_attribute(object, name).get(), H5T_NATIVE_DOUBLE, &value),
-          object + "@" + name, "cannot be read");
+  read_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
   return value;
 }
 
 std::int64_t File::integer_attribute(const std::string& object, const char* name) const {
   std::int64_t value = 0;
-  checked(H5Aread(open_attribute(object, name).get(), H5T_NATIVE_INT64, &value),
-          object + "@" + name, "cannot be read");
+  read_attribute(object, name, H5T_NATIVE_INT64, &value);
   return value;
 }
 
 std::string File::text_attribute(const std::string& object, const char* name) const {
   const Handle type = text_type();
   std::vector<char*> texts(1, nullptr);
-  checked(H5Aread(open_attribute(object, name).get(), type.get(), texts.data()),
-          object + "@" + name, "cannot be read");
+  read_attribute(object, name, type.get(), texts.data());
   return take_texts(texts).front();
 }
 

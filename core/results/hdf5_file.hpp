@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,10 +78,14 @@ public:
 
   bool has(const std::string& object) const;
   Shape shape_of(const std::string& object) const;
+  /// @param count  the values that must be there, where given
   /// @return [unit of the dataset]
-  std::vector<double> read_reals(const std::string& object) const;
-  std::vector<std::int64_t> read_integers(const std::string& object) const;
-  std::vector<std::string> read_texts(const std::string& object) const;
+  std::vector<double> read_reals(const std::string& object,
+                                 std::optional<std::size_t> count = {}) const;
+  std::vector<std::int64_t> read_integers(const std::string& object,
+                                          std::optional<std::size_t> count = {}) const;
+  std::vector<std::string> read_texts(const std::string& object,
+                                      std::optional<std::size_t> count = {}) const;
   bool has_attribute(const std::string& object, const char* name) const;
   /// @return [unit in the name of the attribute]
   double real_attribute(const std::string& object, const char* name) const;
@@ -103,7 +108,9 @@ private:
   void put_attribute(const Handle& target, const std::string& object, const char* name,
                      const char* text);
   Handle open_object(const std::string& object) const;
-  Handle open_attribute(const std::string& object, const char* name) const;
+  void read_attribute(const std::string& object, const char* name, hid_t type, void* value) const;
+  /// Values of a dataset, as many as its file can hold. @param wanted  see read_reals()
+  std::size_t count_in(const std::string& object, std::optional<std::size_t> wanted) const;
   void read_array(const std::string& object, hid_t memory_type, void* values) const;
   /// @throws storage::StorageError  `answer` is negative
   template <class Answer>

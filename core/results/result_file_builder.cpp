@@ -72,10 +72,10 @@ void write_places(File& file, const char* dataset, const std::vector<std::vector
 
 std::vector<std::vector<double>> read_places(const File& file, const char* dataset,
                                              std::size_t count) {
-  const auto rows = file.read_reals(dataset);
+  const auto rows = file.read_reals(dataset, count * coordinates);
   std::vector<std::vector<double>> place(count);
-  for (std::size_t i = 0; i < count * coordinates; ++i)
-    if (std::isfinite(rows.at(i))) place[i / coordinates].push_back(rows[i]);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (std::isfinite(rows[i])) place[i / coordinates].push_back(rows[i]);
   return place;
 }
 
@@ -98,11 +98,11 @@ void write_worst(File& file, const std::vector<Finding>& findings) {
 /// Files of programs that did not know it have none.
 void read_worst(const File& file, std::vector<Finding>& findings) {
   if (!file.has("/findings/worst_value")) return;
-  const auto time = file.read_reals("/findings/worst_time_s");
-  const auto value = file.read_reals("/findings/worst_value");
+  const auto time = file.read_reals("/findings/worst_time_s", findings.size());
+  const auto value = file.read_reals("/findings/worst_value", findings.size());
   const auto place = read_places(file, "/findings/worst_place_m", findings.size());
   for (std::size_t i = 0; i < findings.size(); ++i)
-    if (std::isfinite(value.at(i))) findings[i].worst = Exceedance{time.at(i), value[i], place[i]};
+    if (std::isfinite(value[i])) findings[i].worst = Exceedance{time[i], value[i], place[i]};
 }
 
 Severity severity_named(const File& file, const std::string& name) {
@@ -144,13 +144,13 @@ std::vector<Finding> read_findings(const File& file) {
   for (std::size_t i = 0; i < findings.size(); ++i)
     findings[i].severity = severity_named(file, severity[i]);
   for (const TextField& field : texts) {
-    const auto values = file.read_texts(field.dataset);
-    for (std::size_t i = 0; i < findings.size(); ++i) findings[i].*field.member = values.at(i);
+    const auto values = file.read_texts(field.dataset, findings.size());
+    for (std::size_t i = 0; i < findings.size(); ++i) findings[i].*field.member = values[i];
   }
   for (const RealField& field : reals) {
-    const auto values = file.read_reals(field.dataset);
+    const auto values = file.read_reals(field.dataset, findings.size());
     for (std::size_t i = 0; i < findings.size(); ++i)
-      if (std::isfinite(values.at(i))) findings[i].*field.member = values[i];
+      if (std::isfinite(values[i])) findings[i].*field.member = values[i];
   }
   const auto place = read_places(file, "/findings/place_m", findings.size());
   for (std::size_t i = 0; i < findings.size(); ++i) findings[i].place = place[i];

@@ -39,16 +39,15 @@ std::vector<double> point_of(const std::vector<double>& values, std::size_t inde
   return {from, from + static_cast<std::ptrdiff_t>(dimension)};
 }
 
-void require_rank(const File& file, const std::string& object, const hdf5::Shape& shape,
-                  std::size_t rank) {
-  if (shape.size() != rank)
-    throw storage::StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
+[[noreturn]] void throw_wrong_shape(const File& file, const std::string& object) {
+  throw storage::StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
 }
 
-/// Of a matrix.
+/// Of a matrix: coordinates of a point, or nodes of an element.
 int columns_of(const File& file, const std::string& object) {
+  constexpr hsize_t most = 8;
   const hdf5::Shape shape = file.shape_of(object);
-  require_rank(file, object, shape, 2);
+  if (shape.size() != 2 || shape[1] == 0 || shape[1] > most) throw_wrong_shape(file, object);
   return static_cast<int>(shape[1]);
 }
 
@@ -59,11 +58,11 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   if (!file.has(object)) object = history_dataset(field.name);
   if (!file.has(object)) return;  // of a program that did not know it yet
   if (field.real()) {
-    const auto values = file.read_reals(object);
-    for (std::size_t i = 0; i < steps.size(); ++i) set_real(field, steps[i], values.at(i));
+    const auto values = file.read_reals(object, steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) set_real(field, steps[i], values[i]);
   } else {
-    const auto values = file.read_integers(object);
-    for (std::size_t i = 0; i < steps.size(); ++i) set_integer(field, steps[i], values.at(i));
+    const auto values = file.read_integers(object, steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) set_integer(field, steps[i], values[i]);
   }
 }
 
@@ -112,7 +111,8 @@ RunHeader ResultReader::header() const {
   header.case_json = texts.empty() ? "" : texts.front();
   header.monitor_name = file_->read_texts("/monitors/name");
   header.dimension = dimension_of(*file_);
-  const auto position = file_->read_reals("/monitors/position_m");
+  const auto position = file_->read_reals(
+      "/monitors/position_m", header.monitor_name.size() * std::size_t(header.dimension));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
     header.monitor_position.push_back(point_of(position, i, std::size_t(header.dimension)));
   return header;
@@ -124,24 +124,29 @@ RunSummary ResultReader::summary() const {
 }
 
 std::vector<StepReport> ResultReader::history() const {
-  const auto shape = file_->shape_of("/monitors/displacement_m");
-  require_rank(*file_, "/monitors/displacement_m", shape, 3);
-  std::vector<StepReport> steps(shape[0]);
+  const char* object = "/monitors/displacement_m";
+  const auto shape = file_->shape_of(object);
+  const auto number = file_->read_integers(history_dataset("step"));
+  if (shape.size() != 3 || shape[0] != number.size() || shape[2] < 2 || shape[2] > 3)
+    throw_wrong_shape(*file_, object);
+  std::vector<StepReport> steps(number.size());
   for (StepReport& step : steps) step.dimension = static_cast<int>(shape[2]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
-  const auto displacement = file_->read_reals("/monitors/displacement_m");
+  const auto displacement = file_->read_reals(object);
+  const std::size_t points = displacement.size() / shape[2];
   const auto temperature = reals_if_any(*file_, "/monitors/temperature_c");
-  for (std::size_t i = 0; i < steps.size() * shape[1]; ++i) {
+  if (!temperature.empty() && temperature.size() != points)
+    throw_wrong_shape(*file_, "/monitors/temperature_c");
+  for (std::size_t i = 0; i < points; ++i) {
     StepReport& step = steps[i / shape[1]];
     step.monitor_displacement.push_back(point_of(displacement, i, shape[2]));
-    if (!temperature.empty()) step.monitor_temperature.push_back(temperature.at(i));
+    if (!temperature.empty()) step.monitor_temperature.push_back(temperature[i]);
   }
   return steps;
 }
 
 std::vector<double> ResultReader::frame_times() const {
   std::vector<double> times;
-  times.reserve(frames_);
   for (std::size_t i = 0; i < frames_; ++i)
     times.push_back(file_->real_attribute(frame_group(i), "time_s"));
   return times;
@@ -167,6 +172,9 @@ Frame ResultReader::frame(std::size_t index) const {
   frame.bottom_node = narrow(file_->read_integers(group + "/bottom_node"));
   frame.bottom_gap = reals_if_any(*file_, group + "/bottom_gap_m");
   frame.bottom_pressure = reals_if_any(*file_, group + "/bottom_pressure_pa");
+  if (const char* array = misfit_of(frame))
+    throw storage::StorageError(EINVAL, file_->path().string() + ":" + group,
+                                std::string("does not fit its mesh: ") + array);
   return frame;
 }
 

@@ -39,31 +39,6 @@ std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   return std::nullopt;
 }
 
-/// @throws std::logic_error  an array of the frame has not the size of its mesh: a bug of the
-/// caller
-void check_sizes(const Frame& frame) {
-  const auto nodes = static_cast<std::size_t>(frame.nodes());
-  const auto dimension = static_cast<std::size_t>(frame.dimension);
-  const auto tensors =
-      static_cast<std::size_t>(frame.elements() * tensor_components(frame.dimension));
-  const auto require = [](bool fits, const char* array) {
-    if (!fits) throw std::logic_error(std::string("Frame: size of ") + array);
-  };
-  const auto all_or_none = [](const std::vector<double>& values, std::size_t size) {
-    return values.empty() || values.size() == size;
-  };
-  require(frame.node.size() == nodes * dimension, "node");
-  require(frame.element_node.size() % static_cast<std::size_t>(frame.nodes_per_element) == 0,
-          "element_node");
-  require(all_or_none(frame.temperature, nodes), "temperature");
-  require(all_or_none(frame.liquid_fraction, nodes), "liquid_fraction");
-  require(all_or_none(frame.displacement, nodes * dimension), "displacement");
-  require(all_or_none(frame.stress, tensors), "stress");
-  require(all_or_none(frame.viscoplastic_strain, tensors), "viscoplastic_strain");
-  require(all_or_none(frame.bottom_gap, frame.bottom_node.size()), "bottom_gap");
-  require(all_or_none(frame.bottom_pressure, frame.bottom_node.size()), "bottom_pressure");
-}
-
 fs::path unfinished(const fs::path& path) {
   fs::path name = path;
   return name += ".part";
@@ -85,8 +60,8 @@ struct ResultWriter::Parts {
 
   RunFiles files;
   Journal journal;
-  std::int64_t records = 0;                  ///< appended to the journal
-  std::vector<StepReport> history;           ///< read by the thread in finish(), when no step follows
+  std::int64_t records = 0;         ///< appended to the journal
+  std::vector<StepReport> history;  ///< read by the thread in finish(), when no step follows
   std::optional<ResultFileBuilder> builder;  ///< the thread's
   storage::Background background;            ///< last: its thread ends before what it works with
 };
@@ -159,7 +134,8 @@ void ResultWriter::append(const StepReport& report) {
 }
 
 void ResultWriter::append(const Frame& frame) {
-  check_sizes(frame);
+  if (const char* array = misfit_of(frame))  // a bug of the caller
+    throw std::logic_error(std::string("Frame: does not fit its mesh: ") + array);
   append_record(RecordKind::frame, to_sections(frame));
 }
 
@@ -173,7 +149,7 @@ void ResultWriter::checkpoint(const fs::path& path, Sections content,
   parts_->journal.write();
   content.set_integer(journal_records, parts_->records);
   parts_->background.post([parts = parts_.get(), path, content = std::move(content),
-                            sync_steps = std::move(sync_steps)] {
+                           sync_steps = std::move(sync_steps)] {
     parts->journal.sync();
     if (sync_steps) sync_steps();
     write_checkpoint(path, content);

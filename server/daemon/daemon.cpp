@@ -132,7 +132,9 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .solver = solver,
                        .job_threads = config.job_threads(),
                        .first_threads = query_threads(config),
-                       .maximum_time_s = config.maximum_time_s()},
+                       .maximum_time_s = config.maximum_time_s(),
+                       .worker_memory_bytes = std::llround(config.worker_memory_bytes()),
+                       .worker_file_bytes = std::llround(config.worker_file_bytes())},
           .maximum_queued = config.maximum_queued(),
           .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
           .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
@@ -154,14 +156,14 @@ intake::Ceilings ceilings(const v1::DaemonConfig& config) {
   return {config.maximum_nodes(), config.maximum_steps(), memory};
 }
 
-/// What the workers compute with, for answers that are found again; empty when none answers.
-/// @throws jobs::WorkerDidNotAnswer  there is no worker that could be asked
-std::string solver_of(jobs::WarmWorkers& workers) {
+/// What the workers compute with, for answers that are found again, and what holds them; empty when
+/// none answers. @throws jobs::WorkerDidNotAnswer  there is no worker that could be asked
+v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
   constexpr std::chrono::seconds longest{10};
   v1::WorkerRequest request;
   request.mutable_name_solver();
   try {
-    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest}).solver();
+    return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     log::warn("queries are answered by a run each time: {}", error.what());
@@ -382,8 +384,10 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   refuse_open_address(config.listen());
   const DataDirectory directory(config.data_directory());
   const std::size_t connections = connection_count(config);
-  jobs::WarmWorkers warm_workers(worker_program(config), {.kept = warm_worker_count(config)});
-  const std::string solver = solver_of(warm_workers);
+  jobs::WarmWorkers warm_workers(worker_program(config),
+                                 {.scratch = directory.check(), .kept = warm_worker_count(config)});
+  const v1::WorkerAnswer worker = introduction_of(warm_workers);
+  const std::string& solver = worker.solver();
   const intake::CaseIntake intake(warm_workers, config.alloy_directory(), directory.check(),
                                   ceilings(config));
   const auto opened_store = state::open_store(directory);
@@ -421,6 +425,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
                            .gate = gate,
                            .warm_workers = warm_workers,
                            .solver = solver,
+                           .worker_sandbox = worker.sandbox(),
                            .query_directory = directory.check(),
                            .jobs_directory = directory.jobs(),
                            .version = DCCAST_VERSION,
@@ -432,6 +437,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   const jobs::Retention retention(retention_options(config, directory), store, scheduler);
   const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
   log_address(config, listener.address(), tls.address(), directory);
+  log::info("workers: {}", worker.sandbox());
   serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
                      workers);
   return 0;

@@ -113,6 +113,8 @@ v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
   order.set_goes_first(attempt.goes_first);
   order.set_heartbeat_interval_s(seconds(options_.heartbeat_interval));
   order.set_daemon_patience_s(seconds(options_.daemon_patience));
+  order.set_memory_bytes(options_.worker_memory_bytes);
+  order.set_file_bytes(options_.worker_file_bytes);
   return order;
 }
 

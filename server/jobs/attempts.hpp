@@ -87,6 +87,8 @@ struct AttemptOptions {
   int job_threads = 1;          ///< of a quarter slab
   int first_threads = 1;        ///< the same for a job that goes first
   double maximum_time_s = 0.0;  ///< of a job's wall time; 0: no limit
+  std::int64_t worker_memory_bytes = 0;  ///< most of data; 0: nine tenths of its machine's
+  std::int64_t worker_file_bytes = 0;    ///< most of one file; 0: no bound
 };
 
 /// The attempts under way: their workers and the signs these give. The scheduler's mutex guards it.

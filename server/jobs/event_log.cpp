@@ -124,6 +124,8 @@ void EventLog::prepare(v1::JobEvent& event) {
   const std::lock_guard lock(mutex_);
   if (prepared_) return;
   if (content_.terminal) throw std::logic_error("an event log that has ended takes no more events");
+  // A record that could not be taken for want of memory stands in the file all the same.
+  if (content_.end < log_.end()) take_whole_records(log_.file(), content_);
   event.set_sequence(content_.last_sequence + 1);
   if (!event.has_time()) *event.mutable_time() = now();
   log_.append(short_records.framed(event.SerializeAsString()));

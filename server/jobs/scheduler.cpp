@@ -5,7 +5,6 @@
 #include "server/jobs/log.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "server/jobs/events.hpp"
@@ -100,8 +99,9 @@ void Scheduler::charge_recent_use() {
 }
 
 void Scheduler::learn_from_ended_jobs() {
-  auto ended = store_.list({.states = {v1::SUCCEEDED}});
-  for (const JobRecord& record : ended | std::views::reverse) forecast_.learn(record.job);
+  const auto ended = store_.list({.states = {v1::SUCCEEDED}});
+  std::for_each(ended.rbegin(), ended.rend(),
+                [this](const JobRecord& record) { forecast_.learn(record.job); });
 }
 
 void Scheduler::start() {

@@ -14,7 +14,7 @@ WarmWorkers::WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& 
 
 v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                   const OnEvent& on_event) {
-  auto worker = lend(lent_);
+  auto worker = lend(false);
   v1::WorkerAnswer answer;
   try {
     answer = worker->ask(request, limits, on_event);
@@ -31,24 +31,41 @@ v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLi
 }
 
 std::unique_ptr<WorkerProcess> WarmWorkers::take() {
-  int not_counted = 0;
-  return lend(not_counted);
+  return lend(true);
 }
 
-std::unique_ptr<WorkerProcess> WarmWorkers::lend(int& count) {
+int WarmWorkers::fresh() const {
+  return static_cast<int>(
+      std::ranges::count_if(idle_, [](const auto& worker) { return worker->answers() == 0; }));
+}
+
+/// One that has given answers is of no use to a job, and its caches are warm.
+WarmWorkers::Idle::iterator WarmWorkers::idle_for(bool job) {
+  const auto found = std::ranges::find_if(
+      idle_, [&](const auto& worker) { return (worker->answers() == 0) == job; });
+  return found != idle_.end() || job || idle_.empty() ? found : std::prev(idle_.end());
+}
+
+std::unique_ptr<WorkerProcess> WarmWorkers::lend(bool for_job) {
   std::unique_lock lock(mutex_);
   const int failures = failures_;
   ++waiting_;
+  jobs_waiting_ += for_job;
   changed_.notify_all();
+  auto chosen = idle_.end();
   changed_.wait(lock, [&] {
     std::erase_if(idle_, [](const auto& worker) { return !worker->waits(); });
-    return !idle_.empty() || failures_ != failures;
+    chosen = idle_for(for_job);
+    return chosen != idle_.end() || failures_ != failures;
   });
-  if (failures_ == failures) --waiting_;
-  if (idle_.empty()) throw WorkerDidNotAnswer(Why::not_started, failure_);
-  auto worker = std::move(idle_.back());
-  idle_.pop_back();
-  ++count;
+  if (failures_ == failures) {
+    --waiting_;
+    jobs_waiting_ -= for_job;
+  }
+  if (chosen == idle_.end()) throw WorkerDidNotAnswer(Why::not_started, failure_);
+  auto worker = std::move(*chosen);
+  idle_.erase(chosen);
+  if (!for_job) ++lent_;
   changed_.notify_all();
   return worker;
 }
@@ -63,7 +80,7 @@ void WarmWorkers::give_back(std::unique_ptr<WorkerProcess> worker) {
 
 bool WarmWorkers::wants_more() const {
   const int idle = static_cast<int>(idle_.size());
-  return waiting_ > idle || (!fails_ && idle + lent_ < limits_.kept);
+  return waiting_ > idle || jobs_waiting_ > fresh() || (!fails_ && idle + lent_ < limits_.kept);
 }
 
 void WarmWorkers::run(const std::stop_token& stop) {
@@ -73,7 +90,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     std::unique_ptr<WorkerProcess> worker;
     std::string failure;
     try {
-      worker = std::make_unique<WorkerProcess>(program_);
+      worker = std::make_unique<WorkerProcess>(program_, limits_.scratch);
     } catch (const std::exception& error) {
       failure = error.what();
     }
@@ -84,7 +101,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     } else {
       failure_ = failure;
       ++failures_;
-      waiting_ = 0;
+      waiting_ = jobs_waiting_ = 0;
     }
     changed_.notify_all();
   }

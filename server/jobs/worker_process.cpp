@@ -57,7 +57,7 @@ pid_t collect(pid_t child, int options, int& status) {
 
 /// The daemon's environment without what is a worker's own, and with one thread for BLAS: jobs
 /// share the cores, and the solver was measured to gain nothing from two.
-std::vector<std::string> worker_environment() {
+std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string_view text = *variable;
@@ -69,7 +69,8 @@ std::vector<std::string> worker_environment() {
   // keeps to.
   variables.insert(variables.end(),
                    {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1",
-                    "DCCAST_WORKER_PARENT=" + std::to_string(::getpid())});
+                    "DCCAST_WORKER_PARENT=" + std::to_string(::getpid()),
+                    "DCCAST_WORKER_SCRATCH=" + scratch.string()});
   return variables;
 }
 
@@ -129,7 +130,8 @@ std::string take_variable(const char* name) {
   return text;
 }
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program)
+WorkerProcess::WorkerProcess(const std::filesystem::path& program,
+                             const std::filesystem::path& scratch)
     : name_(program.filename().string()) {
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -137,7 +139,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program)
   socket_ = storage::FileDescriptor(ends[0]);
   const storage::FileDescriptor theirs(ends[1]);
   // Its end of the socket is the program's standard input; what libraries print goes to our log.
-  if (const int error = spawn({program}, worker_environment(),
+  if (const int error = spawn({program}, worker_environment(scratch),
                               {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
     fail_to_start(program, error);

@@ -63,8 +63,9 @@ storage::FileDescriptor open_process(pid_t process);
 /// started it ends, until it has claimed the folder of a job.
 class WorkerProcess {
 public:
-  /// Starts one. @throws WorkerDidNotAnswer
-  explicit WorkerProcess(const std::filesystem::path& program);
+  /// Starts one. @param scratch  where it may write files for answers; empty: nowhere
+  /// @throws WorkerDidNotAnswer
+  WorkerProcess(const std::filesystem::path& program, const std::filesystem::path& scratch);
   /// Leads on one that an earlier daemon has started. @param handle  see open_process()
   explicit WorkerProcess(storage::FileDescriptor handle) : handle_(std::move(handle)) {}
   WorkerProcess(const WorkerProcess&) = delete;

@@ -102,6 +102,7 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_maximum_nodes(ceilings.nodes);
     response->set_maximum_steps(ceilings.steps);
     response->set_maximum_memory_bytes(ceilings.memory_bytes);
+    response->set_worker_sandbox(context_.worker_sandbox);
     // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
     std::string& build = *response->mutable_build() = "g++ ";
     build += __VERSION__;

@@ -25,6 +25,7 @@ struct Context {
   Gate& gate;
   jobs::WarmWorkers& warm_workers;
   std::string solver;  ///< identity of the solver that the workers run; empty: not known
+  std::string worker_sandbox;             ///< what holds the workers
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders
   jobs::StepIndexes step_indexes{};
   QueryAnswers query_answers{};

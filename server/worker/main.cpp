@@ -20,6 +20,7 @@
 #include <system_error>
 
 #include "core/casting/stored_run.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
 #include "server/jobs/worker_order.hpp"
@@ -27,6 +28,7 @@
 #include "server/worker/job_run.hpp"
 #include "server/worker/memory_exhaustion.hpp"
 #include "server/worker/run_job.hpp"
+#include "server/worker/sandbox.hpp"
 
 namespace dccast::worker {
 
@@ -85,6 +87,17 @@ v1::RunEnd unreadable_case(const std::exception& error) {
   return end;
 }
 
+/// A disk that is full is waited for; this is no more writable later.
+v1::RunEnd too_large_a_file(std::int64_t most) {
+  v1::RunEnd end;
+  end.set_outcome(v1::RunEnd::FAILED);
+  end.mutable_failure()->set_kind(v1::Failure::INVALID_CASE);
+  end.mutable_failure()->set_message(
+      "the case makes a file larger than " + storage::megabytes(most) +
+      ": store fewer frames, or have worker_file raised in the settings of dccastd");
+  return end;
+}
+
 v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
   try {
     read_case(order);
@@ -101,13 +114,21 @@ v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
 constexpr std::chrono::seconds longest_claim{5};
 constexpr std::chrono::seconds longest_claim_elsewhere{120};
 
+std::string isolation;  ///< what isolate() has reported
+
 /// @throws jobs::FolderTaken, std::system_error
 void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()},
                                 rank ? longest_claim_elsewhere : longest_claim, rank);
   if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
+  std::cerr << "dccast-worker: " << isolation << ", " << confine_writing_to(order.directory())
+            << ", "
+            << bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()})
+            << std::endl;
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
+  if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
+    end = too_large_a_file(order.file_bytes());
   end.set_attempt(order.attempt());
   end.set_solver(casting::solver_identity());
   run.end(std::move(end));
@@ -159,8 +180,10 @@ std::optional<jobs::StartRank> rank_of(const v1::SolveCase& order) {
 }
 
 /// Answers requests until the daemon closes the link, or one is the run of a job.
-int serve_daemon() {
+/// @param scratch  where files of answers are written
+int serve_daemon(const std::filesystem::path& scratch) {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
+  std::string confined;
   for (;;) {
     ::prctl(PR_SET_NAME, "dccast-worker");
     v1::WorkerRequest request;
@@ -172,7 +195,11 @@ int serve_daemon() {
       if (!order.goes_first()) step_back_behind_queries();
       return run_whole_job(order, rank_of(order));
     }
-    if (!send_answer(STDIN_FILENO, answer(request, STDIN_FILENO))) return exit_link_broken;
+    // What an answer reads may take this process over: it never gets a job.
+    if (confined.empty()) confined = confine_writing_to(scratch);
+    v1::WorkerAnswer answered = answer(request, STDIN_FILENO);
+    answered.set_sandbox(request.has_name_solver() ? isolation + ", " + confined : "");
+    if (!send_answer(STDIN_FILENO, answered)) return exit_link_broken;
   }
 }
 
@@ -182,15 +209,17 @@ int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   name_memory_exhaustion();
+  isolation = isolate();
   try {
     if (argc == 4 && argv[1] == std::string("--run"))
       return run_ordered(argv[2], std::atoi(argv[3]));
     const std::string parent = jobs::take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) return refuse_to_run_alone();
-    return tie_to_parent(parent) ? serve_daemon() : exit_daemon_gone;
+    const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
+    return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
-    return jobs::exit_out_of_memory;
+    ::_exit(jobs::exit_out_of_memory);  // libraries that lacked memory may never end orderly
   } catch (const std::exception& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
     return exit_not_begun;

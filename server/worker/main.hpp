@@ -6,7 +6,8 @@ namespace dccast::worker {
 
 /// The worker program. dccastd starts it, with its own process id in the environment, and sends it
 /// requests on its standard input: worker.proto. As `dccast-worker --run FOLDER ATTEMPT` it runs
-/// the job whose order lies in a folder (server/jobs/worker_order.hpp), without a daemon. Exit codes:
+/// the job whose order lies in a folder (server/jobs/worker_order.hpp), without a daemon. Exit
+/// codes:
 ///   0  the daemon has closed the link, or the end of the run is in the event log of the job
 ///   1  it could not begin: another worker writes into the folder of the job, for example
 ///  70  the folder of the job is gone, a later start of the job has it, or no daemon

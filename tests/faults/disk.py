@@ -1,9 +1,11 @@
 """A disk that refuses for a while: full, read-only, failing; and too few descriptors."""
+import contextlib
 import ctypes
 import errno
 import functools
 import os
 import resource
+import shutil
 import subprocess
 import tempfile
 import time
@@ -155,17 +157,18 @@ class SlowDisk(Fault):
             count.found("wrong", "nothing was asked beside the slow disk")
 
 
-class SmallDisk(Fault):
-    """A small tmpfs filled to the last byte while 1 job runs and 20 wait; later emptied (root only)"""
+class FilledDisk(Fault):
+    """One job runs and 20 wait while a disk of their own is full; then it is emptied."""
     short, long = 1, 10
     seconds = 40.0
     patience = 40.0
+    size = ""  # for mount
 
     def attempt(self, chance, most):
         if not mounts_of_our_own():
             return Count(notes=["not tried: only root can mount a disk"])
         self.disk = tempfile.mkdtemp(prefix="dccast-faults-disk-")
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", self.disk],
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", self.size, "tmpfs", self.disk],
                                  capture_output=True, text=True, check=False)
         try:
             if mounted.returncode != 0:
@@ -183,9 +186,32 @@ class SmallDisk(Fault):
     def disturb(self, scene, count):
         waiting = queue_up(scene)
         pause(scene.chance, 0.3)
-        ballast = fill(self.disk)
+        ballast = os.path.join(self.disk, "ballast")
+        os.mkdir(ballast)
+        self.fill(ballast)
         must_be_held(scene, count, waiting)
-        os.remove(ballast)
+        shutil.rmtree(ballast)
+
+    def fill(self, folder):
+        raise NotImplementedError
+
+
+class SmallDisk(FilledDisk):
+    """A small tmpfs filled to the last byte while 1 job runs and 20 wait; later emptied (root only)"""
+    size = "size=48m"
+
+    def fill(self, folder):
+        fill(os.path.join(folder, "bytes"))
+
+
+class ExhaustedInodes(FilledDisk):
+    """A tmpfs with space and no inode left while 1 job runs and 20 wait; later emptied (root only)"""
+    size = "size=256m,nr_inodes=2000"
+
+    def fill(self, folder):
+        with contextlib.suppress(OSError):
+            for number in range(4000):
+                os.mknod(os.path.join(folder, str(number)))
 
 
 @functools.cache
@@ -197,9 +223,8 @@ def mounts_of_our_own():
     return subprocess.run(["mount", "--make-rprivate", "/"], check=False).returncode == 0
 
 
-def fill(folder):
-    """Takes all the space. Returns the file that has it."""
-    path = os.path.join(folder, "ballast")
+def fill(path):
+    """Writes a file that takes all the space."""
     with open(path, "wb", buffering=0) as file:
         for size in (1 << 20, 1 << 12, 1):
             try:
@@ -208,7 +233,6 @@ def fill(folder):
             except OSError as error:
                 if error.errno != errno.ENOSPC:
                     raise
-    return path
 
 
 class LimitedDescriptors(Fault):

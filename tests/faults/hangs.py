@@ -7,7 +7,7 @@ from disk import FailingDisk
 from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import alive, at_some_step, pause, signal_process
+from scene import Scene, alive, at_some_step, pause, signal_process
 from support import BIN, until
 
 # Short times, and still long against a machine that does other things too.
@@ -38,6 +38,26 @@ class StopWorker(TwoCastings):
         signal_process(stopped, signal.SIGSTOP)
         must(count, lambda: not alive(stopped), "a worker that hangs is not killed", PATIENCE)
         signal_process(stopped, signal.SIGKILL)
+
+
+class LimitedMemory(Fault):
+    """Workers of real castings that get a random part of the memory they need (worker_memory): they end
+    whole, or fail and say so."""
+    short, long = 2, 20
+    worker = REAL
+
+    def scene(self, chance):
+        return Scene(chance, REAL, worker_memory=f"{chance.randint(1, 40)} MB")
+
+    def disturb(self, scene, count):
+        castings = [scene.submit(coarse()) for _ in range(2)]
+        must(count, lambda: all(map(scene.ended, castings)), "a worker without memory hangs", 30)
+        for casting in castings:
+            failure = scene.client.job(casting).failure
+            if failure.kind == job_pb2.Failure.OUT_OF_MEMORY:
+                scene.acknowledged[casting].state = job_pb2.FAILED
+                if "memory" not in failure.message:
+                    count.found("wrong", f"job {casting} fails without words about memory")
 
 
 class SilentWorker(Fault):

@@ -4,6 +4,7 @@
     tests/faults/run.py --short                    what ./tests/run does, in parts
     tests/faults/run.py --long --table             renews the table of docs/faults.md
     tests/faults/run.py --long --only kill-worker --seed 7
+    tests/faults/run.py --soak 8                   eight hours of everything; is the daemon growing?
 """
 import argparse
 import importlib
@@ -25,6 +26,8 @@ def arguments():
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--short", action="store_true", help="few tries of each fault (default)")
     form.add_argument("--long", action="store_true", help="200 kills, dozens of each other fault")
+    form.add_argument("--soak", type=float, metavar="HOURS",
+                      help="castings, sweeps, queries and kills, round after round")
     parser.add_argument("--only", action="append", default=[], metavar="NAME",
                         help="a fault or a family of faults; may be repeated")
     parser.add_argument("--seed", type=int, default=1)
@@ -94,6 +97,8 @@ def show(fault, options, order):
     seconds = time.monotonic() - begin
     print(f"{fault.name():28} tried {count.tried:4}  lost {count.lost:3}  duplicated "
           f"{count.duplicated:3}  wrong {count.wrong:3}  {seconds:6.1f} s", flush=True)
+    for unit, value in count.figures.items():
+        print(f"    {value:.3g} {unit}")
     for note in count.notes[:8]:
         print(f"    {note}", flush=True)
     if options.table and count.tried:
@@ -105,6 +110,10 @@ def main():
     options = arguments()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))  # so that everything is cleared away
     set_up_imports(options.bin)
+    if options.soak:
+        from soak import Soak
+        Soak.hours, options.table = options.soak, None
+        return 0 if show(Soak, options, []) else 1
     order = [fault.name() for _, fault in chosen([])]
     clean = True
     for family, fault in chosen(options.only):

@@ -6,7 +6,6 @@ import signal
 import socket
 import sqlite3
 import subprocess
-import tempfile
 import time
 
 import grpc
@@ -220,21 +219,8 @@ class RealWorker(ServiceTest):
 
 class LittleMemory(ServiceTest):
     """A worker whose memory is bounded: the job fails and says what it lacks."""
-    settings = {"workers": 1}
-
-    def setUp(self):
-        # Enough to check the case, not to run it.
-        self.script = tempfile.NamedTemporaryFile("w", suffix=".sh", delete=False)
-        self.script.write('#!/bin/sh\nulimit -v 400000\n'
-                          f'exec {BIN}/dccast-worker "$@"\n')
-        self.script.close()
-        os.chmod(self.script.name, 0o700)
-        self.worker = self.script.name
-        super().setUp()
-
-    def tearDown(self):
-        super().tearDown()
-        os.remove(self.script.name)
+    worker = "dccast-worker"
+    settings = {"workers": 1, "worker_memory": "250 MB"}
 
     def test_a_run_that_gets_no_more_memory_fails_with_words_about_memory(self):
         case = fake_case("large")

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/session/failure.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/servers.hpp"
 #include "fake_service.hpp"
 
 namespace dccast::client {
@@ -91,6 +93,16 @@ TEST(FailureText, ShowsNoTraceOfGrpc) {
   EXPECT_THAT(said_of(StatusCode::INTERNAL, ""), HasSubstr("no reason given"));
   EXPECT_EQ(said_of(StatusCode::NOT_FOUND, "there is no job x"), "there is no job x");
   EXPECT_LT(said_of(StatusCode::INTERNAL, std::string(100000, 'x')).size(), 700u);
+}
+
+TEST(EnrolmentLine, HasThreeParts) {
+  const std::string fingerprint = "/sha256:" + std::string(64, 'a') + "/";
+  const auto line = read_enrolment_line("dccast login host:7117" + fingerprint + "secret\n");
+  EXPECT_EQ(line.address, "host:7117");
+  EXPECT_EQ(line.fingerprint, std::string(64, 'a'));
+  EXPECT_EQ(line.secret, "secret");
+  for (const std::string& without : {fingerprint + "secret", "host:7117" + fingerprint})
+    EXPECT_THROW(read_enrolment_line(without), CommandFailed) << without;
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <new>
 #include <random>
 #include <set>
 #include <thread>
@@ -14,6 +16,21 @@
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
+
+namespace {
+thread_local std::size_t largest_allocation = SIZE_MAX;
+}
+
+void* operator new(std::size_t size) {
+  void* memory = size > largest_allocation ? nullptr : std::malloc(size);
+  return memory != nullptr ? memory : throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace dccast::jobs {
 namespace {
@@ -385,6 +402,23 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   for (int i = 0; i < 2000 && !gone.expired(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_TRUE(gone.expired());
+}
+
+/// Its number was given to the next event, which was lost as out of order: of a worker that ran out
+/// of memory no one knew why.
+TEST_F(EventLogTest, AnEventThatCouldNotBeTakenKeepsItsNumber) {
+  EventLog log(path());
+  append_steps(log, 1, 3);
+  largest_allocation = 2000;
+  EXPECT_THROW(append_steps(log, 4, 4), std::bad_alloc);
+  largest_allocation = SIZE_MAX;
+  append_steps(log, 5, 5);
+  const auto events = all_events(EventLog(path()));
+  ASSERT_EQ(events.size(), 5u);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].sequence(), static_cast<std::int64_t>(i) + 1);
+    EXPECT_EQ(events[i].step().step(), static_cast<std::int64_t>(i) + 1);
+  }
 }
 
 }  // namespace

@@ -225,6 +225,18 @@ TEST_F(WarmWorkersTest, OneThatIsTakenIsReplaced) {
   while (!taken->exit()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
+/// What it has read for an answer may have taken it over.
+TEST_F(WarmWorkersTest, OneThatHasAnsweredGetsNoJob) {
+  WarmWorkers workers(program_, {.kept = 1});
+  const pid_t process = ask(workers, "first").first;
+  const auto taken = workers.take();
+  EXPECT_EQ(taken->answers(), 0);
+  const auto answer =
+      taken->ask(request_of("job"), in(std::chrono::seconds(20)), [](const v1::JobEvent&) {});
+  EXPECT_NE(std::stoi(answer.solver()), process);
+  EXPECT_EQ(ask(workers, "again").first, process);
+}
+
 TEST(WorkerProcess, AnEndIsDescribedInWords) {
   EXPECT_EQ(describe_exit(SIGKILL), "signal 9 (Killed)");
   EXPECT_EQ(describe_exit(3 << 8), "exit code 3");

@@ -146,7 +146,8 @@ TEST(GmshReader, TurnsSolidElementsRound) {
     ASSERT_TRUE(mesh) << faults.list()[0].message;
     EXPECT_EQ(mesh->element_node, (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
     ASSERT_EQ(mesh->facets(PatchKind::bottom).size(), 1u);
-    EXPECT_EQ(mesh->facets(PatchKind::bottom)[0].node, (std::array{0, 3, 2, 1}));  // normal downwards
+    EXPECT_EQ(mesh->facets(PatchKind::bottom)[0].node,
+              (std::array{0, 3, 2, 1}));  // normal downwards
   }
   Faults faults;
   const auto tetrahedron =
@@ -239,6 +240,14 @@ TEST(GmshReader, RefusesAFileWhereverItIsCut) {
   for (const std::string& text : {triangle_file, triangle_file_4})
     for (std::size_t size = 0; size + 1 < text.size(); ++size)
       EXPECT_NE(fault_of(text.substr(0, size)), "") << "cut to " << size;
+}
+
+/// Each element has the groups of its entity: a hundred thousand of both were 40 GB.
+TEST(GmshReader, RefusesAnEntityInMoreGroupsThanAnyoneNeeds) {
+  std::string groups = " 101";
+  for (int i = 0; i < 101; ++i) groups += " 7";
+  EXPECT_EQ(fault_of(replaced(triangle_file_4, "1 0 0 0 2 1 0 1 7", "1 0 0 0 2 1 0" + groups)),
+            "has an entity in more than 100 physical groups");
 }
 
 TEST(GmshReader, NamesAFileThatIsNotThere) {

@@ -208,5 +208,71 @@ TEST(ResultReader, RefusesWhatIsNotAResultFile) {
   EXPECT_THROW(ResultReader(folder / "half.h5"), StorageError);
 }
 
+/// Puts a dataset in place of another.
+template <class Value>
+void replace(const std::filesystem::path& path, const char* object,
+             const std::vector<hsize_t>& shape, hid_t type, const std::vector<Value>& values) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+  H5Ldelete(file, object, H5P_DEFAULT);
+  const hid_t dataset =
+      H5Dcreate2(file, object, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  H5Dclose(dataset);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+/// As replace(). @param owner  a group
+void replace_attribute(const std::filesystem::path& path, const char* owner, const char* name,
+                       const std::vector<double>& values) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hsize_t count = values.size();
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  ASSERT_GE(H5Adelete_by_name(file, owner, name, H5P_DEFAULT), 0);
+  const hid_t attribute = H5Acreate_by_name(file, owner, name, H5T_NATIVE_DOUBLE, space,
+                                            H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+/// Arrays of a file were taken to fit each other: reading went beyond them.
+TEST(ResultReader, RefusesArraysThatDoNotFitEachOther) {
+  const TemporaryFolder folder;
+  const auto path = folder / "r.h5";
+  const auto fresh = [&] {
+    std::filesystem::remove(path);
+    publish_sample(path, 3, 3);
+  };
+  fresh();
+  replace<double>(path, "/monitors/position_m", {1, 2}, H5T_NATIVE_DOUBLE, {0.0, 0.0});
+  EXPECT_THROW(ResultReader(path).header(), StorageError);
+  fresh();
+  replace_attribute(path, "/", "liquidus_c", std::vector<double>(64, 600.0));
+  EXPECT_THROW(ResultReader(path).header(), StorageError);
+  fresh();
+  replace_attribute(path, "/frames", "count", {1e18});
+  EXPECT_THROW(ResultReader(path).frame_times(), StorageError);
+  for (const int node : {-1, 1'000'000}) {
+    fresh();
+    replace<int>(path, "/frames/000000/element_node", {1, 3}, H5T_NATIVE_INT, {0, 1, node});
+    EXPECT_THROW(ResultReader(path).frame(0), StorageError);
+  }
+  fresh();
+  replace<double>(path, "/frames/000000/temperature_c", {2}, H5T_NATIVE_DOUBLE, {0.0, 0.0});
+  EXPECT_THROW(ResultReader(path).frame(0), StorageError);
+  for (const hsize_t dimension : {hsize_t{0}, hsize_t{7}}) {
+    fresh();
+    replace<double>(path, "/monitors/displacement_m", {300, 2, dimension}, H5T_NATIVE_DOUBLE,
+                    std::vector<double>(600 * dimension));
+    EXPECT_THROW(ResultReader(path).history(), StorageError);
+  }
+  fresh();
+  replace<double>(path, "/history/time_s", {299}, H5T_NATIVE_DOUBLE, std::vector<double>(299));
+  EXPECT_THROW(ResultReader(path).history(), StorageError);
+}
+
 }  // namespace
 }  // namespace dccast::results

@@ -84,6 +84,35 @@ TEST(TemperatureFile, MustHoldTemperatures) {
   EXPECT_EQ(fault_of(content), "temperature_c[1, 1] = -300.000000");
 }
 
+/// Such a file has a kilobyte: nothing of the array is stored.
+TEST(TemperatureFile, AsksForNoMoreThanItHolds) {
+  for (const hsize_t times : {hsize_t{1} << 32, hsize_t{1} << 61}) {
+    const TemporaryFolder folder;
+    const hid_t file =
+        H5Fcreate((folder / "t.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk[] = {1, 2};
+    for (const int rank : {1, 2}) {
+      const hsize_t shape[] = {times, 2};
+      const hid_t space = H5Screate_simple(rank, shape, nullptr);
+      H5Pset_chunk(layout, rank, chunk);
+      const char* name = rank == 1 ? "/time_s" : "/temperature_c";
+      const hid_t dataset =
+          H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+      ASSERT_GE(dataset, 0);
+      H5Dclose(dataset);
+      H5Sclose(space);
+    }
+    H5Pclose(layout);
+    H5Fclose(file);
+    Faults faults;
+    EXPECT_FALSE(read_temperature_file(folder / "t.h5", 2, faults));
+    ASSERT_EQ(faults.list().size(), 1u);
+    EXPECT_NE(faults.list()[0].message.find("/time_s: has the wrong shape"), std::string::npos)
+        << faults.list()[0].message;
+  }
+}
+
 TEST(TemperatureFile, MustBeThere) {
   Faults faults;
   EXPECT_FALSE(read_temperature_file("nowhere.h5", 2, faults));

@@ -1,0 +1,240 @@
+#include "server/worker/sandbox.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <functional>
+#include <new>
+#include <thread>
+#include <vector>
+
+#include "core/casting/simulation.hpp"
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/casting/small_casting.hpp"
+
+namespace dccast::worker {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The status of a child that does this; its own end is exit code 0.
+int status_of_child(const std::function<void()>& act) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    act();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
+/// Ends the child where something is not so.
+#define MUST(what)                                               \
+  if (!(what)) {                                                 \
+    std::cerr << "not so: " #what << ": " << errno << std::endl; \
+    ::_exit(1);                                                  \
+  }
+
+bool refused(long result) {
+  return result < 0 && (errno == EPERM || errno == EACCES);
+}
+
+bool has_landlock() {
+  return ::syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0;
+}
+
+class SandboxTest : public ::testing::Test {
+protected:
+  SandboxTest() {
+    fs::create_directories(own_);
+    fs::create_directories(other_);
+    storage::write_file(other_ / "file", "of another job");
+    storage::write_file(own_ / "old", "of an earlier attempt");
+  }
+  TemporaryFolder folder_;
+  const fs::path own_ = folder_ / "own", other_ = folder_ / "other";
+};
+
+TEST_F(SandboxTest, WritesWhatItLikesBeneathItsFolder) {
+  EXPECT_EQ(
+      status_of_child([&] {
+        confine_writing_to(own_);
+        storage::write_file(own_ / "results.h5.part", "frames");
+        MUST(::rename((own_ / "results.h5.part").c_str(), (own_ / "results.h5").c_str()) == 0);
+        MUST(::truncate((own_ / "old").c_str(), 3) == 0);
+        MUST(::unlink((own_ / "old").c_str()) == 0);
+        MUST(::mkdir((own_ / "more").c_str(), 0700) == 0);
+        MUST(::rename((own_ / "results.h5").c_str(), (own_ / "more/results.h5").c_str()) == 0);
+        MUST(storage::read_file(other_ / "file") == "of another job");
+      }),
+      0);
+}
+
+TEST_F(SandboxTest, WritesNothingElsewhere) {
+  if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
+  const fs::path file = other_ / "file", made = other_ / "new";
+  EXPECT_EQ(status_of_child([&] {
+              confine_writing_to(own_);
+              MUST(refused(::open(file.c_str(), O_WRONLY)));
+              MUST(refused(::open(file.c_str(), O_RDWR | O_APPEND)));
+              MUST(refused(::open(made.c_str(), O_WRONLY | O_CREAT, 0600)));
+              MUST(refused(::open("/tmp", O_WRONLY | O_TMPFILE, 0600)));
+              MUST(refused(::unlink(file.c_str())));
+              MUST(refused(::mkdir(made.c_str(), 0700)));
+              MUST(refused(::symlink("file", made.c_str())));
+              MUST(refused(::mkfifo(made.c_str(), 0600)));
+              MUST(refused(::rename(file.c_str(), made.c_str())));
+              MUST(::rename((own_ / "old").c_str(), made.c_str()) < 0);
+              MUST(::link(file.c_str(), (own_ / "link").c_str()) < 0);
+              // A link out of the folder is no way out of it.
+              MUST(::symlink(file.c_str(), (own_ / "way").c_str()) == 0);
+              MUST(refused(::open((own_ / "way").c_str(), O_WRONLY)));
+              // Nor is a second confinement.
+              confine_writing_to(other_);
+              MUST(refused(::open(file.c_str(), O_WRONLY)));
+            }),
+            0);
+  EXPECT_EQ(storage::read_file(file), "of another job");
+}
+
+TEST_F(SandboxTest, WithoutAFolderWritesNowhere) {
+  if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
+  EXPECT_EQ(status_of_child([&] {
+              confine_writing_to({});
+              MUST(refused(::open((own_ / "old").c_str(), O_WRONLY)));
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, HasNoNetwork) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+  const int made_before = ::socket(AF_INET, SOCK_STREAM, 0);
+  EXPECT_EQ(status_of_child([&] {
+              isolate();
+              for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK})
+                MUST(refused(::socket(family, SOCK_STREAM, 0)));
+              const sockaddr nowhere{};
+              MUST(refused(::connect(made_before, &nowhere, sizeof nowhere)));
+              MUST(refused(::bind(made_before, &nowhere, sizeof nowhere)));
+              MUST(refused(::listen(made_before, 1)));
+              MUST(refused(::syscall(SYS_io_uring_setup, 1, nullptr)));
+              MUST(::write(ends[0], "answer", 6) == 6);  // the link to the daemon
+            }),
+            0);
+  for (const int each : {ends[0], ends[1], made_before}) ::close(each);
+}
+
+TEST_F(SandboxTest, ReachesNoOtherProcess) {
+  const pid_t parent = ::getpid();
+  EXPECT_EQ(status_of_child([&] {
+              isolate();
+              MUST(refused(::kill(parent, 0)));
+              MUST(refused(::kill(-1, 0)));
+              MUST(refused(::syscall(SYS_tgkill, parent, parent, 0)));
+              MUST(refused(::syscall(SYS_tkill, parent, 0)));
+              MUST(refused(::ptrace(PTRACE_ATTACH, parent, nullptr, nullptr)));
+              int word = 0;
+              iovec to{&word, sizeof word}, from{&word, sizeof word};
+              MUST(refused(::process_vm_readv(parent, &to, 1, &from, 1, 0)));
+              MUST(::prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) == 1);
+            }),
+            0);
+}
+
+/// A user namespace has every privilege inside; clone() makes one as unshare() does.
+TEST_F(SandboxTest, MakesNoNamespaceAndStartsNoOtherProgram) {
+  EXPECT_EQ(status_of_child([] {
+              isolate();
+              MUST(refused(::unshare(CLONE_NEWUSER)));
+              MUST(refused(::syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, 0, 0, 0, 0)));
+              MUST(::syscall(SYS_clone3, nullptr, 0) < 0 && errno == ENOSYS);
+              MUST(refused(::syscall(SYS_execveat, AT_FDCWD, "/bin/true", nullptr, nullptr, 0)));
+              int made = 0;
+              std::thread([&] { made = 1; }).join();
+              MUST(made == 1);
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, EndsItselfAsBefore) {
+  const int status = status_of_child([] {
+    isolate();
+    ::abort();
+  });
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGABRT);
+  EXPECT_FALSE(WCOREDUMP(status));
+}
+
+TEST_F(SandboxTest, StatesWhatIsInForce) {
+  const fs::path log = folder_ / "log";
+  EXPECT_EQ(status_of_child([&] {
+              const std::string text =
+                  isolate() + "\n" + confine_writing_to(own_) + "\n" +
+                  bound({.memory_bytes = 900'000'000, .file_bytes = 7'000'000});
+              MUST(text.starts_with("no network, no other processes (seccomp)\n"));
+              MUST(text.find(has_landlock()
+                                 ? "writes only beneath " + own_.string() + " (Landlock "
+                                 : "writes where its user may (Landlock: ") != std::string::npos);
+              MUST(text.ends_with(", files up to 7 MB"));
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, MemoryAndFilesHaveBounds) {
+  EXPECT_EQ(status_of_child([&] {
+              const std::string text =
+                  bound({.memory_bytes = 300'000'000, .file_bytes = 1'000'000});
+              const storage::File file(own_ / "large", O_RDWR | O_CREAT);
+              file.write_at(0, std::string(900'000, 'x'));
+              MUST(!met_file_bound());
+              MUST(::pwrite(file.descriptor(), "x", 1, 1'000'000) < 0 && errno == EFBIG);
+              MUST(met_file_bound());
+              if (!text.starts_with("memory up to 300 MB")) ::_exit(0);  // a sanitizer's build
+              bool refused_memory = false;
+              try {
+                const std::vector<char> too_much(400'000'000, 'x');
+              } catch (const std::bad_alloc&) {
+                refused_memory = true;
+              }
+              MUST(refused_memory);
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, ACastingHasTheSameResultsBitByBit) {
+  const auto cast_into = [](const fs::path& folder) {
+    casting::testing::Recorder recorder;
+    const auto outcome =
+        casting::run(casting::testing::small_casting(), {.path = folder}, recorder);
+    MUST(outcome.end == casting::RunEnd::succeeded);
+  };
+  EXPECT_EQ(status_of_child([&] { cast_into(other_); }), 0);
+  EXPECT_EQ(status_of_child([&] {
+              isolate();
+              confine_writing_to(own_);
+              bound({.memory_bytes = 2'000'000'000, .file_bytes = 1'000'000'000});
+              cast_into(own_);
+            }),
+            0);
+  EXPECT_EQ(values::sha256_of_file(own_ / "results.h5"),
+            values::sha256_of_file(other_ / "results.h5"));
+}
+
+}  // namespace
+}  // namespace dccast::worker
