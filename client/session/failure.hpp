@@ -29,6 +29,12 @@ private:
   ExitCode code_;
 };
 
+/// What hinders a connection: one sentence, and one remedy. Empty: nothing was found.
+struct Diagnosis {
+  std::string cause, remedy;
+  bool sound() const { return cause.empty(); }
+};
+
 /// Converts the status of a call to a failure, with the remedy. `server` is the address for the
 /// message.
 CommandFailed failure_of(const grpc::Status& status, const std::string& server);

@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "client/session/socket.hpp"
+#include "client/session/ssh_tunnel.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/owned.hpp"
 #include "proto/values/printable.hpp"
@@ -159,12 +160,9 @@ bool takes_tls(const HostAndPort& to, const ProbeOptions& options) {
          shake_hands(socket, to, "").made;
 }
 
-/// Without TLS, which only loopback and tunnels have.
-Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& address,
-                const ProbeOptions& options, std::vector<std::string>& found) {
-  Speaks language = language_of(socket.exchange(greeting));
-  // gRPC behind TLS closes without a sign of its own.
-  if (language == Speaks::nothing && takes_tls(to, options)) language = Speaks::tls;
+/// What answers without TLS, which only loopback and tunnels have.
+Diagnosis judge_plain(Speaks language, const std::string& address,
+                      std::vector<std::string>& found) {
   switch (language) {
     case Speaks::http2:
       found.push_back("it speaks gRPC without TLS");
@@ -182,6 +180,14 @@ Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& addres
       return {"what answers at " + address + " does not speak gRPC",
               "give the port of dccastd; its log names it"};
   }
+}
+
+Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& address,
+                const ProbeOptions& options, std::vector<std::string>& found) {
+  Speaks language = language_of(socket.exchange(greeting));
+  // gRPC behind TLS closes without a sign of its own.
+  if (language == Speaks::nothing && takes_tls(to, options)) language = Speaks::tls;
+  return judge_plain(language, address, found);
 }
 
 /// The first thing that is wrong with the server's certificate for this host and CA.
@@ -302,11 +308,26 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   return {};
 }
 
+/// What a socket finds out elsewhere one ssh does here.
+Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
+                      std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
+  const SshTunnel tunnel(server);
+  std::string answer;
+  const Diagnosis way = tunnel.try_once(greeting, options.timeout, answer);
+  if (!way.sound()) return way;
+  found.push_back("ssh reaches " + tunnel.target() + " on the other machine");
+  const Diagnosis wire = judge_plain(language_of(answer), server, found);
+  if (!wire.sound()) return wire;
+  return call({.address = tunnel.address()}, options, found, std::move(interruption));
+}
+
 }  // namespace
 
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   const std::string& address = endpoint.address;
+  if (SshTunnel::is_meant(address))
+    return through_ssh(address, options, found, std::move(interruption));
   if (const auto scheme = address.find("://"); scheme != std::string::npos)
     return {
         "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",

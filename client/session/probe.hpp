@@ -9,12 +9,6 @@
 
 namespace dccast::client {
 
-/// What hinders a connection: one sentence, and one remedy. Empty: nothing was found.
-struct Diagnosis {
-  std::string cause, remedy;
-  bool sound() const { return cause.empty(); }
-};
-
 struct ProbeOptions {
   std::chrono::milliseconds timeout{5000};  ///< of each step on the wire
   std::string role{};                       ///< that the user is to have; empty: any
@@ -23,6 +17,7 @@ struct ProbeOptions {
 
 /// Why calls to a server fail, step by step: address, name, port, TLS, certificate, and last a call
 /// with the token. Uses sockets and OpenSSL, as gRPC states no more than that a connection failed.
+/// "ssh://...": whether ssh reaches the machine, whether the port there takes connections, a call.
 /// @param found  a line for each step that succeeded is added
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "client/session/failure.hpp"
 
 namespace dccast::client {
 
@@ -19,6 +22,16 @@ public:
   ~SshTunnel();
   /// For gRPC.
   std::string address() const { return "unix:" + socket_.string(); }
+
+  /// "127.0.0.1:7117", as the other machine sees it.
+  const std::string& target() const;
+  /// Sends a greeting to the daemon by one ssh of its own.
+  /// @param timeout  of ssh for reaching the machine; four times that for all, as a person may have
+  ///                 to enter something
+  /// @param answer   set to the first bytes that came back, at most 64
+  /// @return         why there is no answer: ssh itself, or what it found on the other machine
+  Diagnosis try_once(const std::string& greeting, std::chrono::milliseconds timeout,
+                     std::string& answer) const;
 
 private:
   void run();

@@ -30,26 +30,38 @@ class SshTest(ServiceTest):
         super().setUp()
         self.temporary = os.path.join(self.folder, "tmp")
         os.mkdir(self.temporary)
+        self.programs = self.folder + ":" + os.environ["PATH"]
         self.port = self.daemon.address.rsplit(":", 1)[1]
 
+    def write_ssh(self, text):
+        with open(os.path.join(self.folder, "ssh"), "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(file.name, 0o700)
+
     def dccast(self, server, *words, code=0):
-        environment = {**os.environ, "PATH": self.folder + ":" + os.environ["PATH"],
-                       "TMPDIR": self.temporary, "HOME": self.folder}
+        environment = {**os.environ, "PATH": self.programs, "TMPDIR": self.temporary, "HOME": self.folder}
         ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", server, *words],
                                capture_output=True, text=True, timeout=90, check=False,
                                env=environment, stdin=subprocess.DEVNULL)
         self.assertEqual(ended.returncode, code, ended.stderr)
         self.assertEqual(os.listdir(self.temporary), [], "the socket is left")
-        return ended.stdout if code == 0 else ended.stderr
+        return ended.stdout if code == 0 else ended.stdout + ended.stderr
+
+    def doctor(self, server, cause, remedy):
+        """One sentence about the cause, one remedy, each with these texts."""
+        said = self.dccast(server, "doctor", "--timeout", "1", code=4).splitlines()
+        said = [line for line in said if not line.startswith("ok ")]
+        self.assertEqual([line.split()[0] for line in said], ["cause", "remedy"], said)
+        for line, texts in zip(said, (cause, remedy)):
+            for text in texts:
+                self.assertIn(text, line)
 
 
 class StandIn(SshTest):
     def setUp(self):
         super().setUp()
         self.notes = os.path.join(self.folder, "notes")
-        with open(os.path.join(self.folder, "ssh"), "w", encoding="utf-8") as file:
-            file.write(STAND_IN.format(notes=self.notes, port=self.port))
-        os.chmod(os.path.join(self.folder, "ssh"), 0o700)
+        self.write_ssh(STAND_IN.format(notes=self.notes, port=self.port))
 
     def calls(self):
         with open(self.notes, encoding="utf-8") as file:
@@ -64,6 +76,17 @@ class StandIn(SshTest):
 
     def test_what_ssh_says_is_shown(self):
         self.assertIn("Could not resolve", self.dccast("ssh://nowhere", "info", code=4))
+
+    def test_doctor_knows_what_ssh_itself_does_not_do(self):
+        self.doctor("ssh://nowhere:2222", ["ssh ended with exit code 1: ssh: Could not resolve"],
+                    ["ssh -p 2222 nowhere alone"])
+        self.write_ssh("#!/bin/sh\nprintf 'be \\033[2Jwarned\\n' >&2\nexit 255\n")
+        self.doctor("ssh://casthouse", ["exit code 255: be \\u{1B}[2Jwarned"], ["ssh casthouse alone"])
+        self.write_ssh("#!/bin/sh\nexec sleep 60\n")
+        self.doctor("ssh://casthouse", ["no answer in time"], ["there dccast doctor"])
+        os.remove(os.path.join(self.folder, "ssh"))
+        self.programs = self.folder
+        self.doctor("ssh://casthouse", ["ssh cannot be started"], ["openssh-client"])
 
     def test_no_option_gets_through_as_a_host(self):
         for server in ("ssh://-oProxyCommand=id", "ssh://a@-oProxyCommand=id", "ssh://", "ssh://a b",
@@ -95,11 +118,20 @@ class RealSsh(SshTest):
                  "-o", "PermitRootLogin=yes", "-o", "PidFile=none", "-o", "UsePAM=no"], stderr=log)
         self.addCleanup(self.end_sshd)
         # The user's own settings of ssh, which has no option for another HOME.
-        with open(self.path("ssh"), "w", encoding="utf-8") as file:
-            file.write(f'#!/bin/sh\nexec /usr/bin/ssh -F /dev/null -i {self.path("user")} '
+        self.ssh_with("user")
+        until(self.listens, 10)
+
+    def ssh_with(self, key):
+        self.write_ssh(f'#!/bin/sh\nexec /usr/bin/ssh -F /dev/null -i {self.path(key)} '
                        '-o UserKnownHostsFile=/dev/null -o StrictHostKeyChecking=no '
-                       '-o LogLevel=ERROR "$@"\n')
-        os.chmod(self.path("ssh"), 0o700)
+                       '-o IdentitiesOnly=yes -o BatchMode=yes "$@"\n')
+
+    def listens(self):
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.ssh_port)) == 0
+
+    def server(self, port):
+        return f"ssh://{getpass.getuser()}@127.0.0.1:{self.ssh_port}/{port}"
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -109,16 +141,35 @@ class RealSsh(SshTest):
         self.sshd.wait(10)
 
     def test_the_owner_is_the_user_of_the_other_machine(self):
-        server = f"ssh://{getpass.getuser()}@127.0.0.1:{self.ssh_port}/{self.port}"
-
-        def listens():
-            with socket.socket() as probe:
-                return probe.connect_ex(("127.0.0.1", self.ssh_port)) == 0
-        until(listens, 10)
+        server = self.server(self.port)
         job = self.client.submit(fake_case("steps=50 sleep_ms=10")).id
         self.assertIn("succeeded", self.dccast(server, "wait", job))
         self.assertIn(getpass.getuser(), self.dccast(server, "whoami"))
         self.assertEqual(self.client.job(job).state, job_pb2.SUCCEEDED)
+
+    def test_doctor(self):
+        sound = self.dccast(self.server(self.port), "doctor")
+        self.assertIn(f"ok      ssh reaches 127.0.0.1:{self.port} on the other machine\n", sound)
+        self.assertIn(f"ok      you are {getpass.getuser()}, ", sound)
+        with socket.socket() as closed:
+            closed.bind(("127.0.0.1", 0))
+            port = closed.getsockname()[1]
+            self.doctor(self.server(port), [f"nothing takes connections at 127.0.0.1:{port}", "Connection refused"],
+                        ["start dccastd there"])
+        self.doctor(self.server(self.ssh_port), ["does not speak gRPC"], ["port of dccastd"])
+        self.ssh_with("host")
+        self.doctor(self.server(self.port), ["ssh ended with exit code 255: ", "Permission denied"], [" alone"])
+        self.ssh_with("user")
+        self.end_sshd()
+        self.doctor(self.server(self.port), ["exit code 255: ", "Connection refused"],
+                    [f"ssh -p {self.ssh_port} "])
+
+    def test_doctor_at_the_port_of_others(self):
+        self.daemon.terminate()
+        self.daemon.settings["listen_tls"] = "127.0.0.1:0"
+        self.daemon.start()
+        port = self.daemon.tls_address.rsplit(":", 1)[1]
+        self.doctor(self.server(port), ["without an answer"], ["not that of listen_tls"])
 
 
 if __name__ == "__main__":
