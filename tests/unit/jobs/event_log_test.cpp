@@ -25,10 +25,11 @@ void* operator new(std::size_t size) {
   void* memory = size > largest_allocation ? nullptr : std::malloc(size);
   return memory != nullptr ? memory : throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept {
+// Inlined, GCC takes them for the wrong partners of a `new` that is not.
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 
@@ -404,8 +405,8 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   EXPECT_TRUE(gone.expired());
 }
 
-/// Its number was given to the next event, which was lost as out of order: of a worker that ran out
-/// of memory no one knew why.
+/// Its number was given to the next event, which was lost as out of order: the end of a worker that
+/// ran out of memory had no cause.
 TEST_F(EventLogTest, AnEventThatCouldNotBeTakenKeepsItsNumber) {
   EventLog log(path());
   append_steps(log, 1, 3);
