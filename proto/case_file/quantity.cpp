@@ -93,8 +93,17 @@ bool known(const std::string& unit) {
   return Unit(ut_parse(unit_system(), unit.c_str(), UT_UTF8)) != nullptr;
 }
 
+/// "mm/0s": of no use in a unit, and UDUNITS-2 does not free the word after such a zero.
+bool has_zero(const std::string& unit) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (std::size_t i = unit.find('0'); i != std::string::npos; i = unit.find('0', i + 1))
+    if (i == 0 || !digit(unit[i - 1])) return true;
+  return false;
+}
+
 /// UDUNITS-2 also reads time stamps, logarithmic references and offsets; none is a unit in a case.
 bool plain_unit(const std::string& unit) {
+  if (has_zero(unit)) return false;
   if (unit.size() > maximum_unit_length || unit.find('@') != std::string::npos) return false;
   if (unit.find_first_of("0123456789+-.") == 0) return false;
   for (const char* const word : {"since", "after", "from", "ref", "re ", "re:", "RE", "(re"})

@@ -1,6 +1,7 @@
 #include "proto/case_file/quantity.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 namespace dccast::case_file {
 namespace {
@@ -35,6 +36,17 @@ TEST(Quantity, RefusesWhatIsNoQuantity) {
     const Quantity quantity = parse_quantity(text, "m/s");
     EXPECT_FALSE(quantity.value) << text;
     EXPECT_FALSE(quantity.message.empty()) << text;
+  }
+}
+
+/// UDUNITS-2 leaks 32 bytes at each of these.
+TEST(Quantity, RefusedUnitsHoldNoMemory) {
+  const auto refuse = [](const char* text) { EXPECT_FALSE(parse_quantity(text, "m/s").value); };
+  for (const char* const text : {"1 mm/0s", "1 m 0foo", "1 kg·0lg", "1 %/0.5e"}) {
+    refuse(text);
+    const auto before = ::mallinfo2().uordblks;
+    for (int repeat = 0; repeat < 1000; ++repeat) refuse(text);
+    EXPECT_LT(::mallinfo2().uordblks, before + 16000) << text;
   }
 }
 
