@@ -26,8 +26,8 @@ private:
 
 /// Which events are wanted; empty texts: all.
 struct AuditFilter {
-  std::string user{}, job{}, call{},
-      since{};  ///< since: the beginning of an RFC 3339 time, inclusive
+  std::string user{}, job{}, call{};
+  std::string since{};  ///< the beginning of an RFC 3339 time, inclusive
 };
 
 /// Prints the lines that pass, as they stand. @return their number

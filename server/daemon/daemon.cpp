@@ -284,12 +284,14 @@ struct Serving {
   jobs::Executor& executor;
 };
 
-void log_address(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
-                 const DataDirectory& directory) {
+/// @param sandbox  what holds the workers; empty where none has answered, which is logged before
+void log_start(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
+               const DataDirectory& directory, const std::string& sandbox) {
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
             tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(), capacity(config));
+  if (!sandbox.empty()) log::info("workers: {}", sandbox);
 }
 
 /// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
@@ -387,7 +389,6 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::WarmWorkers warm_workers(worker_program(config),
                                  {.scratch = directory.check(), .kept = warm_worker_count(config)});
   const v1::WorkerAnswer worker = introduction_of(warm_workers);
-  const std::string& solver = worker.solver();
   const intake::CaseIntake intake(warm_workers, config.alloy_directory(), directory.check(),
                                   ceilings(config));
   const auto opened_store = state::open_store(directory);
@@ -398,8 +399,8 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
   jobs::Tally tally;
   jobs::EndHook end_hook(config.job_end_hook());
-  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, solver), store, logs,
-                            executor);
+  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, worker.solver()), store,
+                            logs, executor);
   scheduler.observe_transitions([&](const v1::Job& job, v1::JobState from) {
     tally.count(job, from);
     end_hook.on_transition(job, from);
@@ -424,7 +425,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
                            .intake = intake,
                            .gate = gate,
                            .warm_workers = warm_workers,
-                           .solver = solver,
+                           .solver = worker.solver(),
                            .worker_sandbox = worker.sandbox(),
                            .query_directory = directory.check(),
                            .jobs_directory = directory.jobs(),
@@ -436,8 +437,7 @@ int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
   studies.start();
   const jobs::Retention retention(retention_options(config, directory), store, scheduler);
   const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
-  log_address(config, listener.address(), tls.address(), directory);
-  log::info("workers: {}", worker.sandbox());
+  log_start(config, listener.address(), tls.address(), directory, worker.sandbox());
   serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
                      workers);
   return 0;
