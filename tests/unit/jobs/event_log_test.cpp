@@ -456,6 +456,42 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   EXPECT_TRUE(gone.expired());
 }
 
+/// Counts what it gives out and takes back.
+template <class Type>
+struct CountingAllocator {
+  using value_type = Type;
+  int* pieces;
+  explicit CountingAllocator(int& count) : pieces(&count) {}
+  template <class Other>
+  explicit CountingAllocator(const CountingAllocator<Other>& other) : pieces(other.pieces) {}
+  Type* allocate(std::size_t count) {
+    ++*pieces;
+    return std::allocator<Type>().allocate(count);
+  }
+  void deallocate(Type* memory, std::size_t count) {
+    --*pieces;
+    std::allocator<Type>().deallocate(memory, count);
+  }
+};
+
+/// A watcher and its weak pointers share one piece of memory, which lives as long as the last of
+/// them: the daemon grew by a kilobyte for each watch of a job that had ended.
+TEST_F(EventLogTest, NothingIsKeptOfAWatcherThatHasGone) {
+  EventLogs logs(folder_.path());
+  int pieces = 0;
+  auto watcher = std::allocate_shared<CountingWatcher>(CountingAllocator<CountingWatcher>(pieces));
+  logs.watch("ended", watcher);
+  for (int i = 0; i < 2000 && watcher->calls < 1; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 2000 && watcher.use_count() > 1; ++i)  // the notifier has it, too
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_EQ(pieces, 1);
+  watcher.reset();
+  const auto other = std::make_shared<CountingWatcher>();
+  logs.watch("other", other);
+  EXPECT_EQ(pieces, 0);
+}
+
 /// Its number was given to the next event, which was lost as out of order: the end of a worker that
 /// ran out of memory had no cause.
 TEST_F(EventLogTest, AnEventThatCouldNotBeTakenKeepsItsNumber) {
