@@ -37,7 +37,6 @@ public:
   /// z = M^-1 r. @param z  not the same storage as `r`
   void apply(std::span<const double> r, std::span<double> z);
 
-  int coarse_unknowns() const { return coarse_pattern_.unknowns(); }
   /// Memory used by both grids [byte], after analyze().
   std::size_t memory_bytes() const;
 

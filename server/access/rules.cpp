@@ -115,7 +115,8 @@ std::string Authority::whom_to_ask() {
   const v1::Users all = users_.users();
   for (const v1::User& user : all.user())
     if (user.role() == v1::ADMIN && !user.disabled()) admins += ", " + user.name();
-  return "ask an admin: root or " + policy_.own_user + " on the server's machine" + admins;
+  const std::string own = policy_.own_user == "root" ? "" : " or " + policy_.own_user;
+  return "ask an admin: root" + own + " on the server's machine" + admins;
 }
 
 std::string Authority::role_fault(const Caller& caller, const CallRule& rule) {

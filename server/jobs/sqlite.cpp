@@ -2,6 +2,10 @@
 
 #include <sqlite3.h>
 
+#include <array>
+#include <cstdint>
+
+#include "core/storage/record_log.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -40,11 +44,28 @@ std::string meaning(int code) {
   throw StoreError("the job store failed: " + meaning(code), code);
 }
 
+/// sum_of(...): CRC-32C of the values, each behind its type and size.
+void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
+  std::uint32_t sum = 0;
+  for (int i = 0; i < count; ++i) {
+    const int type = sqlite3_value_type(values[i]);
+    const void* bytes = sqlite3_value_blob(values[i]);  // an integer as its digits
+    const std::array head{type, sqlite3_value_bytes(values[i])};
+    sum = storage::crc32c(head.data(), sizeof head, sum);
+    sum = storage::crc32c(bytes, static_cast<std::size_t>(head[1]), sum);
+  }
+  sqlite3_result_int64(context, sum);
+}
+
 }  // namespace
 
 Database::Database(const std::filesystem::path& path) {
   constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK) return;
+  constexpr int any_number = -1;
+  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK &&
+      sqlite3_create_function(handle_, "sum_of", any_number, SQLITE_UTF8 | SQLITE_DETERMINISTIC,
+                              nullptr, sum_of, nullptr, nullptr) == SQLITE_OK)
+    return;
   log::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
   sqlite3_close(handle_);
   throw StoreError("the job store " + path.string() + " cannot be opened", SQLITE_CANTOPEN);

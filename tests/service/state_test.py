@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Whatever becomes of the store, no job is lost: the daemon refuses or keeps aside, `dccastd check`
 says what is wrong and puts it right, a backup of a working daemon can be restored."""
+import contextlib
 import os
 import shutil
 import sqlite3
@@ -122,9 +123,9 @@ class LostStore(StateTest):
         first = self.client.submit(fake_case("steps=2"))
         self.client.until_state(first.id, SUCCEEDED)
         copy = os.path.join(self.folder, "copy.sqlite")
-        with sqlite3.connect(self.store) as store:
-            store.execute("VACUUM INTO ?", (copy,))
-        store.close()
+        with contextlib.closing(sqlite3.connect(self.store)) as store, \
+             contextlib.closing(sqlite3.connect(copy)) as target:
+            store.backup(target)
         def restore():
             os.remove(self.store + "-wal")
             shutil.copy(copy, self.store)

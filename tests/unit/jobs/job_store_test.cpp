@@ -1,8 +1,12 @@
 #include "server/jobs/job_store.hpp"
 
+#include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/events.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -39,6 +43,25 @@ TEST_F(JobStoreTest, GivesBackANewJob) {
   EXPECT_TRUE(same(store_.find(record.job.id())->job, record.job));
   EXPECT_TRUE(same(store_.find_request("r")->job, record.job));
   EXPECT_FALSE(store_.find(values::random_uuid()));
+}
+
+TEST_F(JobStoreTest, AFlippedBitInARowIsAFault) {
+  const std::filesystem::path path = folder_.path() / "damaged.sqlite";
+  {
+    JobRecord record = new_record();
+    JobStore store(path);
+    store.insert(record);
+    record.job.set_state(v1::SUCCEEDED);
+    record.job.add_artifacts()->set_sha256("5ca1ab1e");
+    store.update(record, Durability::full);
+    EXPECT_EQ(store.first_fault(), "");
+  }
+  std::string bytes = storage::read_file(path);
+  const auto at = bytes.find("5ca1ab1e");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] ^= 1;
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_THAT(JobStore(path).first_fault(), testing::HasSubstr("job"));
 }
 
 TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
