@@ -1,3 +1,6 @@
+#include <map>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 
 #include <toml++/toml.h>
@@ -10,17 +13,27 @@
 namespace dccast::case_file {
 namespace {
 
-/// Sets one field from its default text, by the reader itself: a default is written as in a file.
-void set_default(Message& message, const FieldDescriptor& field) {
+/// A message with nothing but the default of one field, by the reader itself: a default is written
+/// as in a file. Kept, since a text for each key costs more than a whole file.
+const Message& default_of(const FieldDescriptor& field, const Message& message) {
+  static std::mutex mutex;
+  static std::map<const FieldDescriptor*, std::unique_ptr<const Message>> kept;
+  const std::lock_guard lock(mutex);
+  if (const auto found = kept.find(&field); found != kept.end()) return *found->second;
+  std::unique_ptr<Message> read(message.New());
   const std::string& text = key_of(field).default_text();
-  if (text.empty() || text == "\"\"" || text == by_quality) return;
-  const std::unique_ptr<Message> read(message.New());
   const ReadOutcome outcome = read_text(toml_key(field) + " = " + text, "default", *read);
   // The text holds one key only, so required ones are missing by design.
   for (const v1::Fault& fault : outcome.faults)
     if (fault.field().starts_with(toml_key(field)) && fault.message() != "required key is missing")
       throw std::logic_error("default of " + field.full_name() + ": " + fault.message());
-  message.MergeFrom(*read);
+  return *kept.emplace(&field, std::move(read)).first->second;
+}
+
+void set_default(Message& message, const FieldDescriptor& field) {
+  const std::string& text = key_of(field).default_text();
+  if (text.empty() || text == "\"\"" || text == by_quality) return;
+  message.MergeFrom(default_of(field, message));
 }
 
 void apply(Message& message, bool alloy_inside);

@@ -51,6 +51,8 @@ std::string EventGap::description() const {
   if (first == last) text = "event " + std::to_string(first) + " is lost: ";
   if (first < last)
     text = "events " + std::to_string(first) + " to " + std::to_string(last) + " are lost: ";
+  if (begin == end)
+    return text + "they are missing at byte " + std::to_string(begin) + " of the event log";
   return text + "bytes " + std::to_string(begin) + " to " + std::to_string(end) +
          " of the event log are damaged";
 }
@@ -137,23 +139,30 @@ private:
     std::int64_t offset = 0;
     std::int64_t end = 0;
     std::int64_t sequence = 0;
-    int what = 0;
-    std::string_view payload;  ///< good until the file is read again
+    std::optional<v1::JobEvent> event{};  ///< nothing for a step, which is not parsed
+    std::string_view payload;             ///< good until the file is read again
   };
 
-  /// The record at `offset` if it is sound and its sequence within these bounds.
+  /// The record at `offset` if it is sound, an event, and its sequence within these bounds.
   std::optional<Record> record_at(std::int64_t offset, std::int64_t lowest, std::int64_t highest) {
     const std::string_view head = file_.at(offset, head_size + event_start_size);
     if (head.size() <= short_records.head_size) return std::nullopt;
-    const auto start = start_of(head.substr(short_records.head_size));
+    auto start = start_of(head.substr(short_records.head_size));
     if (!start || start->sequence < lowest || start->sequence > highest) return std::nullopt;
     const auto found = short_records.at(file_, offset, largest_event);
     if (!found) return std::nullopt;
-    return Record{.offset = offset,
+    start = start_of(found->payload);  // without the bytes of the next record
+    if (!start || start->sequence < lowest || start->sequence > highest) return std::nullopt;
+    Record record{.offset = offset,
                   .end = offset + found->size,
                   .sequence = start->sequence,
-                  .what = start_of(found->payload)->what,
                   .payload = found->payload};
+    if (start->what == v1::JobEvent::kStepFieldNumber) return record;
+    record.event.emplace();
+    const auto size = static_cast<int>(found->payload.size());
+    const bool sound = record.event->ParseFromArray(found->payload.data(), size) &&
+                       record.event->sequence() == record.sequence;
+    return sound ? std::optional(std::move(record)) : std::nullopt;
   }
 
   std::int64_t expected() const { return content_.last_sequence + 1; }
@@ -169,14 +178,12 @@ private:
   void take(const Record& record) {
     const bool gap = record.offset > content_.end || record.sequence > content_.last_sequence + 1;
     if (gap) note_gap(record);
-    if (record.what == v1::JobEvent::kStepFieldNumber) {
+    if (!record.event) {
       last_step_ = record.payload;
       return content_.take_unread_step(record.sequence, record.offset, record.end);
     }
     settle_last_step();
-    v1::JobEvent event;
-    event.ParseFromArray(record.payload.data(), static_cast<int>(record.payload.size()));
-    content_.take(event, record.offset, record.end);
+    content_.take(*record.event, record.offset, record.end);
   }
 
   void note_gap(const Record& record) {

@@ -71,6 +71,7 @@ std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
 void EventLogs::watch(const std::string& job_id, std::weak_ptr<Watcher> watcher) {
   {
     const std::lock_guard lock(mutex_);
+    drop_expired();
     watchers_[job_id].push_back(std::move(watcher));
     to_notify_.insert(job_id);
   }
@@ -153,14 +154,19 @@ void EventLogs::mark(const std::string& job_id) {
   changed_.notify_all();
 }
 
+/// Those of jobs that have ended are notified of nothing, where they could be dropped.
+void EventLogs::drop_expired() {
+  for (auto at = watchers_.begin(); at != watchers_.end();) {
+    std::erase_if(at->second, [](const auto& watcher) { return watcher.expired(); });
+    at = at->second.empty() ? watchers_.erase(at) : std::next(at);
+  }
+}
+
 std::vector<std::shared_ptr<Watcher>> EventLogs::watchers_of(const std::string& job_id) {
-  const auto found = watchers_.find(job_id);
-  if (found == watchers_.end()) return {};
-  std::erase_if(found->second, [](const auto& watcher) { return watcher.expired(); });
   std::vector<std::shared_ptr<Watcher>> alive;
-  for (const auto& watcher : found->second)
-    if (auto held = watcher.lock()) alive.push_back(std::move(held));
-  if (found->second.empty()) watchers_.erase(found);
+  if (const auto found = watchers_.find(job_id); found != watchers_.end())
+    for (const auto& watcher : found->second)
+      if (auto held = watcher.lock()) alive.push_back(std::move(held));
   return alive;
 }
 

@@ -58,6 +58,7 @@ private:
   void run_syncer(const std::stop_token& stop);
   void run_follower(const std::stop_token& stop);
   void refresh_followed(const std::set<int>& marked, bool reopen);
+  void drop_expired();
   std::vector<std::shared_ptr<Watcher>> watchers_of(const std::string& job_id);
 
   std::filesystem::path jobs_directory_;
@@ -67,7 +68,7 @@ private:
   std::condition_variable_any changed_;
   std::set<std::string> to_notify_;
   std::set<std::string> to_sync_;
-  std::map<std::string, std::vector<std::weak_ptr<Watcher>>> watchers_;
+  std::map<std::string, std::vector<std::weak_ptr<Watcher>>> watchers_;  ///< by job
   /// A log that a worker appends to.
   struct Followed {
     std::string job_id;

@@ -6,7 +6,6 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr std::size_t most_indexes = 16;
 // Tag and length of one entry of a repeated field.
 constexpr std::size_t entry_overhead = 6;
 
@@ -81,19 +80,6 @@ std::optional<std::vector<StepIndex::Span>> StepIndex::spans_after(const StepPla
   std::vector<Span> rest(at, spans_.end());
   rest.front().first = place.sequence + 1;
   return rest;
-}
-
-std::shared_ptr<StepIndex> StepIndexes::of(const std::string& job_id) {
-  const std::lock_guard lock(mutex_);
-  const auto found =
-      std::ranges::find(recent_, job_id, [](const auto& entry) { return entry.first; });
-  if (found != recent_.end()) {
-    recent_.splice(recent_.begin(), recent_, found);
-  } else {
-    recent_.emplace_front(job_id, std::make_shared<StepIndex>());
-    if (recent_.size() > most_indexes) recent_.pop_back();
-  }
-  return recent_.front().second;
 }
 
 }  // namespace dccast::jobs

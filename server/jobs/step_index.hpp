@@ -2,16 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "dccast/v1/job.pb.h"
 #include "server/jobs/event_log.hpp"
+#include "server/jobs/recent.hpp"
 
 namespace dccast::jobs {
 
@@ -63,11 +62,13 @@ private:
 /// The indexes of the jobs asked for last.
 class StepIndexes {
 public:
-  std::shared_ptr<StepIndex> of(const std::string& job_id);
+  std::shared_ptr<StepIndex> of(const std::string& job_id) {
+    const auto kept = recent_.find(job_id);
+    return kept ? kept : recent_.keep(job_id, std::make_shared<StepIndex>());
+  }
 
 private:
-  std::mutex mutex_;
-  std::list<std::pair<std::string, std::shared_ptr<StepIndex>>> recent_;
+  Recent<StepIndex> recent_{16};
 };
 
 }  // namespace dccast::jobs

@@ -146,8 +146,8 @@ Function next_of(const char* name) {
 
 void watch_connection(int connection, const std::string& peer, bool over_tls,
                       EndedConnections ended) {
-  connections().add(std::make_shared<Connection>(connection, socket_behind(connection), peer,
-                                                 over_tls, std::move(ended)));
+  connections().add(std::shared_ptr<Connection>(
+      new Connection{connection, socket_behind(connection), peer, over_tls, std::move(ended)}));
 }
 
 std::string peer_read_last() {

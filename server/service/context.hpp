@@ -3,17 +3,21 @@
 #include <atomic>
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/event_logs.hpp"
 #include "server/jobs/job_store.hpp"
+#include "server/jobs/recent.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
 #include "server/service/gate.hpp"
-#include "server/service/query_answers.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::service {
+
+/// What a query was answered with behind `accepted`: messages of QueryButtCurlResponse.
+using QueryAnswer = std::vector<std::string>;
 
 /// What the calls work with; owned by the daemon.
 struct Context {
@@ -24,11 +28,12 @@ struct Context {
   const intake::CaseIntake& intake;
   Gate& gate;
   jobs::WarmWorkers& warm_workers;
-  std::string solver;  ///< identity of the solver that the workers run; empty: not known
-  std::string worker_sandbox;             ///< what holds the workers
+  std::string solver;          ///< identity of the solver that the workers run; empty: not known
+  std::string worker_sandbox;  ///< what holds the workers
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders
   jobs::StepIndexes step_indexes{};
-  QueryAnswers query_answers{};
+  /// Of queries that were not kept as jobs, by their answer_key(), in bytes.
+  jobs::Recent<const QueryAnswer> query_answers{16'000'000};
   std::filesystem::path jobs_directory;
   std::string version;
   int workers = 1;

@@ -48,25 +48,35 @@ v1::JobState state_of(RunEnd::Outcome outcome) {
 /// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
 std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
   QueryAnswer answer;
+  Response response;
+  const auto add = [&] { answer.push_back(response.SerializeAsString()); };
   try {
     const auto log = context.scheduler.log(job.id());
     for (std::optional<jobs::StepPlace> place(jobs::StepPlace{}); place;) {
       const auto page = context.step_indexes.of(job.id())->page(*log, *place, most_steps_at_once,
                                                                 most_bytes_at_once);
       if (!page) return std::nullopt;
-      for (const v1::StepReport& step : page->steps) *answer.emplace_back().mutable_step() = step;
+      for (const v1::StepReport& step : page->steps) {
+        *response.mutable_step() = step;
+        add();
+      }
       place = page->next;
     }
   } catch (const std::exception& error) {
     log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
   }
-  for (const v1::Finding& finding : job.findings())
-    *answer.emplace_back().mutable_finding() = finding;
-  if (job.has_validity_loss()) *answer.emplace_back().mutable_validity_lost() = job.validity_loss();
-  Response::Ended& ended = *answer.emplace_back().mutable_ended();
-  ended.set_state(v1::SUCCEEDED);
-  ended.set_solver_s(job.last_step().solver_s());
+  for (const v1::Finding& finding : job.findings()) {
+    *response.mutable_finding() = finding;
+    add();
+  }
+  if (job.has_validity_loss()) {
+    *response.mutable_validity_lost() = job.validity_loss();
+    add();
+  }
+  response.mutable_ended()->set_state(v1::SUCCEEDED);
+  response.mutable_ended()->set_solver_s(job.last_step().solver_s());
+  add();
   return answer;
 }
 
@@ -129,7 +139,7 @@ public:
                                 [this](const v1::JobEvent& event) { take(event); })
                            .run_end();
     finish(state_of(end.outcome()), end.failure());
-    if (end.outcome() == RunEnd::SUCCEEDED) context_.query_answers.keep(key_, std::move(answer_));
+    if (end.outcome() == RunEnd::SUCCEEDED) keep_answer();
     return grpc::Status::OK;
   }
 
@@ -166,8 +176,19 @@ public:
 private:
   bool replay(const QueryAnswer& answer, const std::string& job) {
     send_(accepted(examined_, true, job));
-    for (const Response& response : answer) send_(response);
+    for (const std::string& bytes : answer) {
+      Response response;
+      response.ParseFromString(bytes);
+      send_(std::move(response));
+    }
     return true;
+  }
+
+  void keep_answer() {
+    std::size_t size = 0;
+    for (const std::string& bytes : answer_) size += sizeof bytes + bytes.capacity();
+    context_.query_answers.keep(key_, std::make_shared<const QueryAnswer>(std::move(answer_)),
+                                size);
   }
 
   v1::WorkerRequest run_request(const std::filesystem::path& folder) const {
@@ -189,7 +210,7 @@ private:
   }
 
   void pass_on(Response response) {
-    answer_.push_back(response);
+    answer_.push_back(response.SerializeAsString());
     send_(std::move(response));
   }
 

@@ -33,8 +33,8 @@ SimulationService::Unary* SimulationService::answer(Wire* wire,
   if (!origin.refusal().ok())
     reactor->Finish(origin.refusal());
   else
-    do_stage(std::make_shared<UnaryCall>(wire, reactor, std::move(origin), request.ByteSizeLong(),
-                                         std::move(stages)),
+    do_stage(std::make_shared<UnaryCall>(UnaryCall{wire, reactor, std::move(origin),
+                                                   request.ByteSizeLong(), std::move(stages)}),
              0);
   return reactor;
 }

@@ -14,8 +14,6 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr std::size_t most_history_bytes = 128'000'000;  // kept in memory, some 30 kB a run
-constexpr std::size_t most_faces = 4096;                 // kept in memory, below a kB each
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A run that has a job.
@@ -50,38 +48,20 @@ std::size_t bytes_of(const RunHistory& history) {
 
 }  // namespace
 
-void Studies::keep_history(const std::string& job, std::shared_ptr<const RunHistory> history) {
-  const std::size_t bytes = bytes_of(*history);
-  const std::lock_guard lock(plans_mutex_);
-  if (bytes > most_history_bytes || histories_.contains(job)) return;
-  while (history_bytes_ + bytes > most_history_bytes) {
-    history_bytes_ -= bytes_of(*histories_.begin()->second);
-    histories_.erase(histories_.begin());
-  }
-  history_bytes_ += bytes;
-  histories_[job] = std::move(history);
-}
-
 RunHistory Studies::history_of(const v1::Job& job) {
-  {
-    const std::lock_guard lock(plans_mutex_);
-    if (const auto kept = histories_.find(job.id()); kept != histories_.end()) return *kept->second;
-  }
+  if (const auto kept = histories_.find(job.id())) return *kept;
   const auto log = scheduler_.log(job.id());
   const auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
   const auto history =
       std::make_shared<const RunHistory>(page ? run_history(job, page->steps) : RunHistory{});
-  if (jobs::is_terminal(job.state())) keep_history(job.id(), history);
+  if (jobs::is_terminal(job.state())) histories_.keep(job.id(), history, bytes_of(*history));
   return *history;
 }
 
 /// The last frame of a run is read once and its face kept.
 /// @throws jobs::WorkerDidNotAnswer, frames::NoContraction
 std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
-  {
-    const std::lock_guard lock(plans_mutex_);
-    if (const auto kept = faces_.find(job.id()); kept != faces_.end()) return kept->second;
-  }
+  if (const auto kept = faces_.find(job.id())) return kept;
   v1::Case complete;
   if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
@@ -91,10 +71,7 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
                            {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
-  const std::lock_guard lock(plans_mutex_);
-  if (faces_.size() >= most_faces) faces_.erase(faces_.begin());
-  faces_[job.id()] = face;
-  return face;
+  return faces_.keep(job.id(), face);
 }
 
 void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {

@@ -167,8 +167,7 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
       const std::lock_guard lock(files_mutex_);
       write_study_file(options_.directory, record);
     }
-    const std::lock_guard lock(plans_mutex_);
-    plans_.erase(record.id);
+    plans_.forget(record.id);
   }
   const auto jobs = jobs_of(record.id);
   std::vector<RunRecord> deleted;
@@ -304,12 +303,15 @@ StudyReply Studies::remove(const std::string& id) {
 }
 
 void Studies::remove_now(const std::string& id) {
-  for (const auto& [job, about] : jobs_of(id)) scheduler_.remove(job);
+  for (const auto& [job, about] : jobs_of(id)) {
+    scheduler_.remove(job);
+    histories_.forget(job);
+    faces_.forget(job);
+  }
   remove_study_file(options_.directory, id);
   store_.erase(id);
   predictions_.forget(id);
-  const std::lock_guard lock(plans_mutex_);
-  plans_.erase(id);
+  plans_.forget(id);
 }
 
 std::map<std::string, v1::Job> Studies::jobs_of(const std::string& id) {
@@ -320,15 +322,8 @@ std::map<std::string, v1::Job> Studies::jobs_of(const std::string& id) {
 }
 
 std::shared_ptr<const StudyPlan> Studies::plan_of(const StudyRecord& record) {
-  constexpr std::size_t most_kept = 32;
-  {
-    const std::lock_guard lock(plans_mutex_);
-    if (const auto kept = plans_.find(record.id); kept != plans_.end()) return kept->second;
-  }
-  std::shared_ptr<const StudyPlan> plan = study_plan(record.request);
-  const std::lock_guard lock(plans_mutex_);
-  if (plans_.size() >= most_kept) plans_.erase(plans_.begin());
-  return plans_[record.id] = plan;
+  if (const auto kept = plans_.find(record.id)) return kept;
+  return plans_.keep(record.id, study_plan(record.request));
 }
 
 }  // namespace dccast::studies

@@ -15,9 +15,10 @@
 #include <vector>
 
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/worker_process.hpp"
+#include "server/jobs/recent.hpp"
 #include "server/jobs/scheduler.hpp"
 #include "server/jobs/step_index.hpp"
+#include "server/jobs/worker_process.hpp"
 #include "server/studies/predictions.hpp"
 #include "server/studies/study_notifier.hpp"
 #include "server/studies/study_plan.hpp"
@@ -125,7 +126,6 @@ private:
   /// Has the response surface of a sweep built, of the runs that have succeeded.
   void ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);
-  void keep_history(const std::string& job, std::shared_ptr<const RunHistory> history);
 
   const StudyOptions options_;
   StudyStore& store_;
@@ -137,11 +137,9 @@ private:
   std::mutex requests_mutex_;  ///< one creation, resumption or removal at a time
   std::mutex queueing_mutex_;  ///< a run gets its job and knows it, or is cancelled, as one
   std::mutex files_mutex_;     ///< of the study files
-  std::mutex plans_mutex_;
-  std::map<std::string, std::shared_ptr<const StudyPlan>> plans_;       ///< by study
-  std::map<std::string, std::shared_ptr<const RunHistory>> histories_;  ///< by job that has ended
-  std::size_t history_bytes_ = 0;                                       ///< of those
-  std::map<std::string, std::shared_ptr<const RunFace>> faces_;         ///< by job that succeeded
+  jobs::Recent<const StudyPlan> plans_{32};                ///< by study
+  jobs::Recent<const RunHistory> histories_{128'000'000};  ///< by job that has ended; bytes
+  jobs::Recent<const RunFace> faces_{4096};                ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
   bool feeder_woken_ = true;

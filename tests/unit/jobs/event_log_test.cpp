@@ -216,6 +216,57 @@ TEST_F(EventLogTest, ALogWithDamageGoesOnAndSaysWhatIsLost) {
   }
 }
 
+/// Right checksums do not make an event: a program that writes odd records, or a file put together
+/// by hand.
+class OddEventLogTest : public EventLogTest {
+protected:
+  static std::string record(const std::string& payload) {
+    return storage::short_records.framed(payload);
+  }
+  static std::string event(std::int64_t sequence) {
+    auto step = step_event(sequence);
+    step.set_sequence(sequence);
+    return record(step.SerializeAsString());
+  }
+  EventLogContent scan_of(const std::string& records) {
+    write(path(), event_log_header() + records);
+    return scan_event_log(path());
+  }
+};
+
+TEST_F(OddEventLogTest, ASequenceBehindARecordIsNotOfIt) {
+  // The head of the second record would end its number: it is 0x08 alone, then 2 as a length.
+  const auto content = scan_of(event(1) + record("\x08") + record("\x08\x03") + event(2));
+  EXPECT_EQ(content.last_sequence, 3);
+  ASSERT_EQ(content.gaps.size(), 1u);
+  EXPECT_EQ(content.gaps[0].first, 2);
+  EXPECT_EQ(content.gaps[0].last, 2);
+  EXPECT_LT(content.gaps[0].begin, content.gaps[0].end);
+}
+
+TEST_F(OddEventLogTest, ARecordThatIsNoEventOfItsNumberIsDamage) {
+  const std::string twice = "\x08\x02\x08\x63", cut = "\x08\x02\x1a\x7f";
+  for (const std::string& odd : {twice, cut}) {
+    const auto content = scan_of(event(1) + record(odd) + event(3));
+    EXPECT_EQ(content.last_sequence, 3);
+    ASSERT_EQ(content.gaps.size(), 1u);
+    EXPECT_EQ(content.gaps[0].first, 2);
+    EXPECT_EQ(content.gaps[0].last, 2);
+    const auto events = all_events(EventLog(path()));
+    ASSERT_EQ(events.size(), 3u);
+    EXPECT_TRUE(events[1].has_message());
+  }
+}
+
+TEST_F(OddEventLogTest, MissingEventsAreAGapWithoutBytes) {
+  const auto content = scan_of(event(1) + event(4));
+  ASSERT_EQ(content.gaps.size(), 1u);
+  EXPECT_EQ(content.gaps[0].description(), "events 2 to 3 are lost: they are missing at byte " +
+                                               std::to_string(content.gaps[0].begin) +
+                                               " of the event log");
+  EXPECT_EQ(all_events(EventLog(path())).size(), 4u);
+}
+
 TEST_F(EventLogTest, ADamagedEndIsKeptAsideAndATornOneIsNot) {
   {
     EventLog log(path());
@@ -403,6 +454,42 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   for (int i = 0; i < 2000 && !gone.expired(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_TRUE(gone.expired());
+}
+
+/// Counts what it gives out and takes back.
+template <class Type>
+struct CountingAllocator {
+  using value_type = Type;
+  int* pieces;
+  explicit CountingAllocator(int& count) : pieces(&count) {}
+  template <class Other>
+  explicit CountingAllocator(const CountingAllocator<Other>& other) : pieces(other.pieces) {}
+  Type* allocate(std::size_t count) {
+    ++*pieces;
+    return std::allocator<Type>().allocate(count);
+  }
+  void deallocate(Type* memory, std::size_t count) {
+    --*pieces;
+    std::allocator<Type>().deallocate(memory, count);
+  }
+};
+
+/// A watcher and its weak pointers share one piece of memory, which lives as long as the last of
+/// them: the daemon grew by a kilobyte for each watch of a job that had ended.
+TEST_F(EventLogTest, NothingIsKeptOfAWatcherThatHasGone) {
+  EventLogs logs(folder_.path());
+  int pieces = 0;
+  auto watcher = std::allocate_shared<CountingWatcher>(CountingAllocator<CountingWatcher>(pieces));
+  logs.watch("ended", watcher);
+  for (int i = 0; i < 2000 && watcher->calls < 1; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 2000 && watcher.use_count() > 1; ++i)  // the notifier has it, too
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_EQ(pieces, 1);
+  watcher.reset();
+  const auto other = std::make_shared<CountingWatcher>();
+  logs.watch("other", other);
+  EXPECT_EQ(pieces, 0);
 }
 
 /// Its number was given to the next event, which was lost as out of order: the end of a worker that
