@@ -36,7 +36,7 @@ web::Listening listening_of(const DashboardOptions& options, Program& program) {
                             ": others are served by HTTPS alone; give --certificate and --key, "
                             "PEM files of a certificate for this name");
   require_viewer(program);
-  const HostAndPort at = host_and_port(options.listen);
+  const values::HostAndPort at = values::host_and_port(options.listen);
   if (at.port.size() > 5 || at.port.find_first_not_of("0123456789") != std::string::npos ||
       std::atoi(at.port.c_str()) > 65535)
     throw CommandFailed(ExitCode::invalid, "--listen " + options.listen +

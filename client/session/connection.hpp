@@ -10,6 +10,7 @@
 
 #include "client/session/failure.hpp"
 #include "dccast/v1/service.grpc.pb.h"
+#include "proto/values/address.hpp"
 
 namespace dccast::client {
 
@@ -74,8 +75,7 @@ struct Endpoint {
   std::string token{};               ///< of `dccast login`; not PEM
   std::string certificate{}, key{};  ///< of this client; empty: none
   bool is_plain() const {
-    return ca.empty() && (address.starts_with("127.") || address.starts_with("localhost:") ||
-                          address.starts_with("[::1]") || address.starts_with("unix:"));
+    return ca.empty() && (address.starts_with("unix:") || values::is_loopback(address));
   }
 };
 

@@ -47,7 +47,7 @@ std::string proxy() {
   return "";
 }
 
-Diagnosis without_connection(Socket::Outcome outcome, const HostAndPort& to,
+Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort& to,
                              const std::string& reason, const ProbeOptions& options) {
   using Outcome = Socket::Outcome;
   const std::string where = to.host + " port " + to.port;
@@ -131,7 +131,7 @@ struct Handshake {
   bool made = false;
 };
 
-Handshake shake_hands(const Socket& socket, const HostAndPort& to, const std::string& ca) {
+Handshake shake_hands(const Socket& socket, const values::HostAndPort& to, const std::string& ca) {
   Handshake hands{Context(SSL_CTX_new(TLS_client_method())), nullptr};
   SSL_CTX_set_verify(hands.context.get(), SSL_VERIFY_PEER, [](int, X509_STORE_CTX*) { return 1; });
   if (const Certificate trusted = ca.empty() ? nullptr : parse(ca))
@@ -153,7 +153,7 @@ Handshake shake_hands(const Socket& socket, const HostAndPort& to, const std::st
   return hands;
 }
 
-bool takes_tls(const HostAndPort& to, const ProbeOptions& options) {
+bool takes_tls(const values::HostAndPort& to, const ProbeOptions& options) {
   Socket socket;
   std::string reason;
   return socket.connect(to, options.timeout, reason) == Socket::Outcome::connected &&
@@ -182,7 +182,7 @@ Diagnosis judge_plain(Speaks language, const std::string& address,
   }
 }
 
-Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& address,
+Diagnosis plain(Socket& socket, const values::HostAndPort& to, const std::string& address,
                 const ProbeOptions& options, std::vector<std::string>& found) {
   Speaks language = language_of(socket.exchange(greeting));
   // gRPC behind TLS closes without a sign of its own.
@@ -191,7 +191,7 @@ Diagnosis plain(Socket& socket, const HostAndPort& to, const std::string& addres
 }
 
 /// The first thing that is wrong with the server's certificate for this host and CA.
-Diagnosis judge_certificate(SSL* session, const HostAndPort& to) {
+Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   const long verdict = SSL_get_verify_result(session);
   X509* shown = SSL_get0_peer_certificate(session);
   if (verdict == X509_V_OK || shown == nullptr) return {};
@@ -226,7 +226,7 @@ Diagnosis judge_certificate(SSL* session, const HostAndPort& to) {
 }
 
 /// Why there was no handshake: what the server speaks instead.
-Diagnosis no_handshake(const HostAndPort& to, const std::string& address,
+Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address,
                        const ProbeOptions& options) {
   Socket second;
   std::string reason;
@@ -249,7 +249,7 @@ Diagnosis no_handshake(const HostAndPort& to, const std::string& address,
   }
 }
 
-Diagnosis secure(const Socket& socket, const HostAndPort& to, const Endpoint& endpoint,
+Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endpoint& endpoint,
                  const ProbeOptions& options, std::vector<std::string>& found) {
   const Handshake hands = shake_hands(socket, to, endpoint.ca);
   if (!hands.made) return no_handshake(to, endpoint.address, options);
@@ -332,7 +332,7 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
     return {
         "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",
         "write " + address.substr(scheme + 3) + " alone"};
-  const HostAndPort to = host_and_port(address);
+  const values::HostAndPort to = values::host_and_port(address);
   if (to.port.empty())
     return {"the address " + address + " names no port",
             "write " + address + ":7118, or the port of listen_tls that the log of dccastd names"};
@@ -352,7 +352,7 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
   const auto refuse = [](const Diagnosis& why) {
     return CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
   };
-  const HostAndPort to = host_and_port(address);
+  const values::HostAndPort to = values::host_and_port(address);
   Socket socket;
   std::string reason;
   const auto outcome = socket.connect(to, options.timeout, reason);

@@ -14,6 +14,7 @@
 
 #include "client/session/probe.hpp"
 #include "client/session/socket.hpp"
+#include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client {
@@ -57,12 +58,6 @@ toml::table table_of(const StoredServer& server) {
   throw CommandFailed(ExitCode::invalid, file.string() + ": " + what);
 }
 
-bool is_loopback(const std::string& address) {
-  const std::string host = host_and_port(address).host;
-  return address.starts_with("unix:") || host == "localhost" || host == "::1" ||
-         host.starts_with("127.");
-}
-
 }  // namespace
 
 StoredServers::StoredServers(fs::path file) : file_(std::move(file)) {
@@ -86,7 +81,7 @@ const StoredServer* StoredServers::find(const std::string& text) const {
   for (const StoredServer& server : all_)
     if (text.empty() || server.name == text || server.endpoint.address == text) return &server;
   for (const StoredServer& server : all_)
-    if (host_and_port(server.endpoint.address).host == text) return &server;
+    if (values::host_and_port(server.endpoint.address).host == text) return &server;
   return nullptr;
 }
 
@@ -129,7 +124,7 @@ void StoredServers::write() const {
 
 Endpoint endpoint_of(const std::string& server) {
   const Endpoint endpoint{.address = address_of(server)};
-  if (is_loopback(endpoint.address)) return endpoint;
+  if (endpoint.is_plain()) return endpoint;
   throw CommandFailed(ExitCode::unreachable,
                       "there is no login for " + endpoint.address +
                           "; log in with the line of `dccastd user add`: dccast login. Why a "

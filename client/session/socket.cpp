@@ -51,16 +51,6 @@ Socket::Outcome outcome_of(int error) {
 
 }  // namespace
 
-HostAndPort host_and_port(const std::string& address) {
-  const auto colon = address.rfind(':');
-  const bool has_port = colon != std::string::npos && address.find(']', colon) == std::string::npos;
-  HostAndPort parts{address.substr(0, has_port ? colon : std::string::npos),
-                    has_port ? address.substr(colon + 1) : ""};
-  if (parts.host.starts_with('[') && parts.host.ends_with(']'))
-    parts.host = parts.host.substr(1, parts.host.size() - 2);
-  return parts;
-}
-
 std::string name_of_this_machine() {
   std::array<char, 256> name{};
   ::gethostname(name.data(), name.size() - 1);
@@ -73,7 +63,7 @@ Socket::~Socket() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-Socket::Outcome Socket::connect(const HostAndPort& to, std::chrono::milliseconds timeout,
+Socket::Outcome Socket::connect(const values::HostAndPort& to, std::chrono::milliseconds timeout,
                                 std::string& reason) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;

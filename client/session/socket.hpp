@@ -4,14 +4,9 @@
 #include <memory>
 #include <string>
 
-namespace dccast::client {
+#include "proto/values/address.hpp"
 
-/// "casthouse:7118" or "[::1]:7118" in its parts; the port may be empty.
-struct HostAndPort {
-  std::string host;  ///< without brackets
-  std::string port;
-};
-HostAndPort host_and_port(const std::string& address);
+namespace dccast::client {
 
 std::string name_of_this_machine();
 
@@ -26,7 +21,7 @@ public:
   ~Socket();
 
   /// @param reason  is set to the system's words if it is not connected
-  Outcome connect(const HostAndPort& to, std::chrono::milliseconds timeout, std::string& reason);
+  Outcome connect(const values::HostAndPort& to, std::chrono::milliseconds timeout, std::string& reason);
   /// What arrives within the time limit, up to 64 bytes, after `sent` was sent.
   std::string exchange(const std::string& sent);
   int descriptor() const { return descriptor_; }

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "client/session/socket.hpp"
+#include "proto/values/address.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client::web {
@@ -58,7 +58,7 @@ std::string Entrance::address() {
 bool Entrance::is_own_name(const std::string& host) const {
   if (certificate_ == nullptr)
     return host == host_ + port_ || host == "localhost" + port_ || host == "[::1]" + port_;
-  const std::string name = host_and_port(host).host;
+  const std::string name = values::host_and_port(host).host;
   auto* certificate = const_cast<X509*>(certificate_);
   return X509_check_host(certificate, name.data(), name.size(), 0, nullptr) == 1 ||
          X509_check_ip_asc(certificate, name.c_str(), 0) == 1;

@@ -15,6 +15,7 @@
 #include "core/casting/slab_run.hpp"
 #include "core/casting/stored_run.hpp"
 #include "core/results/result_writer.hpp"
+#include "core/storage/storage_error.hpp"
 
 namespace dccast::casting {
 
@@ -289,7 +290,7 @@ private:
   /// The files are kept: the run continues from them once the disk can be written again. Called
   /// where the error is caught; one of memory is no disk's, and goes on.
   RunOutcome with_storage_failure(const std::system_error& error) {
-    if (error.code() == std::errc::not_enough_memory) throw;
+    if (storage::is_memory_fault(error.code())) throw;
     run_->fail({FailureKind::storage, error.what(), run_->time(), 0.0, {}, {}});
     return {RunEnd::failed, run_->failures()};
   }

@@ -20,6 +20,8 @@ Background::~Background() {
 }
 
 void Background::post(std::function<void()> task) {
+  // Before there is a task: without memory for a thread it would be waited for without end.
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return tasks_.size() < most_tasks; });
@@ -27,7 +29,6 @@ void Background::post(std::function<void()> task) {
     tasks_.push_back(std::move(task));
   }
   changed_.notify_all();
-  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
 }
 
 void Background::wait() {
@@ -49,7 +50,7 @@ void Background::run() {
       lock.unlock();
       std::exception_ptr failure;
       try {
-        tasks_.front()();  // nobody else takes the first one away
+        tasks_.front()();  // no other thread takes the first one away
       } catch (...) {
         failure = std::current_exception();
       }

@@ -21,6 +21,7 @@ public:
   ~Background();
 
   /// Waits only if two tasks are pending, to limit the memory that they hold.
+  /// @throws std::system_error when no thread can be started; the task is dropped then
   void post(std::function<void()> task);
   /// Waits for every task.
   void wait();

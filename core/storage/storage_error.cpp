@@ -9,7 +9,8 @@ namespace dccast::storage {
 namespace {
 
 constexpr std::array disk_faults{ENOSPC, EDQUOT, EROFS, EIO, EFBIG};
-constexpr std::array shortages{EMFILE, ENFILE, ENOMEM, EAGAIN};
+constexpr std::array lack_of_memory{ENOMEM, EAGAIN};
+constexpr std::array lack_of_descriptors{EMFILE, ENFILE};
 
 template <std::size_t count>
 bool contains(const std::array<int, count>& codes, int code) {
@@ -22,8 +23,12 @@ bool is_disk_fault(const std::error_code& code) {
   return contains(disk_faults, code.value());
 }
 
+bool is_memory_fault(const std::error_code& code) {
+  return contains(lack_of_memory, code.value());
+}
+
 bool is_resource_fault(const std::error_code& code) {
-  return is_disk_fault(code) || contains(shortages, code.value());
+  return is_disk_fault(code) || is_memory_fault(code) || contains(lack_of_descriptors, code.value());
 }
 
 }  // namespace dccast::storage

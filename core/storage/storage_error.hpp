@@ -22,6 +22,9 @@ public:
 /// The disk is full, failing or mounted read-only, or a quota or a limit is reached.
 bool is_disk_fault(const std::error_code& code);
 
+/// A lack of memory in this process or machine: threads and mappings need it, too.
+bool is_memory_fault(const std::error_code& code);
+
 /// A disk fault, or a lack of file descriptors or memory in this process or machine.
 bool is_resource_fault(const std::error_code& code);
 

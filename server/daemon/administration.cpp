@@ -16,6 +16,7 @@
 
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
+#include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
 #include "server/access/users.hpp"
 #include "server/service/listener.hpp"
@@ -93,7 +94,7 @@ bool is_any(const std::string& host) {
 std::vector<std::string> server_names(const v1::DaemonConfig& config) {
   auto names = access::names_of_this_machine();
   for (const std::string& address : {config.listen_tls(), config.public_address()}) {
-    const std::string host = service::host_and_port(address).host;
+    const std::string host = values::host_and_port(address).host;
     if (!is_any(host) && std::find(names.begin(), names.end(), host) == names.end())
       names.insert(names.begin(), host);
   }
@@ -108,7 +109,7 @@ std::string reached_at(const v1::DaemonConfig& config) {
     throw Refused(
         "listen_tls is not set: no one could log in. Set it in the settings, e.g. listen_tls = "
         "\"0.0.0.0:7118\", restart dccastd, and name the settings here, too (--config)");
-  if (!is_any(service::host_and_port(listen).host)) return listen;
+  if (!is_any(values::host_and_port(listen).host)) return listen;
   return access::names_of_this_machine().front() + listen.substr(listen.rfind(':'));
 }
 

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "proto/values/address.hpp"
 #include "server/daemon/administration.hpp"
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
@@ -191,7 +192,7 @@ std::size_t connection_count(const v1::DaemonConfig& config) {
 }
 
 void refuse_open_address(const std::string& listen) {
-  if (service::is_loopback(listen)) return;
+  if (values::is_loopback(listen)) return;
   throw std::runtime_error("listen = \"" + listen +
                            "\" can be reached from other machines, and has no TLS; set listen_tls "
                            "to it, and listen to a loopback address such as 127.0.0.1:7117");

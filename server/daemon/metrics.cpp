@@ -14,6 +14,7 @@
 
 #include "core/storage/file.hpp"
 #include "core/storage/sync_totals.hpp"
+#include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"
 #include "server/jobs/events.hpp"
@@ -202,7 +203,7 @@ struct MetricsServer::Listener {
 
 MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
     : listener_(std::make_unique<Listener>()) {
-  if (!service::is_loopback(address))
+  if (!values::is_loopback(address))
     throw std::runtime_error("metrics = \"" + address +
                              "\" can be reached from other machines; permitted: a loopback "
                              "address such as 127.0.0.1:9117");
@@ -219,7 +220,7 @@ MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
       response.status = 500;
     }
   });
-  const auto named = service::host_and_port(address);
+  const auto named = values::host_and_port(address);
   int port = std::stoi(named.port);
   if (port == 0)
     port = server.bind_to_any_port(named.host);

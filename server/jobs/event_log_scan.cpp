@@ -139,8 +139,8 @@ private:
     std::int64_t offset = 0;
     std::int64_t end = 0;
     std::int64_t sequence = 0;
-    std::optional<v1::JobEvent> event;  ///< nothing for a step, which is not parsed
-    std::string_view payload;           ///< good until the file is read again
+    std::optional<v1::JobEvent> event{};  ///< nothing for a step, which is not parsed
+    std::string_view payload;             ///< good until the file is read again
   };
 
   /// The record at `offset` if it is sound, an event, and its sequence within these bounds.

@@ -71,11 +71,6 @@ struct ClaimHolder {
 /// @throws std::system_error  it cannot be found out
 std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder);
 
-/// Whether an error of the system is one of memory: threads and mappings need it, too.
-inline bool is_memory_fault(const std::error_code& code) {
-  return code == std::errc::not_enough_memory || code == std::errc::resource_unavailable_try_again;
-}
-
 // Exit codes by which a worker names the resource that kept it from ending its run in good order.
 inline constexpr int exit_out_of_memory = 71;
 inline constexpr int exit_storage = 74;

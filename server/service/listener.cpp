@@ -18,6 +18,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "proto/values/address.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::service {
@@ -50,7 +51,7 @@ std::string numeric(const std::string& address) {
 using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
 
 Addresses resolve(const std::string& address) {
-  const auto [host, port] = host_and_port(numeric(address));
+  const auto [host, port] = values::host_and_port(numeric(address));
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
@@ -96,18 +97,6 @@ int port_in_use(int socket) {
 }
 
 }  // namespace
-
-HostAndPort host_and_port(const std::string& address) {
-  std::string host = host_of(address);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return {std::move(host), address.substr(address.rfind(':') + 1)};
-}
-
-bool is_loopback(const std::string& address) {
-  const std::string host = host_of(address);
-  return host == "localhost" || host == "[::1]" ||
-         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
-}
 
 Listener::Listener(const std::string& address) : ended_(::eventfd(0, EFD_CLOEXEC)) {
   const Addresses found = resolve(address);

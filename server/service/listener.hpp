@@ -15,16 +15,6 @@
 
 namespace dccast::service {
 
-/// "127.0.0.1:7117" or "[::1]:7117" in its parts, the host without brackets.
-struct HostAndPort {
-  std::string host, port;
-};
-HostAndPort host_and_port(const std::string& address);
-
-/// Whether clients on other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
-/// "localhost:7117").
-bool is_loopback(const std::string& address);
-
 /// A TCP socket that listens, and hands on so many connections at a time. It is our own and not
 /// gRPC's: an address that is taken gives one line with its reason, and gRPC 1.51 takes whatever
 /// comes, up to the last file descriptor, which the daemon would lack for its jobs. When all are

@@ -145,7 +145,7 @@ int run_whole_job(v1::SolveCase& order, std::optional<jobs::StartRank> rank = {}
     return 0;
   } catch (const std::system_error& error) {
     std::cerr << "dccast-worker: " << error.what() << '\n';
-    return jobs::is_memory_fault(error.code()) ? jobs::exit_out_of_memory : jobs::exit_storage;
+    return storage::is_memory_fault(error.code()) ? jobs::exit_out_of_memory : jobs::exit_storage;
   }
 }
 

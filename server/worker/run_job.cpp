@@ -10,6 +10,7 @@
 #include "core/case/case.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/simulation.hpp"
+#include "core/storage/storage_error.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
@@ -174,7 +175,7 @@ Finished run_job(const v1::SolveCase& order, RunLink& link) {
   } catch (const InvalidCase& error) {
     return failed(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
   } catch (const std::system_error& error) {
-    if (jobs::is_memory_fault(error.code()))
+    if (storage::is_memory_fault(error.code()))
       return failed(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
     return failed(v1::Failure::STORAGE, error.what());
   } catch (const std::bad_alloc&) {

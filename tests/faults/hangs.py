@@ -41,8 +41,7 @@ class StopWorker(TwoCastings):
 
 
 class LimitedMemory(Fault):
-    """Workers of real castings that get a random part of the memory they need (worker_memory): they end
-    whole, or fail and say so."""
+    """Workers of real castings with a random part of the memory they need (worker_memory)"""
     short, long = 2, 20
     worker = REAL
 

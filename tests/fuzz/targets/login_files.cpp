@@ -14,7 +14,7 @@ void read(unsigned choice, const std::string& text) {
     fuzz::require(!line.address.empty() && line.fingerprint.size() == 64 && !line.secret.empty(),
                   "an enrolment line has three parts");
   } else if (choice % 3 == 1) {
-    client::host_and_port(text);
+    values::host_and_port(text);
     client::endpoint_of(text);
   } else {
     const client::StoredServers servers(fuzz::file_with(text));

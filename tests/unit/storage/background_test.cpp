@@ -1,12 +1,15 @@
 #include "core/storage/background.hpp"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <future>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 namespace dccast::storage {
@@ -32,6 +35,29 @@ TEST(Background, EndsWhatWasPostedBeforeItGoes) {
       });
   }
   EXPECT_EQ(done, 3);
+}
+
+/// It was waited for without end: a worker without memory stood still instead of failing.
+TEST(Background, ATaskWithoutAThreadIsNotWaitedFor) {
+  pthread_attr_t usual, larger;  // than the stacks that are left of other threads
+  ASSERT_EQ(::pthread_getattr_default_np(&usual), 0);
+  ASSERT_EQ(::pthread_getattr_default_np(&larger), 0);
+  ::pthread_attr_setstacksize(&larger, std::size_t{64} << 20);
+  ::pthread_setattr_default_np(&larger);
+  rlimit before{};
+  ::getrlimit(RLIMIT_AS, &before);
+  bool done = false;
+  Background background;
+  const rlimit none{.rlim_cur = 1, .rlim_max = before.rlim_max};
+  ::setrlimit(RLIMIT_AS, &none);
+  EXPECT_THROW(background.post([&done] { done = true; }), std::system_error);
+  ::setrlimit(RLIMIT_AS, &before);
+  ::pthread_setattr_default_np(&usual);
+  background.wait();
+  EXPECT_FALSE(done);
+  background.post([&done] { done = true; });
+  background.wait();
+  EXPECT_TRUE(done);
 }
 
 TEST(Background, HoldsBackWhoIsFarAhead) {
