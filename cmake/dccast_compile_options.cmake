@@ -35,6 +35,8 @@ if(DCCAST_SANITIZE)
   # Undefined behaviour ends the program: a line on stderr fails no test.
   add_compile_options(-fsanitize=${kinds} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${kinds})
+  target_sources(dccast_options INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${CMAKE_CURRENT_LIST_DIR}/sanitizer.cpp>)
 endif()
 if(DCCAST_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)  # counts what a text reaches: tests/fuzz

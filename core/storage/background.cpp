@@ -47,10 +47,12 @@ void Background::run() {
     changed_.wait(lock, [this] { return !tasks_.empty() || ending_; });
     if (tasks_.empty()) return;
     if (!failure_) {
+      // No other thread takes the first one away; the queue itself changes while it is done.
+      const auto& task = tasks_.front();
       lock.unlock();
       std::exception_ptr failure;
       try {
-        tasks_.front()();  // no other thread takes the first one away
+        task();
       } catch (...) {
         failure = std::current_exception();
       }

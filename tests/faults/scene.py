@@ -226,11 +226,15 @@ def pause(chance, most):
     time.sleep(chance.uniform(0.0, most))
 
 
-def at_some_step(scene, job_id, last):
+def at_some_step(scene, job_id, last, meanwhile=lambda: None):
     """Waits for a random instant of a job's life: of its start, of one of its steps, or of its end."""
     step = scene.chance.randint(-last // 8, last)
+
+    def reached():
+        meanwhile()
+        return scene.client.job(job_id).last_step.step >= step or scene.ended(job_id)
     if step > 0:
-        until(lambda: scene.client.job(job_id).last_step.step >= step or scene.ended(job_id), 60)
+        until(reached, 60)
     pause(scene.chance, 0.02 if step > 0 else 0.2)
 
 

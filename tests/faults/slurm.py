@@ -57,7 +57,8 @@ class OfSlurm(Fault):
     def disturb(self, scene, count):
         job_id = scene.submit(fake(RUNS))
         if scene.chance.random() < 0.7:  # else right after its submission
-            at_some_step(scene, job_id, 40)
+            # Slurm may drain the node long after an earlier strike: its administrator resumes it.
+            at_some_step(scene, job_id, 40, meanwhile=scene.cluster.node_is_ready)
         pause(scene.chance, 1.0)
         self.strike(scene)
         until(scene.cluster.node_is_ready, 60)

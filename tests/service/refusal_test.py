@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """What is not right is refused with a remedy, and the daemon goes on."""
+import base64
 import contextlib
 import os
 import re
@@ -8,6 +9,7 @@ import socket
 import sqlite3
 import subprocess
 import time
+import zlib
 
 import grpc
 
@@ -183,6 +185,15 @@ class Refusal(ServiceTest):
             self.assertIn("cannot be read", error.details())
 
 
+# Prescribed temperatures in which an address is damaged: HDF5 1.10 ends its process on it.
+DAMAGED_HDF5 = zlib.decompress(base64.b64decode(
+    "eNrr9HBx4+WS4mIAAQ4OBhYGAQZk8B8KEjhQ+TD5BCjNCKWhyhhWMMHEGcFyElBxQaj5MHNg6kKCXF1Bqv+j"
+    "AZg9Biyo5g8cEKBEsyjDKCALeLg6BoDoCChfAUqfYEJVV5KZmxpfDKRTcwtSixJLSotS45OR0qcBifYyMrBC"
+    "9DLC+JCUbM8IEWCGqkPQEmClggr2DB/AqdeBwYSbweQ/VAErMAWD5JmYmBgh6RliHjMjLGlLoLmgY1DFQ7Cf"
+    "vwsjAxM8F1Sw4lcPy68KzKNpGH+60oDQTLjSFe50BgljYtOZBDRKPNBcVDEaKSMeqDhAaDsH7OImaPIuUNoT"
+    "SvtB6IZAKD/EAQApP0iL"))
+
+
 class RealWorker(ServiceTest):
     """Faults of the machine and of files that only the real worker reads."""
     worker = "dccast-worker"
@@ -216,6 +227,17 @@ class RealWorker(ServiceTest):
         checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
             case=case, attachments=[job_pb2.Attachment(name="slab.msh", content=broken)]), timeout=10)
         self.assertTrue(checked.faults)
+
+    def test_a_file_that_ends_its_worker_costs_one_answer(self):
+        case = fake_case("temperatures")
+        case.mesh.growth = False
+        case.thermal.file = "temperatures.h5"
+        attachment = job_pb2.Attachment(name="temperatures.h5", content=DAMAGED_HDF5)
+        error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, case,
+                             attachments=[attachment])
+        self.assertIn("dccast-worker ended with signal 11", error.details())
+        self.assertEqual(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[:], [])
+        self.client.submit(fake_case("steps=1"))
 
 
 class LittleMemory(ServiceTest):

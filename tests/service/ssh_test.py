@@ -110,15 +110,19 @@ class RealSsh(SshTest):
             free.bind(("127.0.0.1", 0))
             self.ssh_port = free.getsockname()[1]
         os.makedirs("/run/sshd", exist_ok=True)
+        self.start_sshd()
+        self.addCleanup(self.end_sshd)
+        # The user's own settings of ssh, which has no option for another HOME.
+        self.ssh_with("user")
+
+    def start_sshd(self, *options):
         with open(self.path("sshd.log"), "wb") as log:
             self.sshd = subprocess.Popen(
                 ["/usr/sbin/sshd", "-D", "-e", "-f", "/dev/null", "-h", self.path("host"),
                  "-p", str(self.ssh_port), "-o", "ListenAddress=127.0.0.1",
                  "-o", f"AuthorizedKeysFile={self.path('authorized')}", "-o", "StrictModes=no",
-                 "-o", "PermitRootLogin=yes", "-o", "PidFile=none", "-o", "UsePAM=no"], stderr=log)
-        self.addCleanup(self.end_sshd)
-        # The user's own settings of ssh, which has no option for another HOME.
-        self.ssh_with("user")
+                 "-o", "PermitRootLogin=yes", "-o", "PidFile=none", "-o", "UsePAM=no", *options],
+                stderr=log)
         until(self.listens, 10)
 
     def ssh_with(self, key):
@@ -163,6 +167,14 @@ class RealSsh(SshTest):
         self.end_sshd()
         self.doctor(self.server(self.port), ["exit code 255: ", "Connection refused"],
                     [f"ssh -p {self.ssh_port} "])
+
+    def test_doctor_where_forwarding_is_forbidden(self):
+        elsewhere = "PermitOpen=127.0.0.1:" + str(self.ssh_port)
+        for forbidden in ("AllowTcpForwarding=no", elsewhere):
+            self.end_sshd()
+            self.start_sshd("-o", forbidden)
+            self.doctor(self.server(self.port), ["forbids forwarding", "administratively prohibited"],
+                        ["AllowTcpForwarding", "over TLS"])
 
     def test_doctor_at_the_port_of_others(self):
         self.daemon.terminate()

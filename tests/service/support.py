@@ -17,6 +17,8 @@ import grpc
 from dccast.v1 import case_pb2, job_pb2, service_pb2, service_pb2_grpc
 
 BIN = os.environ["DCCAST_BIN"]
+# Above 1 where the programs are slowed down: by sanitizers, tests/run.
+WAIT_FACTOR = float(os.environ.get("DCCAST_WAIT_FACTOR", "1"))
 TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 
 
@@ -68,6 +70,14 @@ class Daemon:
         self.process.send_signal(signal.SIGKILL)
         self.wait()
 
+    def stop(self):
+        """After a test. A sanitizer looks for leaks at an end of its own only."""
+        if self.running() and "DCCAST_SANITIZER_REPORTS" in os.environ:
+            self.process.send_signal(signal.SIGCONT)
+            self.terminate()
+        elif self.running():
+            self.kill()
+
     def kill_with_workers(self):
         """What the end of a machine leaves: nothing runs on."""
         self.kill()
@@ -83,7 +93,7 @@ class Daemon:
         until(ended, 10)
 
     def wait(self):
-        code = self.process.wait(timeout=30)
+        code = self.process.wait(timeout=30 * WAIT_FACTOR)
         self.log.close()
         return code
 
@@ -194,7 +204,7 @@ class Client:
 
 def until(condition, seconds):
     """Waits for a condition; fails when it does not come true in time."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + seconds * WAIT_FACTOR
     while not condition():
         if time.monotonic() > end:
             raise AssertionError("waited in vain")
@@ -242,8 +252,7 @@ class ServiceTest(unittest.TestCase):
     def tearDown(self):
         for client in self.clients:
             client.close()
-        if self.daemon.running():
-            self.daemon.kill()
+        self.daemon.stop()
         self.daemon.end_workers()
         if not self._outcome.success:
             sys.stderr.write(self.daemon.said())
