@@ -337,9 +337,11 @@ class Pages(InBrowser):
         self.go(f"job/{job.id}")
         self.wait_for("running")
         self.find("figure path.line")
-        drawn = lambda: self.find("figure path.line").get_attribute("d")
+        def drawn():  # at once: the page may draw it anew between two questions
+            return self.browser.execute_script(
+                "return document.querySelector('figure path.line')?.getAttribute('d')")
         first = drawn()
-        WebDriverWait(self.browser, 20, ignored_exceptions=[Exception]).until(lambda _: drawn() != first)
+        WebDriverWait(self.browser, 20).until(lambda _: drawn() not in (first, None))
         [button for button in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
          if button.text == "Cancel"][0].click()
         self.wait_for("cancelled")
