@@ -4,8 +4,8 @@
 #include <iostream>
 
 #include "client/commands/commands.hpp"
-#include "client/session/socket.hpp"
 #include "client/web/dashboard.hpp"
+#include "proto/values/address.hpp"
 
 namespace dccast::client::commands {
 namespace {

@@ -6,7 +6,7 @@
 #include "client/model/json.hpp"
 #include "client/session/probe.hpp"
 #include "client/session/servers.hpp"
-#include "client/session/socket.hpp"
+#include "proto/values/address.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -47,7 +47,8 @@ EnrolmentLine line_of(const std::vector<std::string>& words) {
 ExitCode run(const LoginOptions& options, Program& program) {
   const EnrolmentLine line = line_of(options.words);
   StoredServers servers(program.servers);
-  const std::string name = options.name.empty() ? values::host_and_port(line.address).host : options.name;
+  const std::string name =
+      options.name.empty() ? values::host_and_port(line.address).host : options.name;
   const StoredServer server = log_in(line, name, program.interruption);
   servers.store(server,
                 options.first || servers.all().empty() || servers.all().front().name == name);

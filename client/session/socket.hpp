@@ -21,7 +21,8 @@ public:
   ~Socket();
 
   /// @param reason  is set to the system's words if it is not connected
-  Outcome connect(const values::HostAndPort& to, std::chrono::milliseconds timeout, std::string& reason);
+  Outcome connect(const values::HostAndPort& to, std::chrono::milliseconds timeout,
+                  std::string& reason);
   /// What arrives within the time limit, up to 64 bytes, after `sent` was sent.
   std::string exchange(const std::string& sent);
   int descriptor() const { return descriptor_; }

@@ -28,7 +28,8 @@ bool is_memory_fault(const std::error_code& code) {
 }
 
 bool is_resource_fault(const std::error_code& code) {
-  return is_disk_fault(code) || is_memory_fault(code) || contains(lack_of_descriptors, code.value());
+  return is_disk_fault(code) || is_memory_fault(code) ||
+         contains(lack_of_descriptors, code.value());
 }
 
 }  // namespace dccast::storage

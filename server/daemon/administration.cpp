@@ -19,7 +19,6 @@
 #include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
 #include "server/access/users.hpp"
-#include "server/service/listener.hpp"
 #include "server/state/state_folder.hpp"
 
 namespace dccast::daemon {

@@ -21,7 +21,6 @@
 #include "server/jobs/log.hpp"
 #include "server/jobs/process_table.hpp"
 #include "server/jobs/quarantine.hpp"
-#include "server/service/listener.hpp"
 
 namespace dccast::daemon {
 

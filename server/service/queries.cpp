@@ -23,6 +23,7 @@ namespace {
 
 using v1::RunEnd;
 using Response = v1::QueryButtCurlResponse;
+using Responses = std::vector<Response>;
 
 using SendQueryResponse = std::function<void(Response)>;
 
@@ -46,37 +47,27 @@ v1::JobState state_of(RunEnd::Outcome outcome) {
 }
 
 /// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
-std::optional<QueryAnswer> answer_of_job(Context& context, const v1::Job& job) {
-  QueryAnswer answer;
-  Response response;
-  const auto add = [&] { answer.push_back(response.SerializeAsString()); };
+std::optional<Responses> answer_of_job(Context& context, const v1::Job& job) {
+  Responses answer;
   try {
     const auto log = context.scheduler.log(job.id());
     for (std::optional<jobs::StepPlace> place(jobs::StepPlace{}); place;) {
       const auto page = context.step_indexes.of(job.id())->page(*log, *place, most_steps_at_once,
                                                                 most_bytes_at_once);
       if (!page) return std::nullopt;
-      for (const v1::StepReport& step : page->steps) {
-        *response.mutable_step() = step;
-        add();
-      }
+      for (const v1::StepReport& step : page->steps) *answer.emplace_back().mutable_step() = step;
       place = page->next;
     }
   } catch (const std::exception& error) {
     log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
   }
-  for (const v1::Finding& finding : job.findings()) {
-    *response.mutable_finding() = finding;
-    add();
-  }
-  if (job.has_validity_loss()) {
-    *response.mutable_validity_lost() = job.validity_loss();
-    add();
-  }
-  response.mutable_ended()->set_state(v1::SUCCEEDED);
-  response.mutable_ended()->set_solver_s(job.last_step().solver_s());
-  add();
+  for (const v1::Finding& finding : job.findings())
+    *answer.emplace_back().mutable_finding() = finding;
+  if (job.has_validity_loss()) *answer.emplace_back().mutable_validity_lost() = job.validity_loss();
+  Response::Ended& ended = *answer.emplace_back().mutable_ended();
+  ended.set_state(v1::SUCCEEDED);
+  ended.set_solver_s(job.last_step().solver_s());
   return answer;
 }
 
@@ -122,12 +113,12 @@ public:
       const auto job = context_.scheduler.find(*id);
       const bool own = !context_.gate.authority().reads_own_only(call_.caller) ||
                        (job && job->owner() == call_.caller.name);
-      const auto answer = job && own ? answer_of_job(context_, *job) : std::nullopt;
-      if (answer) return replay(*answer, *id);
+      auto answer = job && own ? answer_of_job(context_, *job) : std::nullopt;
+      if (answer) return replay(std::move(*answer), *id);
     }
     if (request_.keep()) return false;
-    const auto answer = context_.query_answers.find(key_);
-    return answer && replay(*answer, "");
+    const auto kept = context_.query_answers.find(key_);
+    return kept && replay(read(*kept), "");
   }
 
   /// Runs it for this answer alone; nothing is left of the run.
@@ -174,21 +165,27 @@ public:
   }
 
 private:
-  bool replay(const QueryAnswer& answer, const std::string& job) {
+  bool replay(Responses answer, const std::string& job) {
     send_(accepted(examined_, true, job));
-    for (const std::string& bytes : answer) {
-      Response response;
-      response.ParseFromString(bytes);
-      send_(std::move(response));
-    }
+    for (Response& response : answer) send_(std::move(response));
     return true;
   }
 
+  static Responses read(const QueryAnswer& kept) {
+    Responses answer(kept.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) answer[i].ParseFromString(kept[i]);
+    return answer;
+  }
+
+  /// Once it has been sent, as bytes: a message takes three times their memory.
   void keep_answer() {
+    QueryAnswer kept;
     std::size_t size = 0;
-    for (const std::string& bytes : answer_) size += sizeof bytes + bytes.capacity();
-    context_.query_answers.keep(key_, std::make_shared<const QueryAnswer>(std::move(answer_)),
-                                size);
+    for (const Response& response : answer_) {
+      kept.push_back(response.SerializeAsString());
+      size += sizeof kept.back() + kept.back().capacity();
+    }
+    context_.query_answers.keep(key_, std::make_shared<const QueryAnswer>(std::move(kept)), size);
   }
 
   v1::WorkerRequest run_request(const std::filesystem::path& folder) const {
@@ -210,7 +207,7 @@ private:
   }
 
   void pass_on(Response response) {
-    answer_.push_back(response.SerializeAsString());
+    answer_.push_back(response);
     send_(std::move(response));
   }
 
@@ -251,7 +248,7 @@ private:
   const Call& call_;
   const SendQueryResponse& send_;
   const std::string key_;
-  QueryAnswer answer_;
+  Responses answer_;
   std::map<std::string, std::string> reported_;  // findings as they were sent, by code
   std::int64_t last_step_ = 0;
   double solver_s_ = 0.0;
