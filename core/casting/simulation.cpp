@@ -179,9 +179,8 @@ private:
   }
 
   void store_frame() {
-    const results::Frame frame = run_->take_frame();
     if (!writer_) return;
-    writer_->append(frame);
+    writer_->append(run_->take_frame());
     writer_->flush();
   }
 

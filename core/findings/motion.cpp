@@ -50,22 +50,24 @@ constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
 
 template <>
 Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
-  // Integrals of grad u by Gauss' theorem: u is linear along each edge.
-  double area = 0.0, xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
+  // The integral of grad u over a quadrilateral is a matter of its diagonals, by Gauss' theorem: u is
+  // linear along each edge. Those of a triangle are the two edges at its third node.
   const int* node = mesh.nodes_of(element);
-  for (int i = 0; i < mesh.nodes_per_element; ++i) {
-    const int a = node[i], b = node[(i + 1) % mesh.nodes_per_element];
-    const double* from = mesh.point(a);
-    const double* to = mesh.point(b);
-    const double dx = to[0] - from[0], dy = to[1] - from[1];
-    const double u = 0.5 * (displacement[2 * std::size_t(a)] + displacement[2 * std::size_t(b)]);
-    const double v =
-        0.5 * (displacement[2 * std::size_t(a) + 1] + displacement[2 * std::size_t(b) + 1]);
-    area += 0.5 * (from[0] * to[1] - to[0] * from[1]);
-    xx += u * dy, xy -= u * dx;
-    yx += v * dy, yy -= v * dx;
+  const int corners = mesh.nodes_per_element;
+  const std::array<int, 2> from{node[0], node[1]}, to{node[2], node[corners - 1]};
+  std::array<double, 2> x{}, y{}, u{}, v{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double* begin = mesh.point(from[k]);
+    const double* end = mesh.point(to[k]);
+    const double* moved_begin = &displacement[2 * std::size_t(from[k])];
+    const double* moved_end = &displacement[2 * std::size_t(to[k])];
+    x[k] = end[0] - begin[0], y[k] = end[1] - begin[1];
+    u[k] = moved_end[0] - moved_begin[0], v[k] = moved_end[1] - moved_begin[1];
   }
-  return {angle_of(yx - xy, 2.0 * area + xx + yy)};
+  const double twice_area = x[0] * y[1] - x[1] * y[0];
+  const double curl = v[0] * y[1] - v[1] * y[0] + u[0] * x[1] - u[1] * x[0];
+  const double divergence = u[0] * y[1] - u[1] * y[0] - v[0] * x[1] + v[1] * x[0];
+  return {angle_of(curl, 2.0 * twice_area + divergence)};
 }
 
 template <>

@@ -88,12 +88,22 @@ namespace {
 
 using Field = google::protobuf::FieldDescriptor;
 
-/// @throws std::logic_error  the message lacks it
-const Field* field_of(const results::HistoryField& field, int dimension) {
-  const std::string name = field.name_in(dimension);
-  const Field* found = v1::StepReport::descriptor()->FindFieldByName(name);
-  if (found == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
+/// The fields of the message, in the order of history_fields().
+/// @throws std::logic_error  the message lacks one
+std::vector<const Field*> message_fields(int dimension) {
+  std::vector<const Field*> found;
+  for (const results::HistoryField& field : results::history_fields()) {
+    const std::string name = field.name_in(dimension);
+    found.push_back(v1::StepReport::descriptor()->FindFieldByName(name));
+    if (found.back() == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
+  }
   return found;
+}
+
+/// The same, looked up once: a query sends hundreds of steps a second.
+const std::vector<const Field*>& fields_of(int dimension) {
+  static const std::vector<const Field*> plane = message_fields(2), solid = message_fields(3);
+  return dimension == 3 ? solid : plane;
 }
 
 void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
@@ -156,8 +166,9 @@ v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors) {
   v1::StepReport to;
   const auto& reflection = *to.GetReflection();
+  const Field* const* next = fields_of(report.dimension).data();
   for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = field_of(field, report.dimension);
+    const Field* of_message = *next++;
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
         reflection.SetDouble(&to, of_message, results::real_value(field, report));
@@ -183,8 +194,9 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
   results::StepReport to;
   to.dimension = dimension;
   const auto& reflection = *report.GetReflection();
+  const Field* const* next = fields_of(dimension).data();
   for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = field_of(field, dimension);
+    const Field* of_message = *next++;
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
         results::set_real(field, to, reflection.GetDouble(report, of_message));

@@ -1,6 +1,8 @@
+#include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <stdexcept>
 
@@ -21,18 +23,29 @@ namespace dccast::worker {
 namespace {
 
 /// A run without a job: every event goes to the daemon. Who wants no more of it kills this process.
+///
+/// A message wakes the daemon, which costs the solver's core more than the message itself. Steps
+/// that follow each other quickly are therefore sent together.
 class EventsToDaemon : public RunLink {
 public:
-  explicit EventsToDaemon(int socket) : socket_(socket) {}
+  explicit EventsToDaemon(int socket) : stream_(socket) {}
   void send(v1::JobEvent event) override {
+    const bool may_wait = event.has_step() && Clock::now() - sent_ < together;
     v1::WorkerAnswer answer;
     *answer.mutable_event() = std::move(event);
-    if (!send_answer(socket_, answer)) ::_exit(exit_link_broken);
+    const bool written =
+        google::protobuf::util::SerializeDelimitedToZeroCopyStream(answer, &stream_);
+    if (!written || !(may_wait || stream_.Flush())) ::_exit(exit_link_broken);
+    if (!may_wait) sent_ = Clock::now();
   }
   casting::Order order() const override { return casting::Order::go_on; }
 
 private:
-  int socket_;
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds together{5};
+
+  google::protobuf::io::FileOutputStream stream_;  ///< sends what waits when it is destroyed
+  Clock::time_point sent_{};
 };
 
 /// The verdict on a case; where it is asked for with findings: whether a case that can be run is
