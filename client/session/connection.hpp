@@ -2,6 +2,7 @@
 
 #include <grpcpp/client_context.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
@@ -30,6 +31,9 @@ public:
   bool came() const;
   /// Sleeps for `time`. Throws Interrupted.
   void sleep(std::chrono::milliseconds time);
+  /// What became of the work stands on the screen; the end may take longer still.
+  void report() { reported_ = true; }
+  bool is_reported() const { return reported_; }
 
   /// During its lifetime an interruption cancels this call. Only one may exist at a time.
   class Call {
@@ -46,6 +50,7 @@ private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool came_ = false;
+  std::atomic<bool> reported_ = false;
   grpc::ClientContext* call_ = nullptr;
 };
 
