@@ -27,13 +27,6 @@ namespace dccast::worker {
 
 namespace {
 
-// Sanitizers map more memory than any machine has, and look for leaks from a second process.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-
 #if defined(__x86_64__)
 constexpr std::uint32_t machine = AUDIT_ARCH_X86_64;
 #elif defined(__aarch64__)

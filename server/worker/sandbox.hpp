@@ -6,6 +6,14 @@
 
 namespace dccast::worker {
 
+/// Sanitizers map more memory than any machine has, look for leaks from a second process and name
+/// functions by another program: their builds have no bound of memory, ptrace and execve.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
 /// What a worker gives up before it reads anything that came from outside, so that a mesh or a
 /// result file that takes it over reaches no more than the worker's own folder. Each step holds for
 /// the process from then on, and cannot be taken back; docs/sandbox.md has the whole.

@@ -19,6 +19,7 @@ from dccast.v1 import case_pb2, job_pb2, service_pb2, service_pb2_grpc
 BIN = os.environ["DCCAST_BIN"]
 # Above 1 where the programs are slowed down: by sanitizers, tests/run.
 WAIT_FACTOR = float(os.environ.get("DCCAST_WAIT_FACTOR", "1"))
+SANITIZED = "DCCAST_SANITIZER_REPORTS" in os.environ
 TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 
 
@@ -72,7 +73,7 @@ class Daemon:
 
     def stop(self):
         """After a test. A sanitizer looks for leaks at an end of its own only."""
-        if self.running() and "DCCAST_SANITIZER_REPORTS" in os.environ:
+        if self.running() and SANITIZED:
             self.process.send_signal(signal.SIGCONT)
             self.terminate()
         elif self.running():

@@ -147,7 +147,7 @@ TEST_F(SandboxTest, ReachesNoOtherProcess) {
               MUST(refused(::kill(-1, 0)));
               MUST(refused(::syscall(SYS_tgkill, parent, parent, 0)));
               MUST(refused(::syscall(SYS_tkill, parent, 0)));
-              MUST(refused(::ptrace(PTRACE_ATTACH, parent, nullptr, nullptr)));
+              MUST(sanitized || refused(::ptrace(PTRACE_ATTACH, parent, nullptr, nullptr)));
               int word = 0;
               iovec to{&word, sizeof word}, from{&word, sizeof word};
               MUST(refused(::process_vm_readv(parent, &to, 1, &from, 1, 0)));
@@ -198,14 +198,13 @@ TEST_F(SandboxTest, StatesWhatIsInForce) {
 
 TEST_F(SandboxTest, MemoryAndFilesHaveBounds) {
   EXPECT_EQ(status_of_child([&] {
-              const std::string text =
-                  bound({.memory_bytes = 300'000'000, .file_bytes = 1'000'000});
+              bound({.memory_bytes = 300'000'000, .file_bytes = 1'000'000});
               const storage::File file(own_ / "large", O_RDWR | O_CREAT);
               file.write_at(0, std::string(900'000, 'x'));
               MUST(!met_file_bound());
               MUST(::pwrite(file.descriptor(), "x", 1, 1'000'000) < 0 && errno == EFBIG);
               MUST(met_file_bound());
-              if (!text.starts_with("memory up to 300 MB")) ::_exit(0);  // a sanitizer's build
+              if (sanitized) ::_exit(0);
               bool refused_memory = false;
               try {
                 const std::vector<char> too_much(400'000'000, 'x');
