@@ -172,7 +172,7 @@ std::string level_text(const Figure& figure, const char* name, const Pair& pair,
                  figure.unit, course.text(course.at[most]).c_str());
 }
 
-/// How much longer the second run stands on the block; empty if it cannot be told in time.
+/// How much longer the second run stands on the block; empty without an axis of time.
 std::string contact_text(const Pair& pair, const Course& course) {
   constexpr double touches = 0.05, least_s = 2.0;  // of the scale; [s]
   if (course.by_length) return "";

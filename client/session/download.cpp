@@ -43,8 +43,8 @@ CommandFailed unwritable(const fs::path& file, int error) {
   return {ExitCode::not_found, "cannot write " + file.string() + ": " + std::strerror(error)};
 }
 
-/// A part file, written at its end. A symbolic link in its place is not followed, since whoever
-/// may write to the folder could have made it.
+/// A part file, written at its end. A symbolic link in its place is not followed, since others
+/// who may write to the folder could have made it.
 class PartFile {
 public:
   explicit PartFile(const fs::path& file)

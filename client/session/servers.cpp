@@ -104,7 +104,7 @@ void StoredServers::write() const {
   toml::array servers;
   for (const StoredServer& server : all_) servers.push_back(table_of(server));
   std::ostringstream content;
-  content << "# Written by dccast login; whoever reads it calls as you.\n"
+  content << "# Written by dccast login; with its tokens anyone can call as you.\n"
           << toml::table{{"server", servers}} << '\n';
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);

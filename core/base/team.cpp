@@ -118,8 +118,8 @@ void Team::run_as(int member, int members) {
 }
 
 void Team::serve() {
-  for (int heard = 0;;) {
-    heard = await(calls_, [&](int calls) { return calls != heard; });
+  for (int seen = 0;;) {
+    seen = await(calls_, [&](int calls) { return calls != seen; });
     if (ending_) return;
     const int member = enter();
     if (member == 0) continue;

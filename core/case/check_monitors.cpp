@@ -9,7 +9,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Of coordinates, as the location of a point in the mesh forgives it [m].
+/// Of coordinates: a point this far outside of the mesh is still found in it [m].
 constexpr double round_off = 1e-9;
 
 void above(CaseFindings& found, const std::string& field, double height) {

@@ -134,8 +134,8 @@ ReadOutcome refused(const std::string& name, Position position, const std::strin
   return outcome;
 }
 
-/// The stream up to its end, or to a little more than is accepted: that tells a file that is too
-/// large, whatever its size (or a device).
+/// The stream up to its end, or to a little more than is accepted: enough to recognise a file that
+/// is too large, or a device without an end.
 std::string beginning_of(std::istream& stream) {
   std::array<char, 65536> part;
   std::string text;

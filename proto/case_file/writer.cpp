@@ -7,8 +7,8 @@
 namespace dccast::case_file {
 namespace {
 
-/// A number of a quantity: a string with unit, or bare for "1". TOML wants a point or an exponent
-/// to tell a real number, but reads a whole one too.
+/// A number of a quantity: a string with unit, or bare for "1". TOML writes a real number with a
+/// point or an exponent, but reads a whole one too.
 std::string real_text(double value, const std::string& unit) {
   if (unit.empty() || unit == "1") return number_text(value);
   return quoted(quantity_text(value, unit));

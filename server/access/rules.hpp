@@ -40,7 +40,7 @@ public:
   struct Policy {
     v1::Role local_role = v1::SUBMITTER;  ///< of local users who are not listed
     std::string own_user{};               ///< of the daemon: admin like root
-    bool reads_own_only = false;          ///< whoever is no admin
+    bool reads_own_only = false;          ///< of callers without the role admin
   };
 
   Authority(UserStore& users, Policy policy) : users_(users), policy_(std::move(policy)) {}

@@ -8,8 +8,8 @@
 
 namespace dccast::jobs {
 
-/// Whether an error means that the daemon is short of disk, descriptors or memory, which no job is
-/// to blame for and which passes. @return what is lacking, in words; nothing for any other error
+/// Whether an error means that the daemon is short of disk, descriptors or memory: a state that
+/// passes, and no fault of a job. @return what is lacking, in words; nothing for any other error
 std::optional<std::string> daemon_lacks(const std::exception& error);
 
 /// @throws std::system_error (ENOSPC)  the file system of a directory has less free than that

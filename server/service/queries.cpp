@@ -207,7 +207,7 @@ private:
   }
 
   void pass_on(Response response) {
-    answer_.push_back(response);
+    if (!request_.keep()) answer_.push_back(response);
     send_(std::move(response));
   }
 
@@ -248,7 +248,7 @@ private:
   const Call& call_;
   const SendQueryResponse& send_;
   const std::string key_;
-  Responses answer_;
+  Responses answer_;                             // of a run that leaves no job
   std::map<std::string, std::string> reported_;  // findings as they were sent, by code
   std::int64_t last_step_ = 0;
   double solver_s_ = 0.0;
