@@ -12,5 +12,7 @@ int main(int argc, char** argv) {
   if (!program.configuration.empty())
     program.servers = program.configuration.parent_path() / "servers.toml";
   dccast::client::interrupt_by_signals(program.interruption);
-  return dccast::client::run_command_line({argv + 1, argv + argc}, program);
+  const int code = dccast::client::run_command_line({argv + 1, argv + argc}, program);
+  program.interruption->end_command();
+  return code;
 }

@@ -157,7 +157,6 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
     return static_cast<int>(ExitCode::not_found);
   } catch (const CommandFailed& failure) {
     std::cerr << "dccast: " << failure.what() << '\n';
-    program.interruption->report();
     return static_cast<int>(failure.code());
   } catch (const std::exception& error) {
     std::cerr << "dccast: " << error.what() << '\n';

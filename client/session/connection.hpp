@@ -31,9 +31,9 @@ public:
   bool came() const;
   /// Sleeps for `time`. Throws Interrupted.
   void sleep(std::chrono::milliseconds time);
-  /// What became of the work stands on the screen; the end may take longer still.
-  void report() { reported_ = true; }
-  bool is_reported() const { return reported_; }
+  /// The command has written all it has to say; the process may take a while longer to end.
+  void end_command() { ended_ = true; }
+  bool command_ended() const { return ended_; }
 
   /// During its lifetime an interruption cancels this call. Only one may exist at a time.
   class Call {
@@ -50,7 +50,7 @@ private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool came_ = false;
-  std::atomic<bool> reported_ = false;
+  std::atomic<bool> ended_ = false;
   grpc::ClientContext* call_ = nullptr;
 };
 
