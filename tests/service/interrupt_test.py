@@ -182,7 +182,9 @@ class Interrupt(ServiceTest):
         process = self.begin("convergence", self.case_file(LONG))
         jobs = []
         while len(jobs) < 3:
-            jobs += re.findall(r"^refinement \d+: job (\S+)", process.stderr.readline())
+            line = process.stderr.readline()
+            self.assertTrue(line, "the command has ended")
+            jobs += re.findall(r"^refinement \d+: job (\S+)", line)
         self.client.until_step(jobs[0], 3)
         _, err = self.interrupted(process)
         self.assertIn("the jobs go on. Come back: dccast convergence --study "
