@@ -13,6 +13,6 @@ int main(int argc, char** argv) {
     program.servers = program.configuration.parent_path() / "servers.toml";
   dccast::client::interrupt_by_signals(program.interruption);
   const int code = dccast::client::run_command_line({argv + 1, argv + argc}, program);
-  program.interruption->end_command();
+  program.interruption->end_command(code);
   return code;
 }

@@ -100,9 +100,8 @@ void interrupt_by_signals(std::shared_ptr<Interruption> interruption) {
     sigtimedwait(&signals, nullptr, &grace);
     // Computing, or waiting for a pipe that no one reads. FILE.part stays and can be continued.
     static constexpr char message[] = "\ndccast: interrupted; a job that was submitted goes on\n";
-    if (!interruption->command_ended()) {
-      [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
-    }
+    if (const int code = interruption->exit_code(); code >= 0) ::_exit(code);
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
     ::_exit(static_cast<int>(ExitCode::interrupted));
   }).detach();
 }

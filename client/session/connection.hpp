@@ -31,9 +31,10 @@ public:
   bool came() const;
   /// Sleeps for `time`. Throws Interrupted.
   void sleep(std::chrono::milliseconds time);
-  /// The command has written all it has to say; the process may take a while longer to end.
-  void end_command() { ended_ = true; }
-  bool command_ended() const { return ended_; }
+  /// The command has written all it has to say; the process may take a while longer to end with
+  /// this exit code.
+  void end_command(int code) { exit_code_ = code; }
+  int exit_code() const { return exit_code_; }  ///< negative: the command goes on
 
   /// During its lifetime an interruption cancels this call. Only one may exist at a time.
   class Call {
@@ -50,7 +51,7 @@ private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool came_ = false;
-  std::atomic<bool> ended_ = false;
+  std::atomic<int> exit_code_ = -1;
   grpc::ClientContext* call_ = nullptr;
 };
 
