@@ -28,8 +28,8 @@ const char* __lsan_default_suppressions() {
   return "leak:libhdf5_serial\n";
 }
 
-// gRPC, Protobuf and OpenSSL of Debian are not instrumented. A client that is interrupted ends after
-// a second, whatever its threads are at.
+// gRPC, Protobuf and OpenSSL of Debian are not instrumented. A client that is interrupted ends
+// after a second, whatever its threads are at.
 const char* __tsan_default_options() {
   return "ignore_noninstrumented_modules=1:second_deadlock_stack=1:report_thread_leaks=0";
 }

@@ -50,8 +50,8 @@ constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
 
 template <>
 Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
-  // The integral of grad u over a quadrilateral is a matter of its diagonals, by Gauss' theorem: u is
-  // linear along each edge. Those of a triangle are the two edges at its third node.
+  // The integral of grad u over a quadrilateral is a matter of its diagonals, by Gauss' theorem: u
+  // is linear along each edge. Those of a triangle are the two edges at its third node.
   const int* node = mesh.nodes_of(element);
   const int corners = mesh.nodes_per_element;
   const std::array<int, 2> from{node[0], node[1]}, to{node[2], node[corners - 1]};
