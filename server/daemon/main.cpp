@@ -16,7 +16,6 @@
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/daemon_config.hpp"
 #include "server/jobs/log.hpp"
-#include "server/state/backup.hpp"
 #include "server/state/check.hpp"
 
 namespace {

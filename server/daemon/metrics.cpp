@@ -19,7 +19,7 @@
 #include "server/access/certificates.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/process_table.hpp"
+#include "server/jobs/processes.hpp"
 #include "server/jobs/quarantine.hpp"
 
 namespace dccast::daemon {
@@ -156,7 +156,7 @@ void add_processes(Exposition& to) {
   for (const auto& [name, total] : processes)
     to.sample(static_cast<double>(total.resident_bytes), {{"name", name}});
   to.gauge("process_resident_memory_bytes", "Memory of the daemon.",
-           static_cast<double>(jobs::own_resident_bytes()));
+           static_cast<double>(jobs::resident_bytes("self")));
 }
 
 void add_disk(Exposition& to, const MetricSources& from) {

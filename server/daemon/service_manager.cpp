@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "server/jobs/log.hpp"
-#include "server/jobs/worker_process.hpp"
+#include "server/jobs/processes.hpp"
 
 namespace dccast::daemon {
 

@@ -10,9 +10,8 @@
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/storage_fault.hpp"
+#include "server/jobs/queue_hold.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/jobs/worker_order.hpp"
 
 namespace dccast::jobs {
 

@@ -1,30 +1,29 @@
 #include "server/jobs/events.hpp"
 
+#include <google/protobuf/util/time_util.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "proto/values/digests.hpp"
+
 namespace dccast::jobs {
 
+using google::protobuf::util::TimeUtil;
+
 google::protobuf::Timestamp now() {
+  using std::chrono::nanoseconds;
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since_1970);
-  google::protobuf::Timestamp time;
-  time.set_seconds(seconds.count());
-  time.set_nanos(static_cast<int>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970 - seconds).count()));
-  return time;
+  return TimeUtil::NanosecondsToTimestamp(nanoseconds(since_1970).count());
 }
 
 std::int64_t milliseconds(const google::protobuf::Timestamp& time) {
-  return time.seconds() * 1000 + time.nanos() / 1000000;
+  return TimeUtil::TimestampToMilliseconds(time);
 }
 
 google::protobuf::Timestamp timestamp(std::int64_t milliseconds) {
-  google::protobuf::Timestamp time;
-  time.set_seconds(milliseconds / 1000);
-  time.set_nanos(static_cast<int>(milliseconds % 1000 * 1000000));
-  return time;
+  return TimeUtil::MillisecondsToTimestamp(milliseconds);
 }
 
 bool is_terminal(v1::JobState state) {
@@ -79,6 +78,32 @@ v1::JobEvent state_event(const JobRecord& record, const std::string& cause) {
   }
   change->set_solver(record.solver);
   return event;
+}
+
+JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments) {
+  JobRecord record;
+  v1::Job& job = record.job;
+  job.set_id(values::random_uuid());
+  job.set_title(new_job.title);
+  job.set_state(v1::QUEUED);
+  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
+  job.set_request_id(new_job.request_id);
+  job.set_study(new_job.study);
+  job.set_owner(new_job.owner);
+  job.set_case_sha256(new_job.case_sha256);
+  job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
+  job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
+  job.mutable_after()->Assign(new_job.after.begin(), new_job.after.end());
+  job.set_time_limit_s(new_job.time_limit_s);
+  job.set_mail(new_job.mail);
+  job.set_estimated_s(new_job.estimated_s);
+  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
+  auto bytes =
+      new_job.submitted_case.size() + new_job.complete_case.size() + new_job.case_file.size();
+  for (const v1::Attachment& attachment : attachments) bytes += attachment.content().size();
+  record.bytes = static_cast<std::int64_t>(bytes);
+  record.answer_key = new_job.answer_key;
+  return record;
 }
 
 }  // namespace dccast::jobs

@@ -80,7 +80,7 @@ inline std::filesystem::path daemon_file(const std::filesystem::path& jobs_direc
 
 // Names of files in the folder of a job that is run.
 inline constexpr const char* claim_file = "worker.lock";   ///< worker_claim.hpp
-inline constexpr const char* order_file = "worker.order";  ///< worker_order.hpp
+inline constexpr const char* order_file = "worker.order";  ///< the same
 inline constexpr const char* rank_file = "worker.rank";    ///< the same
 
 /// Leaves a request in the folder of a running job, for its worker and for any daemon that follows.

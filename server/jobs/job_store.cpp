@@ -1,64 +1,120 @@
 #include "server/jobs/job_store.hpp"
 
+#include <fmt/ranges.h>
+#include <sqlite3.h>
+
+#include <sstream>
 #include <utility>
 
-#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_schema.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-/// What a job of the page has to fulfil; its question marks are bound in list().
-std::string condition_of(const JobStore::Page& page) {
-  std::string sql = "(created_ms, id) < (?, ?)";
-  if (!page.states.empty()) {
-    sql += " AND state IN (";
-    for (const v1::JobState state : page.states) sql += std::to_string(state) + ",";
-    sql.back() = ')';
+constexpr std::int64_t this_version = 8;
+
+// Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
+// serialised messages of job.proto. Labels stand one a line, each between two line ends; `changes`
+// is a Job with only these and the jobs that it waits for. Of studies, see
+// server/studies/study_store: the request of each, and the job of each of its runs.
+// A column a line.
+constexpr const char* job_columns = R"sql(
+id TEXT PRIMARY KEY
+request_id TEXT UNIQUE
+case_sha256 TEXT NOT NULL
+title TEXT NOT NULL
+priority INTEGER NOT NULL
+state INTEGER NOT NULL
+created_ms INTEGER NOT NULL
+started_ms INTEGER NOT NULL DEFAULT 0
+ended_ms INTEGER NOT NULL DEFAULT 0
+attempts INTEGER NOT NULL DEFAULT 0
+failure BLOB
+outcome BLOB
+losses INTEGER NOT NULL DEFAULT 0
+lost_step INTEGER NOT NULL DEFAULT -1
+first_loss TEXT NOT NULL DEFAULT ''
+study TEXT NOT NULL
+owner TEXT NOT NULL
+bytes INTEGER NOT NULL
+labels TEXT NOT NULL
+changes BLOB
+answer_key TEXT NOT NULL
+solver TEXT NOT NULL DEFAULT ''
+)sql";
+
+constexpr const char* study_columns = R"sql(
+id TEXT PRIMARY KEY
+request_id TEXT UNIQUE
+owner TEXT NOT NULL
+created_ms INTEGER NOT NULL
+changed_ms INTEGER NOT NULL
+removing INTEGER NOT NULL
+case_sha256 TEXT NOT NULL
+request BLOB NOT NULL
+)sql";
+
+constexpr const char* study_run_columns = R"sql(
+study TEXT NOT NULL REFERENCES study (id) ON DELETE CASCADE
+number INTEGER NOT NULL
+attempt INTEGER NOT NULL
+job TEXT NOT NULL
+outcome INTEGER NOT NULL
+failure BLOB
+)sql";
+
+constexpr const char* indexes = R"sql(
+CREATE INDEX job_by_age ON job (created_ms, id);
+CREATE INDEX job_by_state ON job (state);
+CREATE INDEX job_by_study ON job (study) WHERE study <> '';
+CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
+CREATE INDEX study_by_age ON study (created_ms, id);
+CREATE INDEX study_run_to_queue ON study_run (study, number) WHERE job = '' AND outcome = 0;
+CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
+)sql";
+
+/// SQLite has no checksums of its own: a bit that flips in a row would be read. Each row keeps one
+/// of its columns, and `PRAGMA integrity_check` computes it again.
+std::string table(const std::string& name, const std::string& columns,
+                  const std::string& key = "") {
+  std::string definitions, names;
+  std::istringstream lines(columns);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) continue;
+    definitions += line + ", ";
+    names += (names.empty() ? "" : ", ") + line.substr(0, line.find(' '));
   }
-  // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
-  if (!page.study.empty()) sql += " AND study = ? AND study <> ''";
-  if (!page.owner.empty()) sql += " AND owner = ?";
-  if (!page.id_prefix.empty()) sql += " AND id >= ? AND id < ?";
-  if (page.since_ms > 0) sql += " AND created_ms >= " + std::to_string(page.since_ms);
-  if (!page.title.empty()) sql += " AND title GLOB ?";
-  for (std::size_t i = 0; i < page.labels.size(); ++i) sql += " AND instr(labels, ?) > 0";
-  return sql;
+  const std::string sum = "sum_of(" + names + ")";
+  return "CREATE TABLE " + name + " (" + definitions + "sum INTEGER NOT NULL AS (" + sum +
+         ") STORED CHECK (sum = " + sum + ")" + key + ") STRICT";
 }
 
-void set_time(std::int64_t milliseconds, google::protobuf::Timestamp* time) {
-  *time = timestamp(milliseconds);
+std::string schema() {
+  return table("job", job_columns) + ";" + table("study", study_columns) + ";" +
+         table("study_run", study_run_columns, ", PRIMARY KEY (study, number)") +
+         ", WITHOUT ROWID;" + indexes + "PRAGMA user_version = " + std::to_string(this_version);
 }
 
-/// `outcome` holds a Job with only the last step, the artifacts, the loss of validity, the
-/// findings and the time it ran set.
-std::string outcome_of(const v1::Job& job) {
-  v1::Job outcome;
-  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
-  *outcome.mutable_artifacts() = job.artifacts();
-  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
-  *outcome.mutable_findings() = job.findings();
-  outcome.set_run_s(job.run_s());
-  return outcome.SerializeAsString();
+/// Makes the tables in an empty file. A store of an earlier version is not brought up to date but
+/// built again from the folders of the jobs. @throws StoreError  also for a file of another version
+void require_schema(Database& database, const std::filesystem::path& path) {
+  std::int64_t version = 0;
+  database.read("PRAGMA user_version", [&](const Statement& row) { version = row.integer(0); });
+  if (version == this_version) return;
+  if (version > this_version)
+    throw StoreError("job store " + path.string() + " was written by a later version of dccastd (" +
+                         std::to_string(version) + "); use that one, or another data_directory",
+                     0);
+  if (version > 0)
+    throw StoreError("job store " + path.string() + " is of an earlier version (" +
+                         std::to_string(version) + ")",
+                     SQLITE_SCHEMA);
+  Transaction transaction(database);
+  database.execute(schema().c_str());
+  transaction.commit();
 }
-
-void read_labels(const std::string& lines, v1::Job& job) {
-  for (std::size_t begin = 1; begin < lines.size();) {
-    const std::size_t end = lines.find('\n', begin);
-    job.add_labels(values::escaped(lines.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-}
-
-/// In the order in which read_row() takes them.
-constexpr std::string_view job_columns =
-    "id, request_id, case_sha256, title, priority, state, created_ms, started_ms, ended_ms, "
-    "attempts, failure, outcome, losses, lost_step, first_loss, "
-    "study, owner, bytes, labels, changes, answer_key, solver";
 
 /// The labels of a job, one a line, each between two line ends.
 std::string label_lines(const v1::Job& job) {
@@ -67,8 +123,20 @@ std::string label_lines(const v1::Job& job) {
   return lines;
 }
 
-/// A serialised Job with only the changes, the jobs before it and what has no column set.
-std::string changes_of(const v1::Job& job) {
+/// A Job with only the last step, the artifacts, the loss of validity, the findings and the time it
+/// ran set.
+v1::Job outcome_of(const v1::Job& job) {
+  v1::Job outcome;
+  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
+  *outcome.mutable_artifacts() = job.artifacts();
+  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
+  *outcome.mutable_findings() = job.findings();
+  outcome.set_run_s(job.run_s());
+  return outcome;
+}
+
+/// A Job with only the changes, the jobs before it and what has no column set.
+v1::Job changes_of(const v1::Job& job) {
   v1::Job changes;
   *changes.mutable_changes() = job.changes();
   *changes.mutable_after() = job.after();
@@ -76,56 +144,39 @@ std::string changes_of(const v1::Job& job) {
   changes.set_time_limit_s(job.time_limit_s());
   changes.set_mail(job.mail());
   changes.set_estimated_s(job.estimated_s());
-  return changes.SerializeAsString();
+  return changes;
 }
 
 /// Texts of an earlier version may hold characters that are refused now, and go to terminals.
-JobRecord read_row(const Statement& statement) {
+JobRecord record_of(const Statement& row) {
   JobRecord record;
   v1::Job& job = record.job;
-  job.ParseFromString(statement.text(11));
-  job.MergeFromString(statement.text(19));
-  job.set_id(statement.text(0));
-  job.set_request_id(values::escaped(statement.text(1)));
-  job.set_case_sha256(statement.text(2));
-  job.set_title(values::escaped(statement.text(3)));
-  job.set_priority(static_cast<v1::Priority>(statement.integer(4)));
-  job.set_state(static_cast<v1::JobState>(statement.integer(5)));
-  set_time(statement.integer(6), job.mutable_create_time());
-  if (statement.integer(7) != 0) set_time(statement.integer(7), job.mutable_start_time());
-  if (statement.integer(8) != 0) set_time(statement.integer(8), job.mutable_end_time());
-  job.set_attempts(static_cast<int>(statement.integer(9)));
-  if (const std::string failure = statement.text(10); !failure.empty())
+  job.ParseFromString(row.text(11));
+  job.MergeFromString(row.text(19));
+  job.set_id(row.text(0));
+  job.set_request_id(values::escaped(row.text(1)));
+  job.set_case_sha256(row.text(2));
+  job.set_title(values::escaped(row.text(3)));
+  job.set_priority(static_cast<v1::Priority>(row.integer(4)));
+  job.set_state(static_cast<v1::JobState>(row.integer(5)));
+  *job.mutable_create_time() = timestamp(row.integer(6));
+  if (row.integer(7) != 0) *job.mutable_start_time() = timestamp(row.integer(7));
+  if (row.integer(8) != 0) *job.mutable_end_time() = timestamp(row.integer(8));
+  job.set_attempts(static_cast<int>(row.integer(9)));
+  if (const std::string failure = row.text(10); !failure.empty())
     job.mutable_failure()->ParseFromString(failure);
-  record.losses = static_cast<int>(statement.integer(12));
-  record.lost_step = statement.integer(13);
-  record.first_loss = statement.text(14);
-  job.set_study(statement.text(15));
-  job.set_owner(statement.text(16));
-  record.bytes = statement.integer(17);
-  read_labels(statement.text(18), job);
-  record.answer_key = statement.text(20);
-  record.solver = statement.text(21);
+  record.losses = static_cast<int>(row.integer(12));
+  record.lost_step = row.integer(13);
+  record.first_loss = row.text(14);
+  job.set_study(row.text(15));
+  job.set_owner(row.text(16));
+  record.bytes = row.integer(17);
+  std::istringstream labels(row.text(18));
+  for (std::string label; std::getline(labels, label);)
+    if (!label.empty()) job.add_labels(values::escaped(label));
+  record.answer_key = row.text(20);
+  record.solver = row.text(21);
   return record;
-}
-
-/// Binds the columns that change in a job's life, in the order of JobStore::update().
-void bind_changing(Statement& statement, const JobRecord& record) {
-  const v1::Job& job = record.job;
-  statement.bind(job.state())
-      .bind(milliseconds(job.start_time()))
-      .bind(milliseconds(job.end_time()))
-      .bind(job.attempts());
-  if (job.has_failure())
-    statement.bind_blob(job.failure().SerializeAsString());
-  else
-    statement.bind_null();
-  statement.bind_blob(outcome_of(job))
-      .bind(record.losses)
-      .bind(record.lost_step)
-      .bind(record.first_loss)
-      .bind(record.solver)
-      .bind(record.bytes);
 }
 
 }  // namespace
@@ -147,259 +198,191 @@ JobStore::Bulk::~Bulk() {
   }
 }
 
-void JobStore::set_durability(Durability durability) {
-  if (bulk_) return database_.execute("PRAGMA synchronous = OFF");
-  database_.execute(durability == Durability::full ? "PRAGMA synchronous = FULL"
-                                                   : "PRAGMA synchronous = NORMAL");
+template <typename... Values>
+void JobStore::write(Durability durability, std::string_view sql, const Values&... values) {
+  const std::lock_guard lock(mutex_);
+  database_.execute(bulk_                            ? "PRAGMA synchronous = OFF"
+                    : durability == Durability::full ? "PRAGMA synchronous = FULL"
+                                                     : "PRAGMA synchronous = NORMAL");
+  Statement(database_, sql, values...).step();
+}
+
+template <typename Take, typename... Values>
+void JobStore::read(std::string_view sql, const Take& take, const Values&... values) {
+  const std::lock_guard lock(reading_);
+  reader_->read(sql, take, values...);
+}
+
+template <typename... Values>
+std::int64_t JobStore::number(std::string_view sql, const Values&... values) {
+  std::int64_t number = 0;
+  read(
+      sql, [&](const Statement& row) { number = row.integer(0); }, values...);
+  return number;
+}
+
+template <typename... Values>
+std::vector<JobRecord> JobStore::select(const std::string& where_and_order,
+                                        const Values&... values) {
+  std::vector<JobRecord> records;
+  read(
+      "SELECT * FROM job " + where_and_order,
+      [&](const Statement& row) { records.push_back(record_of(row)); }, values...);
+  return records;
 }
 
 std::optional<JobRecord> JobStore::insert(const JobRecord& record) {
   const v1::Job& job = record.job;
   if (!job.request_id().empty())
     if (auto there = find_request(job.request_id())) return there;
-  const std::lock_guard lock(mutex_);
-  set_durability(Durability::full);
-  Statement statement(database_,
-                      "INSERT INTO job (id, request_id, case_sha256, title, priority, state, "
-                      "created_ms, study, owner, bytes, labels, changes, answer_key) "
-                      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  statement.bind(job.id());
-  if (job.request_id().empty())
-    statement.bind_null();
-  else
-    statement.bind(job.request_id());
-  statement.bind(job.case_sha256())
-      .bind(job.title())
-      .bind(job.priority())
-      .bind(job.state())
-      .bind(milliseconds(job.create_time()))
-      .bind(job.study())
-      .bind(job.owner())
-      .bind(record.bytes)
-      .bind(label_lines(job))
-      .bind_blob(changes_of(job))
-      .bind(record.answer_key)
-      .step();
+  write(Durability::full,
+        "INSERT INTO job (id, request_id, case_sha256, title, priority, state, created_ms, study, "
+        "owner, bytes, labels, changes, answer_key) "
+        "VALUES (?, NULLIF(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        job.id(), job.request_id(), job.case_sha256(), job.title(), job.priority(), job.state(),
+        milliseconds(job.create_time()), job.study(), job.owner(), record.bytes, label_lines(job),
+        changes_of(job), record.answer_key);
   return std::nullopt;
 }
 
 void JobStore::update(const JobRecord& record, Durability durability) {
-  const std::lock_guard lock(mutex_);
-  set_durability(durability);
-  Statement statement(database_,
-                      "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
-                      "failure = ?, outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
-                      "solver = ?, bytes = ? WHERE id = ?");
-  bind_changing(statement, record);
-  statement.bind(record.job.id()).step();
+  const v1::Job& job = record.job;
+  write(durability,
+        "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
+        "failure = NULLIF(?, x''), outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
+        "solver = ?, bytes = ? WHERE id = ?",
+        job.state(), milliseconds(job.start_time()), milliseconds(job.end_time()), job.attempts(),
+        job.failure(), outcome_of(job), record.losses, record.lost_step, record.first_loss,
+        record.solver, record.bytes, job.id());
 }
 
 void JobStore::update_marks(const v1::Job& job) {
-  const std::lock_guard lock(mutex_);
-  set_durability(Durability::full);
-  Statement statement(database_, "UPDATE job SET labels = ?, changes = ? WHERE id = ?");
-  statement.bind(label_lines(job)).bind_blob(changes_of(job)).bind(job.id()).step();
+  write(Durability::full, "UPDATE job SET labels = ?, changes = ? WHERE id = ?", label_lines(job),
+        changes_of(job), job.id());
 }
 
 void JobStore::update_bytes(const std::string& id, std::int64_t bytes) {
-  const std::lock_guard lock(mutex_);
-  set_durability(Durability::normal);
-  Statement statement(database_, "UPDATE job SET bytes = ? WHERE id = ?");
-  statement.bind(bytes).bind(id).step();
+  write(Durability::normal, "UPDATE job SET bytes = ? WHERE id = ?", bytes, id);
 }
 
-bool JobStore::erase(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  set_durability(Durability::full);
-  Statement statement(database_, "DELETE FROM job WHERE id = ?");
-  statement.bind(id).step();
-  return database_.changes() > 0;
+void JobStore::erase(const std::string& id) {
+  write(Durability::full, "DELETE FROM job WHERE id = ?", id);
 }
 
-std::vector<JobRecord> JobStore::select(std::string_view where_and_order,
-                                        const std::string& argument) {
-  const std::lock_guard lock(reading_);
-  Statement statement(
-      *reader_, "SELECT " + std::string(job_columns) + " FROM job " + std::string(where_and_order));
-  if (!argument.empty()) statement.bind(argument);
-  std::vector<JobRecord> records;
-  while (statement.step()) records.push_back(read_row(statement));
-  return records;
-}
-
-std::optional<JobRecord> JobStore::find(const std::string& id) {
-  auto found = select("WHERE id = ?", id);
-  if (found.empty()) return std::nullopt;
-  return std::move(found.front());
-}
-
-std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
-  auto found = select("WHERE request_id = ?", request_id);
-  if (found.empty()) return std::nullopt;
-  return std::move(found.front());
+void JobStore::probe() {
+  write(Durability::full,
+        "INSERT INTO probe (id, at_ms) VALUES (1, ?) "
+        "ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms",
+        milliseconds(now()));
 }
 
 std::string JobStore::first_fault() {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, "PRAGMA integrity_check(1)");
-  if (!statement.step()) return {};
-  return statement.text(0) == "ok" ? "" : statement.text(0);
+  std::string fault;
+  database_.read("PRAGMA integrity_check(1)", [&](const Statement& row) { fault = row.text(0); });
+  return fault == "ok" ? "" : fault;
 }
 
 void JobStore::copy_to(const std::filesystem::path& path) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, "VACUUM INTO ?");
-  statement.bind(path.native()).step();
+  Statement(database_, "VACUUM INTO ?", path.native()).step();
 }
 
+std::optional<JobRecord> JobStore::find(const std::string& id) {
+  auto found = select("WHERE id = ?", id);
+  return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
+}
+
+std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
+  auto found = select("WHERE request_id = ?", request_id);
+  return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
+}
+
+// Of job.proto: 1 to 3 are QUEUED, RUNNING, PAUSED; 4 to 6 are SUCCEEDED, FAILED, CANCELLED.
+
 std::vector<JobRecord> JobStore::unfinished() {
-  // 1 to 3: QUEUED, RUNNING, PAUSED of job.proto.
-  return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id", "");
+  return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id");
 }
 
 std::int64_t JobStore::unfinished_bytes() {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_,
-                      "SELECT COALESCE(SUM(bytes), 0) FROM job WHERE state BETWEEN 1 AND 3");
-  statement.step();
-  return statement.integer(0);
+  return number("SELECT COALESCE(SUM(bytes), 0) FROM job WHERE state BETWEEN 1 AND 3");
 }
 
 int JobStore::unfinished_of(const std::string& owner) {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_,
-                      "SELECT COUNT(*) FROM job WHERE state BETWEEN 1 AND 3 AND owner = ?");
-  statement.bind(owner).step();
-  return static_cast<int>(statement.integer(0));
+  return static_cast<int>(
+      number("SELECT COUNT(*) FROM job WHERE state BETWEEN 1 AND 3 AND owner = ?", owner));
 }
 
 std::int64_t JobStore::bytes_of(const std::string& owner) {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT COALESCE(SUM(bytes), 0) FROM job WHERE owner = ?");
-  statement.bind(owner).step();
-  return statement.integer(0);
+  return number("SELECT COALESCE(SUM(bytes), 0) FROM job WHERE owner = ?", owner);
+}
+
+int JobStore::count(v1::JobState state) {
+  return static_cast<int>(number("SELECT COUNT(*) FROM job WHERE state = ?", state));
 }
 
 std::vector<JobStore::Group> JobStore::groups() {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_,
-                      "SELECT owner, state, COUNT(*), SUM(bytes), MIN(created_ms) FROM job "
-                      "GROUP BY owner, state");
   std::vector<Group> groups;
-  while (statement.step())
-    groups.push_back({statement.text(0), static_cast<v1::JobState>(statement.integer(1)),
-                      statement.integer(2), statement.integer(3), statement.integer(4)});
+  read("SELECT owner, state, COUNT(*), SUM(bytes), MIN(created_ms) FROM job GROUP BY owner, state",
+       [&](const Statement& row) {
+         groups.push_back({row.text(0), static_cast<v1::JobState>(row.integer(1)), row.integer(2),
+                           row.integer(3), row.integer(4)});
+       });
   return groups;
 }
 
 std::vector<JobStore::Ended> JobStore::ended(bool of_studies) {
-  const std::lock_guard lock(reading_);
-  // 4 to 6: SUCCEEDED, FAILED, CANCELLED of job.proto.
-  Statement statement(
-      *reader_, "SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6" +
-                    std::string(of_studies ? "" : " AND study = ''") + " ORDER BY ended_ms, id");
   std::vector<Ended> ended;
-  while (statement.step()) {
-    v1::Job changes;
-    changes.ParseFromString(statement.text(3));
-    ended.push_back(
-        {statement.text(0), statement.integer(1), statement.integer(2), changes.pinned()});
-  }
+  read("SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6" +
+           std::string(of_studies ? "" : " AND study = ''") + " ORDER BY ended_ms, id",
+       [&](const Statement& row) {
+         v1::Job changes;
+         changes.ParseFromString(row.text(3));
+         ended.push_back({row.text(0), row.integer(1), row.integer(2), changes.pinned()});
+       });
   return ended;
 }
 
-void JobStore::probe() {
-  const std::lock_guard lock(mutex_);
-  set_durability(Durability::full);
-  Statement statement(database_,
-                      "INSERT INTO probe (id, at_ms) VALUES (1, ?) "
-                      "ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms");
-  statement.bind(milliseconds(now())).step();
-}
-
-int JobStore::count(v1::JobState state) {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT COUNT(*) FROM job WHERE state = ?");
-  statement.bind(state).step();
-  return static_cast<int>(statement.integer(0));
-}
-
 std::set<std::string> JobStore::ids() {
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, "SELECT id FROM job");
   std::set<std::string> ids;
-  while (statement.step()) ids.insert(statement.text(0));
+  read("SELECT id FROM job", [&](const Statement& row) { ids.insert(row.text(0)); });
   return ids;
 }
 
 std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
                                                  const std::string& solver) {
   if (answer_key.empty() || solver.empty()) return std::nullopt;
-  const std::lock_guard lock(reading_);
-  // 4: SUCCEEDED of job.proto. The condition on the key lets SQLite use the index.
-  Statement statement(*reader_,
-                      "SELECT id FROM job WHERE answer_key = ? AND answer_key <> '' AND solver = ? "
-                      "AND state = 4 ORDER BY created_ms DESC LIMIT 1");
-  if (!statement.bind(answer_key).bind(solver).step()) return std::nullopt;
-  return statement.text(0);
+  std::optional<std::string> id;
+  // The condition on the key lets SQLite use the index.
+  read(
+      "SELECT id FROM job WHERE answer_key = ? AND answer_key <> '' AND solver = ? "
+      "AND state = 4 ORDER BY created_ms DESC LIMIT 1",
+      [&](const Statement& row) { id = row.text(0); }, answer_key, solver);
+  return id;
 }
 
 std::vector<JobRecord> JobStore::list(const Page& page) {
-  const std::string sql = "SELECT " + std::string(job_columns) + " FROM job WHERE " +
-                          condition_of(page) + " ORDER BY created_ms DESC, id DESC LIMIT ?";
-  const std::lock_guard lock(reading_);
-  Statement statement(*reader_, sql);
-  statement.bind(page.before_ms).bind(page.before_id);
-  for (const std::string& wanted : {page.study, page.owner})
-    if (!wanted.empty()) statement.bind(wanted);
-  // Behind every character of an id: they are hexadecimal digits and '-'.
-  if (!page.id_prefix.empty()) statement.bind(page.id_prefix).bind(page.id_prefix + "~");
-  if (!page.title.empty()) statement.bind(page.title);
-  for (const std::string& label : page.labels) statement.bind("\n" + label + "\n");
-  statement.bind(page.size);
-  std::vector<JobRecord> records;
-  while (statement.step()) records.push_back(read_row(statement));
-  return records;
-}
-
-namespace {
-
-v1::Job new_job_message(const NewJob& new_job) {
-  v1::Job job;
-  job.set_id(values::random_uuid());
-  job.set_title(new_job.title);
-  job.set_state(v1::QUEUED);
-  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
-  job.set_request_id(new_job.request_id);
-  job.set_study(new_job.study);
-  job.set_owner(new_job.owner);
-  job.set_case_sha256(new_job.case_sha256);
-  job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
-  job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
-  job.mutable_after()->Assign(new_job.after.begin(), new_job.after.end());
-  job.set_time_limit_s(new_job.time_limit_s);
-  job.set_mail(new_job.mail);
-  job.set_estimated_s(new_job.estimated_s);
-  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
-  return job;
-}
-
-std::int64_t size_of(const NewJob& new_job, const Attachments& attachments) {
-  auto bytes = static_cast<std::int64_t>(new_job.submitted_case.size() +
-                                         new_job.complete_case.size() + new_job.case_file.size());
-  for (const v1::Attachment& attachment : attachments)
-    bytes += static_cast<std::int64_t>(attachment.content().size());
-  return bytes;
-}
-
-}  // namespace
-
-JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments) {
-  JobRecord record;
-  record.job = new_job_message(new_job);
-  record.bytes = size_of(new_job, attachments);
-  record.answer_key = new_job.answer_key;
-  return record;
+  std::string sql = "WHERE (created_ms, id) < (?, ?)";
+  std::vector<std::string> texts{page.before_id};
+  const auto require = [&](const char* condition, const std::string& text) {
+    sql += condition;
+    texts.push_back(text);
+  };
+  if (!page.states.empty()) sql += fmt::format(" AND state IN ({:d})", fmt::join(page.states, ","));
+  // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
+  if (!page.study.empty()) require(" AND study = ? AND study <> ''", page.study);
+  if (!page.owner.empty()) require(" AND owner = ?", page.owner);
+  if (!page.id_prefix.empty()) {
+    require(" AND id >= ?", page.id_prefix);
+    // Behind every character of an id: they are hexadecimal digits and '-'.
+    require(" AND id < ?", page.id_prefix + "~");
+  }
+  if (page.since_ms > 0) sql += " AND created_ms >= " + std::to_string(page.since_ms);
+  if (!page.title.empty()) require(" AND title GLOB ?", page.title);
+  for (const std::string& label : page.labels)
+    require(" AND instr(labels, ?) > 0", "\n" + label + "\n");
+  return select(sql + " ORDER BY created_ms DESC, id DESC LIMIT " + std::to_string(page.size),
+                page.before_ms, texts);
 }
 
 }  // namespace dccast::jobs

@@ -5,7 +5,7 @@
 #include "proto/values/printable.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/storage_fault.hpp"
+#include "server/jobs/queue_hold.hpp"
 
 namespace dccast::jobs {
 

@@ -32,13 +32,6 @@ void move(const fs::path& from, const fs::path& to) {
   if (from.parent_path() != to.parent_path()) storage::sync_directory(from.parent_path());
 }
 
-fs::path free_name(const fs::path& wanted) {
-  fs::path name = wanted;
-  for (int number = 2; fs::exists(name); ++number)
-    name = wanted.string() + "-" + std::to_string(number);
-  return name;
-}
-
 /// Names in a directory, sorted; none when there is no such directory.
 std::vector<std::string> names_in(const fs::path& directory) {
   std::vector<std::string> names;
@@ -67,6 +60,13 @@ void end_removals(const fs::path& jobs_directory, const std::set<std::string>& k
 
 fs::path quarantine_of(const fs::path& jobs_directory) {
   return fs::absolute(jobs_directory).parent_path() / "quarantine";
+}
+
+fs::path free_name(const fs::path& wanted) {
+  fs::path name = wanted;
+  for (int number = 2; fs::exists(name); ++number)
+    name = wanted.string() + "-" + std::to_string(number);
+  return name;
 }
 
 fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id) {

@@ -18,6 +18,9 @@ struct QuarantinedFolder {
 /// Where folders out of this `jobs/` are kept aside.
 std::filesystem::path quarantine_of(const std::filesystem::path& jobs_directory);
 
+/// A name that is not taken: the one that is wanted, else with "-2", "-3" ... behind it.
+std::filesystem::path free_name(const std::filesystem::path& wanted);
+
 /// Moves one folder of `jobs/` aside. @return where it is now @throws std::system_error
 std::filesystem::path quarantine_folder(const std::filesystem::path& jobs_directory,
                                         const std::string& id);

@@ -1,5 +1,4 @@
-// The queue's own life: what is started when, what holds it, what its workers report. Requests of
-// clients are in scheduler_requests.cpp.
+// The queue's own life: what is started when, what holds it, what its workers report.
 #include "server/jobs/scheduler.hpp"
 
 #include "server/jobs/log.hpp"
@@ -9,9 +8,6 @@
 
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
-#include "server/jobs/quarantine.hpp"
-#include "server/jobs/recovery.hpp"
-#include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {
 
@@ -60,48 +56,11 @@ Scheduler::~Scheduler() {
   if (thread_.joinable()) shut_down();
 }
 
-void Scheduler::recover() {
-  RecoveredJobs recovered = recover_jobs(options_.attempts, store_, logs_, ledger_, executor_);
-  quarantine_unknown_folders(jobs_directory_, store_.ids());
-  const std::lock_guard lock(mutex_);
-  charge_recent_use();
-  learn_from_ended_jobs();
-  for (const v1::Job& job : recovered.waiting) enqueue(job);
-  for (JobRecord& record : recovered.with_worker) {
-    const std::string id = record.job.id();
-    const auto attempt = attempts_.add(std::move(record), logs_.open(id), true);
-    if (attempt->record.requested_action != RequestedAction::none) attempts_.expect_stop(*attempt);
-    logs_.follow(id);
-  }
-  attempts_.end_recovery();
-  if (!recovered.daemon_lacks.empty()) hold(recovered.daemon_lacks);
-}
-
 /// What a job has taken of the processors, beyond what was charged for its starts.
 void Scheduler::charge(const v1::Job& job, std::int64_t at_ms) {
   const double taken = std::max(job.last_step().process_s(), job.last_step().solver_s());
   queue_.charge(job.owner(), std::max(0.0, taken - job.attempts() * JobQueue::start_charge_s),
                 at_ms);
-}
-
-/// Of the jobs of some half-lives; older ones count next to nothing.
-void Scheduler::charge_recent_use() {
-  constexpr int half_lives = 7, most_jobs = 10000;
-  if (options_.share_half_life.count() == 0) return;
-  JobStore::Page page{.states = {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED}, .size = most_jobs};
-  page.since_ms = milliseconds(now()) -
-                  std::chrono::milliseconds(half_lives * options_.share_half_life).count();
-  for (const JobRecord& record : store_.list(page)) {
-    const std::int64_t at_ms = milliseconds(record.job.end_time());
-    queue_.charge(record.job.owner(), record.job.attempts() * JobQueue::start_charge_s, at_ms);
-    charge(record.job, at_ms);
-  }
-}
-
-void Scheduler::learn_from_ended_jobs() {
-  const auto ended = store_.list({.states = {v1::SUCCEEDED}});
-  std::for_each(ended.rbegin(), ended.rend(),
-                [this](const JobRecord& record) { forecast_.learn(record.job); });
 }
 
 void Scheduler::start() {

@@ -23,6 +23,7 @@
 #include "server/jobs/job_queue.hpp"
 #include "server/jobs/job_store.hpp"
 #include "server/jobs/ledger.hpp"
+#include "server/jobs/queue_hold.hpp"
 #include "server/jobs/tally.hpp"
 
 namespace dccast::jobs {
@@ -160,6 +161,11 @@ private:
   bool user_may_start(const std::string& owner) const;
   std::optional<std::string> next_job() const;
   void foresee(v1::Job& job) const;
+
+  // Before there are other threads.
+  bool recover_job(JobRecord& record);
+  /// @return whether a worker goes on with the job
+  bool find_worker_or_settle(JobRecord& record);
 
   // These take mutex_ themselves, and wait for the disk without it.
   void settle_dependents();

@@ -12,7 +12,6 @@
 #include "server/jobs/log.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/scheduler.hpp"
-#include "server/jobs/storage_fault.hpp"
 
 namespace dccast::jobs {
 

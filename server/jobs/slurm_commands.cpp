@@ -1,10 +1,7 @@
 #include "server/jobs/slurm_commands.hpp"
 
-#include <poll.h>
-#include <signal.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,7 +12,7 @@
 #include <string_view>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/worker_process.hpp"
+#include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
 
@@ -31,39 +28,6 @@ std::string content_of(const storage::FileDescriptor& file) {
   const auto size = ::pread(file.get(), text.data(), text.size(), 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, size)));
   return text;
-}
-
-/// Of the daemon's environment what Slurm's commands need: jobs get it, too.
-std::vector<std::string> environment_for_slurm() {
-  std::vector<std::string> variables;
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text = *variable;
-    for (const char* name : {"PATH=", "HOME=", "USER=", "LOGNAME=", "TZ=", "SLURM_"})
-      if (text.starts_with(name)) variables.emplace_back(text);
-  }
-  return variables;
-}
-
-/// @return the status of waitpid(); nothing: it took too long and was killed
-std::optional<int> wait_for(pid_t process) {
-  constexpr int look_interval_ms = 100;  // where the system has no pidfd
-  const auto handle = open_process(process);
-  const auto end = std::chrono::steady_clock::now() + longest_command;
-  int status = 0;
-  while (::waitpid(process, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) {
-      ::kill(process, SIGKILL);
-      ::waitpid(process, &status, 0);
-      return std::nullopt;
-    }
-    pollfd ended{handle.get(), POLLIN, 0};
-    ::poll(&ended, 1, look_interval_ms);
-  }
-  return status;
-}
-
-std::string first_line(std::string_view text) {
-  return std::string(text.substr(0, text.find('\n')));
 }
 
 /// Whether a failed command says that the controller has refused, and not that it was not reached.
@@ -85,16 +49,17 @@ std::string run_command(const std::vector<std::string>& words, std::string_view 
   if (::pwrite(files[0].get(), input.data(), input.size(), 0) != static_cast<ssize_t>(input.size()))
     throw SlurmError(words[0] + ": " + ::strerror(errno), false);
   pid_t process = 0;
-  if (const int error = spawn(words, environment_for_slurm(),
-                              {files[0].get(), files[1].get(), files[2].get()}, &process))
+  // Jobs get this environment, too.
+  if (const int error =
+          spawn(words, environment(true, {"PATH=", "HOME=", "USER=", "LOGNAME=", "TZ=", "SLURM_"}),
+                {files[0].get(), files[1].get(), files[2].get()}, &process))
     throw SlurmError("cannot start " + words[0] + ": " + ::strerror(error), true);
-  const auto status = wait_for(process);
+  const auto status = wait_for(process, longest_command);
   if (!status) throw SlurmError(words[0] + " gave no answer in time", false);
   if (*status == 0) return content_of(files[1]);
   const std::string said = content_of(files[2]);
-  throw SlurmError(
-      said.empty() ? words[0] + " ended with " + describe_exit(*status) : first_line(said),
-      !said.empty() && is_refusal(said));
+  if (said.empty()) throw SlurmError(words[0] + " ended with " + describe_exit(*status), false);
+  throw SlurmError(said.substr(0, said.find('\n')), is_refusal(said));
 }
 
 /// @return nothing for the name of a job that is none of ours

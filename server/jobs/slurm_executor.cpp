@@ -8,8 +8,7 @@
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/worker_claim.hpp"
-#include "server/jobs/worker_process.hpp"
+#include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
 

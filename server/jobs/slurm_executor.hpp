@@ -15,7 +15,7 @@
 
 #include "server/jobs/executor.hpp"
 #include "server/jobs/slurm_commands.hpp"
-#include "server/jobs/worker_order.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
 
@@ -34,7 +34,7 @@ struct SlurmOptions {
 };
 
 /// Hands jobs to Slurm, on machines that see the folders of jobs at the same paths. There is no
-/// connection to a worker: it has its order in the folder of its job (worker_order.hpp) and writes
+/// connection to a worker: it has its order in the folder of its job (worker_claim.hpp) and writes
 /// there. It needs no daemon, and the next one finds it in Slurm by name.
 ///
 /// Slurm shows the state of jobs, the folder is the truth: a worker has ended when the folder shows

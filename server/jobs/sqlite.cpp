@@ -1,5 +1,6 @@
 #include "server/jobs/sqlite.hpp"
 
+#include <google/protobuf/message_lite.h>
 #include <sqlite3.h>
 
 #include <array>
@@ -111,6 +112,15 @@ Statement& Statement::bind(std::string_view text) {
   check(sqlite3_bind_text64(statement_, ++bound_, text.empty() ? "" : text.data(), text.size(),
                             SQLITE_TRANSIENT, SQLITE_UTF8));
   return *this;
+}
+
+Statement& Statement::bind(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) bind(text);
+  return *this;
+}
+
+Statement& Statement::bind(const google::protobuf::MessageLite& message) {
+  return bind_blob(message.SerializeAsString());
 }
 
 Statement& Statement::bind_blob(std::string_view bytes) {

@@ -5,7 +5,11 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
+namespace google::protobuf {
+class MessageLite;
+}
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -34,6 +38,9 @@ public:
   Database(const Database&) = delete;
   ~Database();
   void execute(const char* sql);
+  /// Runs a query. @param values  for its question marks  @param take  called with each row
+  template <typename Take, typename... Values>
+  void read(std::string_view sql, const Take& take, const Values&... values);
   int changes() const;
   sqlite3* handle() const { return handle_; }
 
@@ -45,11 +52,19 @@ private:
 class Statement {
 public:
   Statement(Database& database, std::string_view sql);
+  /// @param values  for the first question marks
+  template <typename... Values>
+  Statement(Database& database, std::string_view sql, const Values&... values)
+      : Statement(database, sql) {
+    (bind(values), ...);
+  }
   Statement(const Statement&) = delete;
   ~Statement();
 
   Statement& bind(std::int64_t value);
   Statement& bind(std::string_view text);
+  Statement& bind(const std::vector<std::string>& texts);         ///< for one question mark each
+  Statement& bind(const google::protobuf::MessageLite& message);  ///< as a blob
   Statement& bind_blob(std::string_view bytes);
   Statement& bind_null();
   /// @return whether there is a row @throws StoreError
@@ -65,6 +80,12 @@ private:
   sqlite3_stmt* statement_ = nullptr;
   int bound_ = 0;
 };
+
+template <typename Take, typename... Values>
+void Database::read(std::string_view sql, const Take& take, const Values&... values) {
+  Statement statement(*this, sql, values...);
+  while (statement.step()) take(statement);
+}
 
 /// BEGIN IMMEDIATE ... COMMIT; rolls back when it is left without commit().
 class Transaction {

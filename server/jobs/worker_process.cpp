@@ -4,7 +4,6 @@
 #include <google/protobuf/util/delimited_message_util.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -13,7 +12,6 @@
 
 #include <array>
 #include <cerrno>
-#include <fstream>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -21,6 +19,7 @@
 
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
 
@@ -58,13 +57,8 @@ pid_t collect(pid_t child, int options, int& status) {
 /// The daemon's environment without what is a worker's own, and with one thread for BLAS: jobs
 /// share the cores, and the solver was measured to gain nothing from two.
 std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
-  std::vector<std::string> variables;
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text = *variable;
-    if (!text.starts_with("DCCAST_WORKER_") && !text.starts_with("OPENBLAS_NUM_THREADS=") &&
-        !text.starts_with("OMP_NUM_THREADS=") && !text.starts_with("OMP_THREAD_LIMIT="))
-      variables.emplace_back(text);
-  }
+  auto variables = environment(
+      false, {"DCCAST_WORKER_", "OPENBLAS_NUM_THREADS=", "OMP_NUM_THREADS=", "OMP_THREAD_LIMIT="});
   // CHOLMOD's supernodal code asks OpenMP for threads whatever OMP_NUM_THREADS is; the limit it
   // keeps to.
   variables.insert(variables.end(),
@@ -80,55 +74,6 @@ std::vector<std::string> worker_environment(const std::filesystem::path& scratch
 }
 
 }  // namespace
-
-int spawn(std::vector<std::string> words, std::vector<std::string> environment,
-          const std::array<int, 3>& files, pid_t* process) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  for (int i = 0; i < 3; ++i) posix_spawn_file_actions_adddup2(&actions, files[i], i);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  // A group of its own: Ctrl-C in the terminal of a daemon is for the daemon, which ends its own.
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  const auto pointers = [](std::vector<std::string>& texts) {
-    std::vector<char*> all_of_them;
-    for (std::string& text : texts) all_of_them.push_back(text.data());
-    all_of_them.push_back(nullptr);
-    return all_of_them;
-  };
-  const int error = ::posix_spawnp(process, words[0].c_str(), &actions, &attributes,
-                                   pointers(words).data(), pointers(environment).data());
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
-}
-
-storage::FileDescriptor open_process(pid_t process) {
-  // glibc 2.36 declares pidfd_open() without C linkage; the system call has no such fault.
-  return storage::FileDescriptor(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
-}
-
-std::string describe_exit(int wait_status) {
-  if (WIFSIGNALED(wait_status)) {
-    const int signal = WTERMSIG(wait_status);
-    return "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
-  }
-  return "exit code " + std::to_string(WEXITSTATUS(wait_status));
-}
-
-std::string take_variable(const char* name) {
-  const char* value = ::getenv(name);
-  std::string text = value == nullptr ? "" : value;
-  ::unsetenv(name);
-  return text;
-}
 
 WorkerProcess::WorkerProcess(const std::filesystem::path& program,
                              const std::filesystem::path& scratch)
@@ -193,10 +138,7 @@ bool WorkerProcess::waits() const {
 }
 
 std::int64_t WorkerProcess::resident_bytes() const {
-  std::ifstream file("/proc/" + std::to_string(process_) + "/statm");
-  std::int64_t all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * ::sysconf(_SC_PAGESIZE);
+  return jobs::resident_bytes(std::to_string(process_));
 }
 
 std::optional<WorkerExit> WorkerProcess::exit() {

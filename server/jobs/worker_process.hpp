@@ -2,7 +2,6 @@
 
 #include <sys/types.h>
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -46,16 +45,6 @@ struct CallLimits {
   std::function<bool()> called_off = [] { return false; };
   std::int64_t largest_bytes = 4'000'000'000;  ///< of memory
 };
-
-/// Starts a program, looked for in PATH, with signals as it expects them: default handlers, none
-/// blocked (the daemon blocks those it waits for). @param files  that become its first three
-/// @return 0 or an error number
-int spawn(std::vector<std::string> words, std::vector<std::string> environment,
-          const std::array<int, 3>& files, pid_t* process);
-
-/// A pidfd of a process: readable once the process has ended, and never of another process with the
-/// same id. @return nothing and `errno` when there is no such process, or a kernel without pidfds
-storage::FileDescriptor open_process(pid_t process);
 
 /// A process of the worker program. It answers request after request, or is handed the run of a job
 /// and left to it; worker.proto has what is sent. A mesh or a result file that brings it down or
@@ -104,12 +93,5 @@ private:
   std::string received_;  ///< of messages that are not whole yet
   int answers_ = 0;
 };
-
-/// How a process ended, from the status of waitpid(), in words: "exit code 3",
-/// "signal 11 (Segmentation fault)".
-std::string describe_exit(int wait_status);
-
-/// Takes a variable out of the environment, so that no child inherits it. @return empty: not set
-std::string take_variable(const char* name);
 
 }  // namespace dccast::jobs

@@ -5,7 +5,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/printable.hpp"
-#include "server/jobs/process_table.hpp"
+#include "server/jobs/processes.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/service/simulation_service.hpp"
 
@@ -94,7 +94,7 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_quarantined(
         static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
     response->set_paused(context_.store.count(v1::PAUSED));
-    response->set_memory_bytes(jobs::own_resident_bytes());
+    response->set_memory_bytes(jobs::resident_bytes("self"));
     for (const auto& [name, total] : jobs::child_processes()) {
       response->set_worker_processes(response->worker_processes() + total.number);
       response->set_worker_memory_bytes(response->worker_memory_bytes() + total.resident_bytes);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -21,6 +22,10 @@ public:
   }
   int damages() const { return damages_; }
 
+  // Sums over all jobs, reported once at the end.
+  int with_leftovers = 0;
+  std::uintmax_t leftover_bytes = 0;
+
 private:
   std::ostream& out_;
   int damages_ = 0;  ///< that are left
@@ -38,22 +43,8 @@ struct CheckOptions {
 /// @throws std::runtime_error  there is no such folder, a daemon uses it, or it cannot be read
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out);
 
-/// Makes the store from the folders of jobs and studies. The daemon holds the state folder.
-/// @throws jobs::StoreError, std::system_error
-void rebuild_index(const StateFolder& folder, std::ostream& out);
-
-/// Sums over all jobs, reported once at the end.
-struct JobTotals {
-  int with_leftovers = 0;
-  std::uintmax_t leftover_bytes = 0;
-};
-
 /// The part of check() about one job with a row.
 void check_job(const StateFolder& folder, jobs::JobStore& store, const std::string& id,
-               const CheckOptions& options, Report& report, JobTotals& totals);
-
-/// The part of check() about studies. The rows of jobs are sound by then.
-void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckOptions& options,
-                   Report& report);
+               const CheckOptions& options, Report& report);
 
 }  // namespace dccast::state

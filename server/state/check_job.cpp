@@ -25,19 +25,17 @@ constexpr std::array leftover_names{"checkpoint.bin", "journal.bin"};
 class JobCheck {
 public:
   JobCheck(const StateFolder& state, jobs::JobStore& store, const CheckOptions& options,
-           Report& report, JobTotals& totals, jobs::JobRecord record)
+           Report& report, jobs::JobRecord record)
       : state_(state),
         store_(store),
         options_(options),
         report_(report),
-        totals_(totals),
         record_(std::move(record)),
         folder_(state.jobs() / record_.job.id()),
         subject_("job " + record_.job.id() + ": ") {}
 
   void run() {
-    if (!has_folder()) return;
-    if (!check_row()) return;
+    if (!has_folder() || !check_row()) return;
     if (options_.index_only) return check_running();
     check_log();
     check_attachments();
@@ -149,31 +147,31 @@ private:
     const std::string what = subject_ + "the store has " + v1::JobState_Name(in_store) +
                              ", its events.log ends with " +
                              v1::JobState_Name(log.last_state->state());
-    if (jobs::is_terminal(in_store) && !log.terminal) return complete_log(what, path);
-    if (!options_.repair) return report_.damage(what + "; --repair takes the log's");
-    make_row_again(what);
-  }
-
-  void complete_log(const std::string& what, const fs::path& path) {
+    if (!jobs::is_terminal(in_store) || log.terminal) {
+      if (!options_.repair) return report_.damage(what + "; --repair takes the log's");
+      return make_row_again(what);
+    }
     if (!options_.repair) return report_.damage(what + "; --repair adds the last event again");
-    jobs::EventLog log(path);
-    append_state(log);
+    jobs::EventLog writer(path);
+    append_state(writer);
     report_.repaired(what + "; the last event is added again");
   }
 
   void check_artifact(const v1::Artifact& artifact) {
     const fs::path path = folder_ / artifact.name();
     std::error_code error;
-    const auto size = fs::file_size(path, error);
-    const std::string remedy = "; restore it from a backup, or run the case again";
-    if (error) {
-      report_.damage(subject_ + artifact.name() + " is missing" + remedy);
-    } else if (static_cast<std::int64_t>(size) != artifact.size_bytes()) {
-      report_.damage(subject_ + artifact.name() + " has " + std::to_string(size) + " bytes, not " +
-                     std::to_string(artifact.size_bytes()) + remedy);
-    } else if (options_.deep && values::sha256_of_file(path) != artifact.sha256()) {
-      report_.damage(subject_ + artifact.name() + " is damaged: its SHA-256 differs" + remedy);
-    }
+    const auto size = static_cast<std::int64_t>(fs::file_size(path, error));
+    std::string what;
+    if (error)
+      what = " is missing";
+    else if (size != artifact.size_bytes())
+      what =
+          " has " + std::to_string(size) + " bytes, not " + std::to_string(artifact.size_bytes());
+    else if (options_.deep && values::sha256_of_file(path) != artifact.sha256())
+      what = " is damaged: its SHA-256 differs";
+    if (!what.empty())
+      report_.damage(subject_ + artifact.name() + what +
+                     "; restore it from a backup, or run the case again");
   }
 
   void check_leftovers() {
@@ -182,15 +180,14 @@ private:
       if (fs::exists(folder_ / name)) bytes += fs::file_size(folder_ / name);
     if (bytes == 0) return;
     if (options_.repair) jobs::remove_run_files(folder_);
-    ++totals_.with_leftovers;
-    totals_.leftover_bytes += bytes;
+    ++report_.with_leftovers;
+    report_.leftover_bytes += bytes;
   }
 
   const StateFolder& state_;
   jobs::JobStore& store_;
   const CheckOptions& options_;
   Report& report_;
-  JobTotals& totals_;
   jobs::JobRecord record_;
   const fs::path folder_;
   const std::string subject_;
@@ -199,10 +196,9 @@ private:
 }  // namespace
 
 void check_job(const StateFolder& folder, jobs::JobStore& store, const std::string& id,
-               const CheckOptions& options, Report& report, JobTotals& totals) {
-  auto record = store.find(id);
-  if (!record) return;
-  JobCheck(folder, store, options, report, totals, std::move(*record)).run();
+               const CheckOptions& options, Report& report) {
+  if (auto record = store.find(id))
+    JobCheck(folder, store, options, report, std::move(*record)).run();
 }
 
 }  // namespace dccast::state

@@ -9,7 +9,6 @@
 #include "server/jobs/log.hpp"
 #include "server/jobs/quarantine.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/state/check.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <ostream>
 #include <set>
 #include <string>
 
@@ -21,6 +22,10 @@ bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described);
 /// Makes the row of a folder of `jobs/`, again where there is one.
 /// @throws std::runtime_error  it cannot be made; the text is the reason
 void index_job(jobs::JobStore& store, const std::filesystem::path& folder);
+
+/// Makes the store from the folders of jobs and studies. The daemon holds the state folder.
+/// @throws jobs::StoreError, std::system_error
+void rebuild_index(const StateFolder& folder, std::ostream& out);
 
 /// Jobs that were acknowledged (jobs::was_accepted) and are not among `known_ids`.
 /// @throws std::system_error

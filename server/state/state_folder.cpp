@@ -2,18 +2,168 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <chrono>
+#include <map>
+#include <sstream>
+#include <system_error>
 #include <thread>
+
+#include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
+#include "server/jobs/job_store.hpp"
+#include "server/state/check.hpp"
+#include "server/state/index.hpp"
+#include "server/studies/study_file.hpp"
+#include "server/studies/study_store.hpp"
 
 namespace dccast::state {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 /// A daemon that was killed in the instant in which it started a process leaves its lock to that
 /// one, which lets go of it as soon as it gets the processor: seconds on a busy machine.
 constexpr std::chrono::seconds longest_wait{3};
 constexpr std::chrono::milliseconds between_tries{20};
+
+/// The list of a backup's files with their SHA-256, in the form of sha256sum(1). It is written
+/// last: a backup without it is not complete.
+constexpr const char* manifest_file = "MANIFEST.sha256";
+using Manifest = std::map<std::string, std::string>;  ///< SHA-256 by file
+
+/// Copied in this order; all other files of a job come after them.
+constexpr std::array ordered_names{"checkpoint.bin", "journal.bin", "events.log"};
+
+/// Files that are being written and get their names when they are whole.
+bool is_unfinished(const fs::path& file) {
+  constexpr std::array extensions{".part", ".tmp", ".next"};
+  return std::ranges::find(extensions, file.extension()) != extensions.end();
+}
+
+void copy_all(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to);
+  for (const auto& entry : fs::directory_iterator(from)) {
+    const fs::path target = to / entry.path().filename();
+    if (entry.is_directory())
+      copy_all(entry.path(), target);
+    else if (!is_unfinished(entry.path()) && !fs::exists(target))
+      fs::copy_file(entry.path(), target);
+  }
+}
+
+void copy_job(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to);
+  for (const char* name : ordered_names)
+    if (fs::exists(from / name)) fs::copy_file(from / name, to / name);
+  copy_all(from, to);
+}
+
+/// @return false when the job was deleted meanwhile
+bool copied(const fs::path& from, const fs::path& to) {
+  for (int tries = 0; tries < 3; ++tries) {
+    try {
+      copy_job(from, to);
+      return true;
+    } catch (const fs::filesystem_error& error) {
+      // A file can go between its listing and its copy: an old checkpoint, or the whole job.
+      if (error.code() != std::errc::no_such_file_or_directory) throw;
+      fs::remove_all(to);
+      if (!fs::exists(from)) return false;
+    }
+  }
+  throw std::runtime_error(from.string() + " changes too fast to be copied; try again");
+}
+
+/// Syncs the file system of `path` to disk.
+void sync_file_system(const fs::path& path) {
+  const storage::File directory(path, O_RDONLY | O_DIRECTORY);
+  if (::syncfs(directory.descriptor()) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot sync " + path.string());
+}
+
+Manifest manifest_of(const fs::path& backup) {
+  Manifest manifest;
+  for (const auto& entry : fs::recursive_directory_iterator(backup))
+    if (entry.is_regular_file())
+      manifest[fs::relative(entry.path(), backup)] = values::sha256_of_file(entry.path());
+  return manifest;
+}
+
+void require_empty(const fs::path& directory) {
+  if (fs::exists(directory) && !fs::is_empty(directory))
+    throw std::runtime_error(directory.string() + " is not empty; give a new directory");
+}
+
+/// Rows that are lost would be lost in the backup too.
+void require_whole_store(const StateFolder& folder) {
+  const auto lost = lost_jobs(folder, jobs::JobStore(folder.store()).ids());
+  if (!lost.empty())
+    throw std::runtime_error("the job store " + folder.store().string() + " lacks " +
+                             std::to_string(lost.size()) + " jobs, e.g. " + *lost.begin() +
+                             "; nothing was changed: restore a backup, or rebuild the store from "
+                             "the job folders with dccastd check --repair --set data_directory=" +
+                             folder.path().string());
+}
+
+/// Copies the folders of all jobs in the copied store; forgets those that were deleted meanwhile.
+std::size_t copy_jobs(const StateFolder& from, const StateFolder& to) {
+  jobs::JobStore store(to.store());
+  for (const std::string& id : store.ids())
+    if (!copied(from.jobs() / id, to.jobs() / id)) store.erase(id);
+  return store.ids().size();
+}
+
+/// Copies the files of all studies in the copied store; repairing a restored folder writes those
+/// that were removed meanwhile.
+void copy_studies(const StateFolder& from, const StateFolder& to) {
+  fs::create_directories(to.studies());
+  for (const std::string& id : studies::StudyStore(to.store()).ids()) {
+    const fs::path file = studies::study_file(from.studies(), id);
+    if (fs::exists(file)) fs::copy_file(file, studies::study_file(to.studies(), id));
+  }
+}
+
+/// Users, certificates and the audit log (server/access); each file is replaced whole or appended.
+void copy_access(const StateFolder& from, const StateFolder& to) {
+  for (const char* name : {"users.toml", "audit.log"})
+    if (fs::exists(from.path() / name)) fs::copy_file(from.path() / name, to.path() / name);
+  if (fs::exists(from.path() / "pki")) copy_all(from.path() / "pki", to.path() / "pki");
+}
+
+Manifest read_manifest(const fs::path& backup) {
+  if (!fs::exists(backup / manifest_file))
+    throw std::runtime_error(backup.string() + " has no " + manifest_file +
+                             ": it is no backup, or one that did not come to its end");
+  std::istringstream text(storage::read_file(backup / manifest_file));
+  Manifest manifest;
+  for (std::string line; std::getline(text, line);)
+    if (line.size() > 66) manifest[line.substr(66)] = line.substr(0, 64);
+  return manifest;
+}
+
+/// Copies one file and holds the copy against the manifest.
+void copy_verified(const fs::path& file, const std::string& sha256, const fs::path& from,
+                   const fs::path& to) {
+  if (file.is_absolute() || file.lexically_normal().string().starts_with(".."))
+    throw std::runtime_error("the manifest names " + file.string() + ", outside the backup");
+  fs::create_directories((to / file).parent_path());
+  fs::copy_file(from / file, to / file);
+  if (values::sha256_of_file(to / file) != sha256)
+    throw std::runtime_error((from / file).string() +
+                             " is damaged: its SHA-256 is not the one in " + manifest_file);
+}
+
+void require_no_state(const StateFolder& folder) {
+  if (fs::exists(folder.store()) || fs::exists(folder.jobs()))
+    throw std::runtime_error("the data directory " + folder.path().string() +
+                             " has jobs; set another data_directory, or move them away");
+}
 
 }  // namespace
 
@@ -32,10 +182,38 @@ void make_state_folder(const StateFolder& folder) {
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
 }
 
-std::string repair_remedy(const StateFolder& folder) {
-  return "nothing was changed: restore a backup, or rebuild the store from the job folders with "
-         "dccastd check --repair --set data_directory=" +
-         folder.path().string();
+void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
+  if (!fs::exists(folder.store()))
+    throw std::runtime_error("there is no job store in " + folder.path().string());
+  require_whole_store(folder);
+  require_empty(to);
+  const StateFolder target(to);
+  make_state_folder(target);
+  fs::create_directories(target.jobs());
+  jobs::JobStore(folder.store()).copy_to(target.store());
+  const std::size_t count = copy_jobs(folder, target);
+  copy_studies(folder, target);
+  copy_access(folder, target);
+  if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
+  sync_file_system(to);
+  std::string manifest;
+  for (const auto& [file, sha256] : manifest_of(to)) manifest += sha256 + "  " + file + "\n";
+  storage::replace_file(to / manifest_file, manifest);
+  sync_file_system(to);
+  out << count << " jobs copied to " << to.string() << std::endl;
+}
+
+int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) {
+  const Manifest manifest = read_manifest(from);
+  make_state_folder(folder);
+  {
+    const StateLock lock(folder);
+    require_no_state(folder);
+    for (const auto& [file, sha256] : manifest) copy_verified(file, sha256, from, folder.path());
+    fs::create_directories(folder.jobs());
+  }
+  out << manifest.size() << " files restored to " << folder.path().string() << std::endl;
+  return check(folder, {.repair = true, .deep = false, .adopt = {}}, out);
 }
 
 }  // namespace dccast::state

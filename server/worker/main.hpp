@@ -6,7 +6,7 @@ namespace dccast::worker {
 
 /// The worker program. dccastd starts it, with its own process id in the environment, and sends it
 /// requests on its standard input: worker.proto. As `dccast-worker --run FOLDER ATTEMPT` it runs
-/// the job whose order lies in a folder (server/jobs/worker_order.hpp), without a daemon. Exit
+/// the job whose order lies in a folder (server/jobs/worker_claim.hpp), without a daemon. Exit
 /// codes:
 ///   0  the daemon has closed the link, or the end of the run is in the event log of the job
 ///   1  it could not begin: another worker writes into the folder of the job, for example

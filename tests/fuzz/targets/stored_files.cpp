@@ -4,7 +4,7 @@
 #include "core/storage/record_log.hpp"
 #include "server/access/users.hpp"
 #include "server/jobs/job_folder.hpp"
-#include "server/jobs/worker_order.hpp"
+#include "server/jobs/worker_claim.hpp"
 #include "server/studies/study_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

@@ -1,5 +1,5 @@
 // Jobs that wait for others, and what may change of a job while it waits.
-#include "server/jobs/retention.hpp"
+#include "server/jobs/ended_jobs.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 namespace dccast::jobs {

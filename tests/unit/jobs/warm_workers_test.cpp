@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "server/jobs/processes.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -237,7 +238,7 @@ TEST_F(WarmWorkersTest, OneThatHasAnsweredGetsNoJob) {
   EXPECT_EQ(ask(workers, "again").first, process);
 }
 
-TEST(WorkerProcess, AnEndIsDescribedInWords) {
+TEST(Processes, AnEndIsDescribedInWords) {
   EXPECT_EQ(describe_exit(SIGKILL), "signal 9 (Killed)");
   EXPECT_EQ(describe_exit(3 << 8), "exit code 3");
 }

@@ -2,13 +2,16 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
 
-#include "dccast/v1/job.pb.h"
+#include "server/jobs/scheduler.hpp"
 
+/// What the daemon does with jobs that have ended.
 namespace dccast::jobs {
 
 /// Runs an administrator's program once for each job that has ended, one after the other, as
@@ -32,6 +35,32 @@ private:
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<v1::Job> ended_;
+  std::jthread thread_;
+};
+
+struct RetentionOptions {
+  std::filesystem::path jobs_directory;
+  std::chrono::seconds time{0};  ///< jobs that ended longer ago are deleted; 0: never
+  std::int64_t bytes = 0;        ///< that ended jobs may hold; beyond, the oldest go; 0: no bound
+  std::chrono::milliseconds interval{10000};
+};
+
+/// Measures at the start what ended jobs hold, and deletes old ones, as a request would. Pinned
+/// ones, those of studies and those that a job waits for stay, and count nothing. Deletes nothing
+/// while the queue is held.
+class Retention {
+public:
+  Retention(RetentionOptions options, JobStore& store, Scheduler& scheduler);
+
+private:
+  void run(const std::stop_token& stop);
+  void measure(const std::stop_token& stop);
+  void look();
+  bool remove(const JobStore::Ended& job, const char* why);
+
+  const RetentionOptions options_;
+  JobStore& store_;
+  Scheduler& scheduler_;
   std::jthread thread_;
 };
 

@@ -1,4 +1,4 @@
-#include "server/jobs/storage_fault.hpp"
+#include "server/jobs/queue_hold.hpp"
 
 #include <fcntl.h>
 #include <sqlite3.h>
@@ -22,6 +22,14 @@ namespace {
 constexpr std::array passing_store_errors{SQLITE_FULL,     SQLITE_IOERR, SQLITE_READONLY,
                                           SQLITE_CANTOPEN, SQLITE_BUSY,  SQLITE_NOMEM};
 
+// About what a step and a frame of a small case take.
+constexpr std::size_t probe_size = 256 * 1024;
+
+// A fault that comes back at once, such as a worker program that is not there, is tried less and
+// less often.
+constexpr QueueHold::Clock::duration shortest_interval = std::chrono::seconds(1);
+constexpr QueueHold::Clock::duration longest_interval = std::chrono::seconds(30);
+
 }  // namespace
 
 std::optional<std::string> daemon_lacks(const std::exception& error) {
@@ -33,15 +41,6 @@ std::optional<std::string> daemon_lacks(const std::exception& error) {
   return lacks ? std::optional<std::string>(error.what()) : std::nullopt;
 }
 
-namespace {
-
-using storage::megabytes;
-
-constexpr std::size_t probe_size =
-    256 * 1024;  // about what a step and a frame of a small case take
-
-}  // namespace
-
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum) {
   struct statvfs status;
   if (::statvfs(directory.c_str(), &status) != 0)
@@ -50,8 +49,9 @@ void require_free_space(const std::filesystem::path& directory, std::int64_t min
       static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
   if (free >= minimum) return;
   throw std::system_error(ENOSPC, std::generic_category(),
-                          "only " + megabytes(free) + " are free in " + directory.string() +
-                              ", and minimum_free_bytes is " + megabytes(minimum));
+                          "only " + storage::megabytes(free) + " are free in " +
+                              directory.string() + ", and minimum_free_bytes is " +
+                              storage::megabytes(minimum));
 }
 
 void probe_directory(const std::filesystem::path& directory) {
@@ -62,6 +62,24 @@ void probe_directory(const std::filesystem::path& directory) {
     file.sync();
   }
   std::filesystem::remove(path);
+}
+
+bool QueueHold::set(const std::string& reason) {
+  if (holds()) return false;
+  const bool came_back = Clock::now() - lifted_ < 2 * shortest_interval;
+  interval_ = came_back ? std::min(2 * interval_, longest_interval) : shortest_interval;
+  reason_ = reason;
+  look_again_later();
+  return true;
+}
+
+void QueueHold::lift() {
+  reason_.reset();
+  lifted_ = Clock::now();
+}
+
+void QueueHold::look_again_later() {
+  next_look_ = Clock::now() + interval_;
 }
 
 }  // namespace dccast::jobs
