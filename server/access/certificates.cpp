@@ -40,22 +40,23 @@ constexpr long begins_before_s = 3600;
   throw Refused(what + ": " + reason.data());
 }
 
-std::string content_of(BIO* bio) {
+/// @param write  to a BIO
+template <class Write>
+std::string pem_by(Write write) {
+  const Bio bio(BIO_new(BIO_s_mem()));
+  write(bio.get());
   char* bytes = nullptr;
-  const long size = BIO_get_mem_data(bio, &bytes);
+  const long size = BIO_get_mem_data(bio.get(), &bytes);
   return {bytes, static_cast<std::size_t>(size)};
 }
 
 std::string pem_of(X509* certificate) {
-  const Bio bio(BIO_new(BIO_s_mem()));
-  PEM_write_bio_X509(bio.get(), certificate);
-  return content_of(bio.get());
+  return pem_by([&](BIO* bio) { PEM_write_bio_X509(bio, certificate); });
 }
 
 std::string pem_of(EVP_PKEY* key) {
-  const Bio bio(BIO_new(BIO_s_mem()));
-  PEM_write_bio_PrivateKey(bio.get(), key, nullptr, nullptr, 0, nullptr, nullptr);
-  return content_of(bio.get());
+  return pem_by(
+      [&](BIO* bio) { PEM_write_bio_PrivateKey(bio, key, nullptr, nullptr, 0, nullptr, nullptr); });
 }
 
 Bio reader_of(const std::string& text) {
@@ -155,15 +156,16 @@ std::vector<std::string> names_of(X509* certificate) {
   return names;
 }
 
-struct Issuer {
+/// A certificate with its key.
+struct Identity {
   X509Pointer certificate;
   Key key;
 };
 
-Issuer read_issuer(const std::filesystem::path& certificate, const std::filesystem::path& key) {
+Identity read_issuer(const std::filesystem::path& certificate, const std::filesystem::path& key) {
   const std::string text = storage::read_file(key);
-  Issuer issuer{parse(storage::read_file(certificate), certificate.string()),
-                Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
+  Identity issuer{parse(storage::read_file(certificate), certificate.string()),
+                  Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
   if (!issuer.key) fail(key.string() + " holds no private key");
   return issuer;
 }
@@ -172,6 +174,22 @@ Key new_key() {
   Key key(EVP_EC_gen("P-256"));
   if (!key) fail("no key can be made");
   return key;
+}
+
+/// @param usage  "serverAuth" or "clientAuth"  @param names  alternative ones; may be empty
+Identity issue(const Identity& issuer, const std::string& name, int days, const std::string& usage,
+               const std::vector<std::string>& names) {
+  Wanted wanted{name,
+                days,
+                {{NID_basic_constraints, "critical,CA:FALSE"},
+                 {NID_key_usage, "critical,digitalSignature"},
+                 {NID_ext_key_usage, usage},
+                 {NID_authority_key_identifier, "keyid"}}};
+  if (!names.empty())
+    wanted.extensions.emplace_back(NID_subject_alt_name, alternative_names(names));
+  Key key = new_key();
+  X509Pointer made = make(wanted, key.get(), issuer.certificate.get(), issuer.key.get());
+  return {std::move(made), std::move(key)};
 }
 
 }  // namespace
@@ -219,34 +237,19 @@ void Pki::init() const {
 
 void Pki::issue_server(const std::vector<std::string>& names, int days) const {
   if (names.empty()) throw Refused("a certificate of a server needs a name");
-  const Issuer issuer = read_issuer(ca(), ca_key());
-  const Key key = new_key();
-  const X509Pointer made = make({names.front().substr(0, 64),
-                                 days,
-                                 {{NID_basic_constraints, "critical,CA:FALSE"},
-                                  {NID_key_usage, "critical,digitalSignature"},
-                                  {NID_ext_key_usage, "serverAuth"},
-                                  {NID_authority_key_identifier, "keyid"},
-                                  {NID_subject_alt_name, alternative_names(names)}}},
-                                key.get(), issuer.certificate.get(), issuer.key.get());
-  storage::replace_file(server_key(), pem_of(key.get()));
+  const Identity issuer = read_issuer(ca(), ca_key());
+  const Identity made = issue(issuer, names.front().substr(0, 64), days, "serverAuth", names);
+  storage::replace_file(server_key(), pem_of(made.key.get()));
   // With the CA behind it a client sees whose fingerprint it has, before it trusts anything.
-  storage::replace_file(server(), pem_of(made.get()) + pem_of(issuer.certificate.get()));
+  storage::replace_file(server(),
+                        pem_of(made.certificate.get()) + pem_of(issuer.certificate.get()));
 }
 
 void Pki::issue_user(const std::string& user, int days,
                      const std::filesystem::path& directory) const {
-  const Issuer issuer = read_issuer(ca(), ca_key());
-  const Key key = new_key();
-  const X509Pointer made = make({user,
-                                 days,
-                                 {{NID_basic_constraints, "critical,CA:FALSE"},
-                                  {NID_key_usage, "critical,digitalSignature"},
-                                  {NID_ext_key_usage, "clientAuth"},
-                                  {NID_authority_key_identifier, "keyid"}}},
-                                key.get(), issuer.certificate.get(), issuer.key.get());
-  storage::replace_file(directory / (user + ".key"), pem_of(key.get()));
-  storage::replace_file(directory / (user + ".pem"), pem_of(made.get()));
+  const Identity made = issue(read_issuer(ca(), ca_key()), user, days, "clientAuth", {});
+  storage::replace_file(directory / (user + ".key"), pem_of(made.key.get()));
+  storage::replace_file(directory / (user + ".pem"), pem_of(made.certificate.get()));
 }
 
 std::vector<std::string> names_of_this_machine() {

@@ -12,6 +12,7 @@ using Rules = std::map<const google::protobuf::Descriptor*, CallRule>;
 
 Rules read_rules() {
   Rules rules;
+  rules[nullptr].access.set_role(v1::ADMIN);  // of a request that no call has
   const auto* service =
       v1::SubmitJobRequest::descriptor()->file()->FindServiceByName("SimulationService");
   for (int i = 0; i < service->method_count(); ++i) {
@@ -29,45 +30,21 @@ std::string named(const Caller& caller) {
 
 }  // namespace
 
-std::string text_of(ProvenBy proof) {
-  if (proof == ProvenBy::token) return "token";
-  return proof == ProvenBy::certificate ? "certificate" : "local user";
-}
-
 const CallRule& rule_of(const google::protobuf::Descriptor& request) {
   static const Rules rules = read_rules();
-  static const CallRule unknown = [] {
-    CallRule rule;
-    rule.access.set_role(v1::ADMIN);
-    return rule;
-  }();
   const auto found = rules.find(&request);
-  return found == rules.end() ? unknown : found->second;
+  return found == rules.end() ? rules.at(nullptr) : found->second;
 }
 
 Caller Authority::local_user(const std::string& name) {
   Caller caller{.name = name, .role = policy_.local_role};
-  if (!name.empty() && (name == "root" || name == policy_.own_user)) {
+  if (name.empty()) return caller;
+  if (name == "root" || name == policy_.own_user) {
     caller.role = v1::ADMIN;
-    return caller;
+  } else if (const auto listed = users_.find(name)) {
+    caller.role = listed->role();
+    if (listed->disabled()) caller.refusal = disabled_text(name);
   }
-  const auto listed = name.empty() ? std::nullopt : users_.find(name);
-  if (!listed) return caller;
-  caller.role = listed->role();
-  if (listed->disabled())
-    caller.refusal =
-        "user " + name + " is disabled; an admin can undo it: dccastd user enable " + name;
-  return caller;
-}
-
-Caller Authority::by_token(const std::string& token, std::int64_t now) {
-  const Proof proof = users_.prove(token, now);
-  Caller caller{.by = ProvenBy::token, .refusal = proof.refusal};
-  if (!proof.proven) return caller;
-  caller.name = proof.proven->name;
-  caller.role = proof.proven->role;
-  caller.credential = proof.proven->credential;
-  caller.expires_unix = proof.proven->expires_unix;
   return caller;
 }
 
@@ -98,16 +75,12 @@ std::string Authority::lapse(const Caller& caller, std::int64_t now) {
                ? ""
                : "user " + caller.name + " was removed; ask an admin (dccastd user add)";
   const bool owns_daemon = caller.by == ProvenBy::local_user && caller.role >= v1::ADMIN;
-  if (listed->disabled() && !owns_daemon)
-    return "user " + caller.name + " is disabled; an admin can undo it: dccastd user enable " +
-           caller.name;
-  if (caller.by == ProvenBy::token) {
-    for (const v1::Credential& one : listed->credential())
-      if (one.id() == caller.credential) return "";
-    return "the token of " + caller.name + " was revoked; ask an admin for a new line (dccastd " +
-           "user rotate " + caller.name + ") and log in again";
-  }
-  return "";
+  if (listed->disabled() && !owns_daemon) return disabled_text(caller.name);
+  if (caller.by != ProvenBy::token) return "";
+  for (const v1::Credential& one : listed->credential())
+    if (one.id() == caller.credential) return "";
+  return "the token of " + caller.name + " was revoked; ask an admin for a new line (dccastd " +
+         "user rotate " + caller.name + ") and log in again";
 }
 
 std::string Authority::whom_to_ask() {
@@ -128,14 +101,10 @@ std::string Authority::role_fault(const Caller& caller, const CallRule& rule) {
 
 std::string Authority::owner_fault(const Caller& caller, const CallRule& rule,
                                    const std::string& owner, const std::string& what) {
-  const v1::Touches touches = rule.access.touches();
-  const bool changes = touches == v1::CHANGES_JOB || touches == v1::CHANGES_STUDY;
-  const bool own = !caller.name.empty() && caller.name == owner;
-  if (own || caller.role >= v1::ADMIN) return "";
-  if (!changes && !policy_.reads_own_only) return "";
+  if (!needs_ownership(caller, rule) || (!caller.name.empty() && caller.name == owner)) return "";
   const std::string whose = owner.empty() ? "of no known user" : "of " + owner;
   return what + " is " + whose + ", and " + named(caller) + " (" + text_of(caller.role) + ") may " +
-         (changes ? "change" : "read") + " only jobs and studies of their own; ask " +
+         (rule.changes() ? "change" : "read") + " only jobs and studies of their own; ask " +
          (owner.empty() ? "" : owner + ", or ") + whom_to_ask().substr(4);
 }
 

@@ -11,23 +11,19 @@
 
 namespace dccast::access {
 
-/// How it is known who calls.
-enum class ProvenBy { local_user, token, certificate };
-std::string text_of(ProvenBy proof);
-
-struct Caller {
-  std::string name{};  ///< empty where the system does not know the local user
-  v1::Role role = v1::ROLE_UNSPECIFIED;
-  ProvenBy by = ProvenBy::local_user;
-  std::string credential{};       ///< id of the token
-  std::int64_t expires_unix = 0;  ///< of token or certificate [s since 1970]; 0: never
-  std::string refusal{};          ///< why no one was proved: a sentence with the remedy
-};
-
 /// A call of service.proto with what it requires.
 struct CallRule {
   std::string name;  ///< "CancelJob"
   v1::CallAccess access;
+
+  bool touches_job() const { return is_any_of(v1::READS_JOB, v1::CHANGES_JOB); }
+  bool touches_study() const { return is_any_of(v1::READS_STUDY, v1::CHANGES_STUDY); }
+  bool changes() const { return is_any_of(v1::CHANGES_JOB, v1::CHANGES_STUDY); }
+
+private:
+  bool is_any_of(v1::Touches one, v1::Touches other) const {
+    return access.touches() == one || access.touches() == other;
+  }
 };
 
 /// The rule of the call whose request this is: no two calls have the same. A request that no call
@@ -46,7 +42,7 @@ public:
   Authority(UserStore& users, Policy policy) : users_(users), policy_(std::move(policy)) {}
 
   Caller local_user(const std::string& name);
-  Caller by_token(const std::string& token, std::int64_t now);
+  Caller by_token(const std::string& token, std::int64_t now) { return users_.prove(token, now); }
   /// @param name  the common name of a certificate whose chain was verified
   Caller by_certificate(const std::string& name, std::int64_t expires, std::int64_t now);
 
@@ -56,6 +52,11 @@ public:
 
   /// Why the role does not permit the call; empty where it does.
   std::string role_fault(const Caller& caller, const CallRule& rule);
+  /// Whether the call is for the owner of its job or study alone.
+  bool needs_ownership(const Caller& caller, const CallRule& rule) const {
+    return rule.access.touches() != v1::NOTHING && caller.role < v1::ADMIN &&
+           (rule.changes() || policy_.reads_own_only);
+  }
   /// Why a job or study of `owner` is not to be touched so; empty where it is.
   /// @param what  "job" or "study", with its id
   std::string owner_fault(const Caller& caller, const CallRule& rule, const std::string& owner,

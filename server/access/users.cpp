@@ -52,16 +52,24 @@ bool has_expired(const v1::Credential& credential, std::int64_t now) {
   return credential.expires_unix() <= now;
 }
 
-void forget_expired(v1::User& user, std::int64_t now) {
-  auto& all = *user.mutable_credential();
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const v1::Credential& one) { return has_expired(one, now); }),
-            all.end());
+/// @return whether there was one
+template <class Entry, class Condition>
+bool erase_if(google::protobuf::RepeatedPtrField<Entry>& all, Condition condition) {
+  const auto rest = std::remove_if(all.begin(), all.end(), condition);
+  const bool found = rest != all.end();
+  all.erase(rest, all.end());
+  return found;
+}
+
+bool erase_credential(v1::User& user, const std::string& id) {
+  return erase_if(*user.mutable_credential(),
+                  [&](const v1::Credential& one) { return one.id() == id; });
 }
 
 /// Adds a credential. @return the secret, which is kept nowhere
 std::string add_credential(v1::User& user, bool enrolment, std::int64_t now, std::int64_t expires) {
-  forget_expired(user, now);
+  erase_if(*user.mutable_credential(),
+           [&](const v1::Credential& one) { return has_expired(one, now); });
   if (user.credential_size() >= most_credentials)
     throw Refused("user " + user.name() + " has " + std::to_string(most_credentials) +
                   " tokens; dccastd user rotate revokes them");
@@ -106,28 +114,41 @@ Found find_credential(v1::Users& users, const Parts& parts, bool enrolment) {
   return {};
 }
 
-Proven proven(const v1::User& user, const v1::Credential& credential) {
-  return {user.name(), user.role(), credential.id(), credential.expires_unix()};
+Caller refused(const std::string& why) {
+  return {.by = ProvenBy::token, .refusal = why};
 }
 
-Proof judge(const Found& found, std::int64_t now, const std::string& what,
-            const std::string& remedy) {
+Caller proven(const v1::User& user, const v1::Credential& credential) {
+  return {.name = user.name(),
+          .role = user.role(),
+          .by = ProvenBy::token,
+          .credential = credential.id(),
+          .expires_unix = credential.expires_unix()};
+}
+
+Caller judge(const Found& found, std::int64_t now, const std::string& what,
+             const std::string& remedy) {
   if (found.user == nullptr)
-    return {{}, "this " + what + " is unknown here: it was revoked, or used before; " + remedy};
-  if (found.user->disabled())
-    return {{},
-            "user " + found.user->name() +
-                " is disabled; an admin can undo it: dccastd user "
-                "enable " +
-                found.user->name()};
+    return refused("this " + what + " is unknown here: it was revoked, or used before; " + remedy);
+  const std::string& name = found.user->name();
+  if (found.user->disabled()) return refused(disabled_text(name));
   if (has_expired(*found.credential, now))
-    return {{}, "this " + what + " of " + found.user->name() + " has expired; " + remedy};
-  return {proven(*found.user, *found.credential), ""};
+    return refused("this " + what + " of " + name + " has expired; " + remedy);
+  return proven(*found.user, *found.credential);
 }
 
 constexpr const char* ask_for_line = "ask an admin for a new line (dccastd user rotate NAME)";
 
 }  // namespace
+
+std::string text_of(ProvenBy proof) {
+  if (proof == ProvenBy::token) return "token";
+  return proof == ProvenBy::certificate ? "certificate" : "local user";
+}
+
+std::string disabled_text(const std::string& name) {
+  return "user " + name + " is disabled; an admin can undo it: dccastd user enable " + name;
+}
 
 v1::Role role_of(const std::string& text) {
   const auto found = roles.find(text);
@@ -146,17 +167,15 @@ UserStore::UserStore(const std::filesystem::path& directory)
     : file_(directory / "users.toml"), lock_(directory / "users.lock") {}
 
 /// Runs `what` on the newest users, alone, and keeps what it has made of them.
-template <typename Change>
-auto UserStore::change(Change what) {
+void UserStore::change(const std::function<void(v1::Users& users)>& what) {
   const std::lock_guard guard(mutex_);
   const storage::File lock(lock_, O_RDWR | O_CREAT);
   while (::flock(lock.descriptor(), LOCK_EX) != 0)
     if (errno != EINTR) throw storage::StorageError(errno, lock_.string(), "cannot be locked");
   read();
-  auto outcome = what(users_);
+  what(users_);
   storage::replace_file(file_, header + case_file::to_toml(users_));
   read();
-  return outcome;
 }
 
 UserStore::Place UserStore::place() const {
@@ -181,7 +200,6 @@ void UserStore::read() {
   }
   users_ = std::move(users);
   read_from_ = now;
-  ++version_;
 }
 
 void UserStore::refresh() {
@@ -191,95 +209,84 @@ void UserStore::refresh() {
 std::string UserStore::add(const std::string& name, v1::Role role, std::int64_t now,
                            std::int64_t expires) {
   check_name(name);
-  return change([&](v1::Users& users) {
-    for (const v1::User& user : users.user())
-      if (user.name() == name)
-        throw Refused("user " + name + " is there already; dccastd user rotate " + name +
-                      " makes a new line, dccastd user role changes the role");
+  std::string secret;
+  change([&](v1::Users& users) {
+    if (std::ranges::find(users.user(), name, &v1::User::name) != users.user().end())
+      throw Refused("user " + name + " is there already; dccastd user rotate " + name +
+                    " makes a new line, dccastd user role changes the role");
     v1::User& user = *users.add_user();
     user.set_name(name);
     user.set_role(role);
-    return add_credential(user, true, now, expires);
+    secret = add_credential(user, true, now, expires);
   });
+  return secret;
 }
 
 std::string UserStore::rotate(const std::string& name, std::int64_t now, std::int64_t expires) {
-  return change([&](v1::Users& users) {
+  std::string secret;
+  change([&](v1::Users& users) {
     v1::User& user = user_of(users, name);
     user.clear_credential();
-    return add_credential(user, true, now, expires);
+    secret = add_credential(user, true, now, expires);
   });
+  return secret;
 }
 
 void UserStore::remove(const std::string& name) {
   change([&](v1::Users& users) {
     user_of(users, name);
-    auto& all = *users.mutable_user();
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](const v1::User& user) { return user.name() == name; }),
-              all.end());
-    return true;
+    erase_if(*users.mutable_user(), [&](const v1::User& user) { return user.name() == name; });
   });
 }
 
 void UserStore::set_disabled(const std::string& name, bool disabled) {
-  change([&](v1::Users& users) {
-    user_of(users, name).set_disabled(disabled);
-    return true;
-  });
+  change([&](v1::Users& users) { user_of(users, name).set_disabled(disabled); });
 }
 
 void UserStore::set_role(const std::string& name, v1::Role role) {
-  change([&](v1::Users& users) {
-    user_of(users, name).set_role(role);
-    return true;
-  });
+  change([&](v1::Users& users) { user_of(users, name).set_role(role); });
 }
 
 bool UserStore::revoke(const std::string& name, const std::string& credential) {
-  return change([&](v1::Users& users) {
-    auto& all = *user_of(users, name).mutable_credential();
-    const auto rest = std::remove_if(
-        all.begin(), all.end(), [&](const v1::Credential& one) { return one.id() == credential; });
-    const bool was_there = rest != all.end();
-    all.erase(rest, all.end());
-    return was_there;
-  });
+  bool found = false;
+  change([&](v1::Users& users) { found = erase_credential(user_of(users, name), credential); });
+  return found;
 }
 
-Proof UserStore::enrol(const std::string& secret, const std::string& machine, std::int64_t now,
-                       std::int64_t token_expires, std::string& token) {
-  const std::string unknown =
-      std::string("this one-time secret is not one of dccastd user add; ") + ask_for_line;
+Caller UserStore::enrol(const std::string& secret, const std::string& machine, std::int64_t now,
+                        std::int64_t token_expires, std::string& token) {
   const auto parts = parts_of(secret, enrolment_begins);
-  if (!parts) return {{}, unknown};
+  if (!parts)
+    return refused(std::string("this one-time secret is not one of dccastd user add; ") +
+                   ask_for_line);
+  Found found;
+  const auto judged = [&](v1::Users& users) {
+    found = find_credential(users, *parts, true);
+    return judge(found, now, "one-time secret", ask_for_line);
+  };
   {  // A wrong secret is no reason to write.
     const std::lock_guard guard(mutex_);
     refresh();
-    const Found found = find_credential(users_, *parts, true);
-    if (Proof proof = judge(found, now, "one-time secret", ask_for_line); !proof.proven)
-      return proof;
+    if (Caller caller = judged(users_); !caller.proven()) return caller;
   }
-  return change([&](v1::Users& users) -> Proof {
-    const Found found = find_credential(users, *parts, true);
-    if (Proof proof = judge(found, now, "one-time secret", ask_for_line); !proof.proven)
-      return proof;
+  Caller caller;
+  change([&](v1::Users& users) {
+    caller = judged(users);
+    if (!caller.proven()) return;
     v1::User& user = *found.user;
-    auto& all = *user.mutable_credential();
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](const v1::Credential& one) { return one.id() == parts->id; }),
-              all.end());
+    erase_credential(user, parts->id);
     token = add_credential(user, false, now, token_expires);
     v1::Credential& added = *user.mutable_credential()->rbegin();
     added.set_machine(values::shortened(values::escaped(machine), longest_machine));
-    return {proven(user, added), ""};
+    caller = proven(user, added);
   });
+  return caller;
 }
 
-Proof UserStore::prove(const std::string& token, std::int64_t now) {
+Caller UserStore::prove(const std::string& token, std::int64_t now) {
   const std::string remedy = std::string("log in again: dccast login; ") + ask_for_line;
   const auto parts = parts_of(token, token_begins);
-  if (!parts) return {{}, "what was sent is no token of dccastd; " + remedy};
+  if (!parts) return refused("what was sent is no token of dccastd; " + remedy);
   const std::lock_guard guard(mutex_);
   refresh();
   return judge(find_credential(users_, *parts, false), now, "token", remedy);
@@ -294,15 +301,8 @@ v1::Users UserStore::users() {
 std::optional<v1::User> UserStore::find(const std::string& name) {
   const std::lock_guard guard(mutex_);
   refresh();
-  for (const v1::User& user : users_.user())
-    if (user.name() == name) return user;
-  return std::nullopt;
-}
-
-std::int64_t UserStore::version() {
-  const std::lock_guard guard(mutex_);
-  refresh();
-  return version_;
+  const auto found = std::ranges::find(users_.user(), name, &v1::User::name);
+  return found == users_.user().end() ? std::nullopt : std::optional(*found);
 }
 
 }  // namespace dccast::access

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -18,18 +19,19 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// A user whose secret was right.
-struct Proven {
-  std::string name;
-  v1::Role role = v1::ROLE_UNSPECIFIED;
-  std::string credential;         ///< id of the token
-  std::int64_t expires_unix = 0;  ///< [s since 1970]
-};
+/// How it is known who calls.
+enum class ProvenBy { local_user, token, certificate };
+std::string text_of(ProvenBy proof);
 
-/// What became of a secret: `proven`, or why not, as a sentence with the remedy.
-struct Proof {
-  std::optional<Proven> proven;
-  std::string refusal;
+struct Caller {
+  std::string name{};  ///< empty where the system does not know the local user
+  v1::Role role = v1::ROLE_UNSPECIFIED;
+  ProvenBy by = ProvenBy::local_user;
+  std::string credential{};       ///< id of the token
+  std::int64_t expires_unix = 0;  ///< of token or certificate [s since 1970]; 0: never
+  std::string refusal{};          ///< why no one was proved: a sentence with the remedy
+
+  bool proven() const { return refusal.empty(); }
 };
 
 /// The users of other machines with what is kept of their secrets: users.toml of the data
@@ -55,15 +57,13 @@ public:
 
   /// Buys a token with a one-time secret. @param machine  free text, kept beside the token
   /// @param token  is set where the secret is good
-  Proof enrol(const std::string& secret, const std::string& machine, std::int64_t now,
-              std::int64_t token_expires, std::string& token);
-  Proof prove(const std::string& token, std::int64_t now);
+  Caller enrol(const std::string& secret, const std::string& machine, std::int64_t now,
+               std::int64_t token_expires, std::string& token);
+  Caller prove(const std::string& token, std::int64_t now);
 
   v1::Users users();
   /// @return nothing for a name that is not listed
   std::optional<v1::User> find(const std::string& name);
-  /// Rises with every change that was seen.
-  std::int64_t version();
 
 private:
   struct Place {
@@ -71,8 +71,7 @@ private:
     std::int64_t modified_ns = 0, size = -1;
     bool operator==(const Place&) const = default;
   };
-  template <typename Change>
-  auto change(Change what);
+  void change(const std::function<void(v1::Users& users)>& what);
   void refresh();
   void read();
   Place place() const;
@@ -81,11 +80,12 @@ private:
   std::mutex mutex_;  ///< of all below
   v1::Users users_;
   Place read_from_;
-  std::int64_t version_ = 0;
 };
 
 /// "viewer", "submitter" or "admin". @throws Refused for another text
 v1::Role role_of(const std::string& text);
 std::string text_of(v1::Role role);
+/// Why a user who is disabled is refused.
+std::string disabled_text(const std::string& name);
 
 }  // namespace dccast::access

@@ -68,28 +68,41 @@ fs::path worker_program(const v1::DaemonConfig& config) {
   return program;
 }
 
-/// @param wanted  of the settings; 0: one per core
-int number_or_cores(int wanted) {
-  if (wanted > 0) return wanted;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+/// As many file descriptors as the system permits.
+rlim_t raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  return limit.rlim_cur;
 }
 
-/// One query has the machine to itself more often than not.
-int query_threads(const v1::DaemonConfig& config) {
-  return config.query_threads() > 0 ? config.query_threads() : std::min(2, number_or_cores(0));
+/// Half of the descriptors stay for jobs: their logs, their workers, their results.
+int connection_count(int wanted) {
+  const auto possible = raise_descriptor_limit() / 2;
+  if (static_cast<rlim_t>(wanted) <= possible) return wanted;
+  log::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
+  return static_cast<int>(possible);
 }
 
-int worker_count(const v1::DaemonConfig& config) {
-  return number_or_cores(config.workers());
+/// The settings with what this machine makes of those that leave it open.
+v1::DaemonConfig resolved(v1::DaemonConfig settings) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const auto number = [](int wanted, int otherwise) { return wanted > 0 ? wanted : otherwise; };
+  settings.set_workers(number(settings.workers(), cores));
+  settings.set_checkers(number(settings.checkers(), cores));
+  settings.set_query_workers(number(settings.query_workers(), cores));
+  // One query has the machine to itself more often than not.
+  settings.set_query_threads(number(settings.query_threads(), std::min(2, cores)));
+  if (settings.maximum_memory_bytes() <= 0.0)
+    settings.set_maximum_memory_bytes(intake::memory_per_worker(settings.workers()));
+  settings.set_maximum_connections(connection_count(settings.maximum_connections()));
+  return settings;
 }
 
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(std::lround(seconds * 1000));
-}
-
-/// Jobs that run at once.
-int capacity(const v1::DaemonConfig& config) {
-  return config.executor() == v1::SLURM ? config.slurm_jobs() : worker_count(config);
 }
 
 std::chrono::seconds whole_seconds(double seconds) {
@@ -131,7 +144,7 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                        .other_version = config.other_version(),
                        .solver = solver,
                        .job_threads = config.job_threads(),
-                       .first_threads = query_threads(config),
+                       .first_threads = config.query_threads(),
                        .maximum_time_s = config.maximum_time_s(),
                        .worker_memory_bytes = std::llround(config.worker_memory_bytes()),
                        .worker_file_bytes = std::llround(config.worker_file_bytes())},
@@ -140,20 +153,6 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
           .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
           .share_half_life = whole_seconds(config.share_half_life_s()),
           .maximum_running_per_user = config.maximum_running_per_user()};
-}
-
-studies::StudyOptions study_options(const v1::DaemonConfig& config,
-                                    const DataDirectory& directory) {
-  return {.directory = directory.studies(),
-          .jobs_directory = directory.jobs(),
-          .check_timeout = milliseconds(config.check_timeout_s())};
-}
-
-intake::Ceilings ceilings(const v1::DaemonConfig& config) {
-  const double memory = config.maximum_memory_bytes() > 0.0
-                            ? config.maximum_memory_bytes()
-                            : intake::memory_per_worker(worker_count(config));
-  return {config.maximum_nodes(), config.maximum_steps(), memory};
 }
 
 /// What the workers compute with, for answers that are found again, and what holds them; empty when
@@ -171,25 +170,6 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
   }
 }
 
-/// As many file descriptors as the system permits.
-rlim_t raise_descriptor_limit() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
-  limit.rlim_cur = limit.rlim_max;
-  ::setrlimit(RLIMIT_NOFILE, &limit);
-  ::getrlimit(RLIMIT_NOFILE, &limit);
-  return limit.rlim_cur;
-}
-
-/// Half of the descriptors stay for jobs: their logs, their workers, their results.
-std::size_t connection_count(const v1::DaemonConfig& config) {
-  const auto wanted = static_cast<std::size_t>(config.maximum_connections());
-  const auto possible = static_cast<std::size_t>(raise_descriptor_limit() / 2);
-  if (wanted <= possible) return wanted;
-  log::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
-  return possible;
-}
-
 void refuse_open_address(const std::string& listen) {
   if (values::is_loopback(listen)) return;
   throw std::runtime_error("listen = \"" + listen +
@@ -200,12 +180,6 @@ void refuse_open_address(const std::string& listen) {
 std::string own_user_name() {
   const passwd* entry = ::getpwuid(::geteuid());
   return entry == nullptr ? std::to_string(::geteuid()) : entry->pw_name;
-}
-
-access::Authority::Policy policy(const v1::DaemonConfig& config) {
-  return {.local_role = config.local_role(),
-          .own_user = own_user_name(),
-          .reads_own_only = config.read() == v1::OWN};
 }
 
 /// Listens over TLS where the settings have it so.
@@ -249,12 +223,6 @@ private:
   std::jthread keeper_;
 };
 
-service::Gate::Limits gate_limits(const v1::DaemonConfig& config) {
-  return {.calls_per_s = config.maximum_calls_per_s(),
-          .streams = static_cast<std::size_t>(config.maximum_streams()),
-          .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())};
-}
-
 /// Of a job or study, where there is one.
 template <typename Found>
 std::optional<std::string> owner_of(const Found& found) {
@@ -274,47 +242,81 @@ int wait_for_signal() {
   return signal;
 }
 
-/// What has to stop, and in an order: see stop_serving().
-struct Serving {
-  service::PublicServer& server;
-  studies::Studies& studies;
-  jobs::Scheduler& scheduler;
-  service::Context& context;
-  jobs::EventLogs& logs;
+/// What runs jobs and studies, in the order in which it is made. Its making puts in order what the
+/// last daemon left.
+struct JobSide {
+  JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy);
+
+  const DataDirectory directory;
+  jobs::WarmWorkers warm_workers;  ///< as many as may answer at once, and one for the next job
+  const v1::WorkerAnswer worker;
+  const intake::CaseIntake intake;
+  const std::unique_ptr<jobs::JobStore> store;
+  jobs::EventLogs logs;
+  jobs::LocalExecutor local;
+  const std::unique_ptr<jobs::SlurmExecutor> slurm;
   jobs::Executor& executor;
+  jobs::Tally tally;
+  jobs::EndHook end_hook;
+  jobs::Scheduler scheduler;
+  studies::StudyStore study_store;
+  studies::Studies studies;
 };
 
-/// @param sandbox  what holds the workers; empty where none has answered, which is logged before
+JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
+    : directory(settings.data_directory()),
+      warm_workers(worker_program(settings),
+                   {.scratch = directory.check(),
+                    .kept = settings.checkers() + settings.query_workers() + 1}),
+      worker(introduction_of(warm_workers)),
+      intake(warm_workers, settings.alloy_directory(), directory.check(),
+             {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
+      store(state::open_store(directory)),
+      logs(directory.jobs()),
+      local(warm_workers, settings.workers()),
+      slurm(slurm_executor(settings, directory, local)),
+      executor(slurm ? static_cast<jobs::Executor&>(*slurm) : local),
+      end_hook(settings.job_end_hook()),
+      scheduler(scheduler_options(settings, policy, directory, worker.solver()), *store, logs,
+                executor),
+      study_store(directory.store()),
+      studies({.directory = directory.studies(),
+               .jobs_directory = directory.jobs(),
+               .check_timeout = milliseconds(settings.check_timeout_s())},
+              study_store, scheduler, intake) {
+  scheduler.observe_transitions([this](const v1::Job& job, v1::JobState from) {
+    tally.count(job, from);
+    end_hook.on_transition(job, from);
+  });
+  scheduler.recover();
+  studies.recover();
+}
+
 void log_start(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
-               const DataDirectory& directory, const std::string& sandbox) {
+               const service::Context& context, const fs::path& data) {
   if (!config.port_file().empty())
     storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
-            tls.empty() ? "" : ", over TLS on " + tls, directory.path().string(), capacity(config));
-  if (!sandbox.empty()) log::info("workers: {}", sandbox);
-}
-
-/// As many as may answer at once, so that nothing others do keeps a query waiting, and one for the
-/// next job.
-int warm_worker_count(const v1::DaemonConfig& config) {
-  return number_or_cores(config.checkers()) + number_or_cores(config.query_workers()) + 1;
+            tls.empty() ? "" : ", over TLS on " + tls, data.string(), context.workers);
+  // Empty where no worker has answered, which is logged before.
+  if (!context.worker_sandbox.empty()) log::info("workers: {}", context.worker_sandbox);
 }
 
 /// @param left_running  workers stay for the next daemon
-void stop_jobs(const Serving& of, bool left_running) {
-  if (!left_running) return of.scheduler.shut_down();
-  of.scheduler.let_workers_run();
-  of.executor.let_workers_run();
-}
-
-void stop_serving(const Serving& of, bool left_running) {
-  of.server.announce_end();
-  of.studies.stop();
-  stop_jobs(of, left_running);
-  of.context.leaving = true;
-  of.studies.notifier().wake_all();
-  of.logs.wake_all();  // watchers learn that the daemon leaves, and from where to watch again
-  of.server.shut_down();
+void stop_serving(service::PublicServer& server, service::Context& context, JobSide& jobs,
+                  bool left_running) {
+  server.announce_end();
+  jobs.studies.stop();
+  if (left_running) {
+    jobs.scheduler.let_workers_run();
+    jobs.executor.let_workers_run();
+  } else {
+    jobs.scheduler.shut_down();
+  }
+  context.leaving = true;
+  jobs.studies.notifier().wake_all();
+  jobs.logs.wake_all();  // watchers learn that the daemon leaves, and from where to watch again
+  server.shut_down();
 }
 
 /// @return the queue in words; nothing when it does not turn
@@ -332,9 +334,10 @@ bool leaves_workers(int signal, const v1::DaemonConfig& config, const WorkerPoli
   return (signal == SIGUSR1 || workers.left_running) && workers.patience_s > 0.0;
 }
 
-void serve_until_signal(const Serving& serving, ServiceManager& manager,
-                        const v1::DaemonConfig& config, const WorkerPolicy& workers) {
-  manager.ready([&](auto longest) { return queue_status(serving.scheduler, longest); });
+void serve_until_signal(service::PublicServer& server, service::Context& context, JobSide& side,
+                        const WorkerPolicy& workers, ServiceManager& manager) {
+  const v1::DaemonConfig& config = context.settings;
+  manager.ready([&](auto longest) { return queue_status(side.scheduler, longest); });
   const int signal = wait_for_signal();
   const bool left_running = leaves_workers(signal, config, workers);
   const std::string jobs = left_running
@@ -342,16 +345,9 @@ void serve_until_signal(const Serving& serving, ServiceManager& manager,
                                : "running jobs stop at a checkpoint and go back into the queue";
   log::info("{}: {}", ::strsignal(signal), jobs);
   manager.stopping(jobs);
-  stop_serving(serving, left_running);
+  stop_serving(server, context, side, left_running);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   log::info("dccastd has stopped");
-}
-
-jobs::RetentionOptions retention_options(const v1::DaemonConfig& config,
-                                         const DataDirectory& directory) {
-  return {.jobs_directory = directory.jobs(),
-          .time = whole_seconds(config.keep_time_s()),
-          .bytes = std::llround(config.keep_size_bytes())};
 }
 
 /// @return null where the settings ask for none
@@ -363,83 +359,55 @@ std::unique_ptr<MetricsServer> serve_metrics(const v1::DaemonConfig& config,
   return server;
 }
 
-void set_limits(service::Context& context, const v1::DaemonConfig& config) {
-  context.workers = capacity(config);
-  context.maximum_queued = config.maximum_queued();
-  context.maximum_queued_per_user = config.maximum_queued_per_user();
-  context.maximum_time_s = config.maximum_time_s();
-  context.maximum_disk_per_user_bytes = config.maximum_disk_per_user_bytes();
-  context.token_lifetime_s = std::llround(config.token_lifetime_s());
-  context.maximum_message_bytes = static_cast<std::int64_t>(config.maximum_message_bytes());
-  context.checks_at_once = number_or_cores(config.checkers());
-  context.queries_at_once = number_or_cores(config.query_workers());
-  context.query_threads = query_threads(config);
-  context.maximum_waiting_checks = config.maximum_waiting_checks();
-  context.check_timeout = milliseconds(config.check_timeout_s());
-}
-
 }  // namespace
 
-int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers) {
+int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;
   service::log_grpc_as_debug();
-  refuse_open_address(config.listen());
-  const DataDirectory directory(config.data_directory());
-  const std::size_t connections = connection_count(config);
-  jobs::WarmWorkers warm_workers(worker_program(config),
-                                 {.scratch = directory.check(), .kept = warm_worker_count(config)});
-  const v1::WorkerAnswer worker = introduction_of(warm_workers);
-  const intake::CaseIntake intake(warm_workers, config.alloy_directory(), directory.check(),
-                                  ceilings(config));
-  const auto opened_store = state::open_store(directory);
-  jobs::JobStore& store = *opened_store;
-  jobs::EventLogs logs(directory.jobs());
-  jobs::LocalExecutor local(warm_workers, worker_count(config));
-  const auto slurm = slurm_executor(config, directory, local);
-  jobs::Executor& executor = slurm ? static_cast<jobs::Executor&>(*slurm) : local;
-  jobs::Tally tally;
-  jobs::EndHook end_hook(config.job_end_hook());
-  jobs::Scheduler scheduler(scheduler_options(config, workers, directory, worker.solver()), store,
-                            logs, executor);
-  scheduler.observe_transitions([&](const v1::Job& job, v1::JobState from) {
-    tally.count(job, from);
-    end_hook.on_transition(job, from);
-  });
-  studies::StudyStore study_store(directory.store());
-  studies::Studies studies(study_options(config, directory), study_store, scheduler, intake);
-  scheduler.recover();
-  studies.recover();
+  refuse_open_address(given.listen());
+  const v1::DaemonConfig config = resolved(given);
+  JobSide side(config, workers);
   service::Listener listener(config.listen());
   TlsListener tls(config);
-  access::UserStore users(directory.path());
-  access::AuditLog audit(directory.path());
-  access::Authority authority(users, policy(config));
-  service::Gate gate(authority, audit, gate_limits(config),
-                     {.job = [&](const std::string& id) { return owner_of(scheduler.find(id)); },
-                      .study = [&](const std::string& id) { return owner_of(studies.find(id)); }},
-                     listener.address());
-  service::Context context{.scheduler = scheduler,
-                           .logs = logs,
-                           .store = store,
-                           .studies = studies,
-                           .intake = intake,
+  access::UserStore users(side.directory.path());
+  access::AuditLog audit(side.directory.path());
+  access::Authority authority(users, {.local_role = config.local_role(),
+                                      .own_user = own_user_name(),
+                                      .reads_own_only = config.read() == v1::OWN});
+  service::Gate gate(
+      authority, audit,
+      {.calls_per_s = config.maximum_calls_per_s(),
+       .streams = static_cast<std::size_t>(config.maximum_streams()),
+       .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())},
+      {.job = [&](const std::string& id) { return owner_of(side.scheduler.find(id)); },
+       .study = [&](const std::string& id) { return owner_of(side.studies.find(id)); }},
+      listener.address());
+  const bool by_slurm = config.executor() == v1::SLURM;
+  service::Context context{.settings = config,
+                           .scheduler = side.scheduler,
+                           .logs = side.logs,
+                           .store = *side.store,
+                           .studies = side.studies,
+                           .intake = side.intake,
                            .gate = gate,
-                           .warm_workers = warm_workers,
-                           .solver = worker.solver(),
-                           .worker_sandbox = worker.sandbox(),
-                           .query_directory = directory.check(),
-                           .jobs_directory = directory.jobs(),
+                           .warm_workers = side.warm_workers,
+                           .solver = side.worker.solver(),
+                           .worker_sandbox = side.worker.sandbox(),
+                           .query_directory = side.directory.check(),
+                           .jobs_directory = side.directory.jobs(),
                            .version = DCCAST_VERSION,
-                           .maximum_connections = connections};
-  set_limits(context, config);
+                           .workers = by_slurm ? config.slurm_jobs() : config.workers()};
   service::PublicServer server(context, listener, tls.listening());
-  scheduler.start();
-  studies.start();
-  const jobs::Retention retention(retention_options(config, directory), store, scheduler);
-  const auto metrics = serve_metrics(config, {context, tally, directory.path(), tls.certificate()});
-  log_start(config, listener.address(), tls.address(), directory, worker.sandbox());
-  serve_until_signal({server, studies, scheduler, context, logs, executor}, manager, config,
-                     workers);
+  side.scheduler.start();
+  side.studies.start();
+  const jobs::Retention retention({.jobs_directory = side.directory.jobs(),
+                                   .time = whole_seconds(config.keep_time_s()),
+                                   .bytes = std::llround(config.keep_size_bytes())},
+                                  *side.store, side.scheduler);
+  const auto metrics =
+      serve_metrics(config, {context, side.tally, side.directory.path(), tls.certificate()});
+  log_start(config, listener.address(), tls.address(), context, side.directory.path());
+  serve_until_signal(server, context, side, workers, manager);
   return 0;
 }
 

@@ -10,6 +10,7 @@
 #include "dccast/v1/service.pb.h"
 #include "server/access/certificates.hpp"
 #include "server/service/connection_watch.hpp"
+#include "server/service/refusals.hpp"
 
 namespace dccast::service {
 
@@ -24,8 +25,8 @@ std::string token_in(const std::multimap<grpc::string_ref, grpc::string_ref>& me
   const auto found = metadata.find("authorization");
   if (found == metadata.end()) return "";
   const std::string value(found->second.data(), found->second.size());
-  constexpr const char* scheme = "Bearer ";
-  return value.starts_with(scheme) ? value.substr(7) : value;
+  constexpr std::string_view scheme = "Bearer ";
+  return value.starts_with(scheme) ? value.substr(scheme.size()) : value;
 }
 
 Shown shown_over_tls(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata,
@@ -104,32 +105,34 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
       deadline_(context.deadline()) {
   try {
     shown_ = shown_of(context);
-    if (!shown_.over_tls) return;
-    caller_ = gate_->identify(shown_);
-    refusal_ = gate_->permit(*caller_, *rule_, shown_.peer);
-    if (!refusal_.ok()) refuse(*caller_, refusal_);
+    if (shown_.over_tls) judge();
   } catch (const std::exception& error) {
     refusal_ = {grpc::StatusCode::UNAVAILABLE, error.what()};
   }
 }
 
-grpc::Status CallOrigin::admit(std::function<bool()> cancelled, Call& call) {
-  if (cancelled()) return {grpc::StatusCode::CANCELLED, "the caller has left"};
-  if (!caller_) {
-    caller_ = gate_->identify(shown_);
-    const grpc::Status status = gate_->permit(*caller_, *rule_, shown_.peer);
-    if (!status.ok()) {
-      refuse(*caller_, status);
-      return status;
-    }
+void CallOrigin::judge() {
+  caller_ = gate_->identify(shown_);
+  refusal_ = gate_->permit(*caller_, *rule_, shown_.peer);
+  if (!refusal_.ok()) record_refusal(refusal_);
+}
+
+Call CallOrigin::admit(std::function<bool()> cancelled) {
+  if (cancelled()) refuse(grpc::StatusCode::CANCELLED, "the caller has left");
+  if (!caller_) judge();
+  if (!refusal_.ok()) throw Refusal{refusal_};
+  Call call{.caller = *caller_, .deadline = deadline_, .cancelled = std::move(cancelled)};
+  check_wanted(call);
+  if (const auto status = gate_->permit_touch(call.caller, *rule_, id_); !status.ok()) {
+    record_refusal(status);
+    throw Refusal{status};
   }
-  call.caller = *caller_;
-  call.deadline = deadline_;
-  call.cancelled = std::move(cancelled);
-  if (auto unwanted = no_longer_wanted(call)) return *unwanted;
-  const grpc::Status status = gate_->permit_touch(call.caller, *rule_, id_);
-  if (!status.ok()) refuse(call.caller, status);
-  return status;
+  return call;
+}
+
+void CallOrigin::check_id() const {
+  if (rule_->touches_job()) check_job_id(id_);
+  if (rule_->touches_study()) check_study_id(id_);
 }
 
 void CallOrigin::count(const grpc::Status& status) const {
@@ -139,30 +142,27 @@ void CallOrigin::count(const grpc::Status& status) const {
 void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   count(status);
   v1::AuditEvent event = *call.note;
-  const v1::Touches touches = rule_->access.touches();
-  if (touches == v1::READS_JOB || touches == v1::CHANGES_JOB) event.set_job(id_);
-  if (touches == v1::READS_STUDY || touches == v1::CHANGES_STUDY) event.set_study(id_);
+  if (rule_->touches_job()) event.set_job(id_);
+  if (rule_->touches_study()) event.set_study(id_);
   gate_->record(std::move(event), call.caller, *rule_, shown_.peer, status);
 }
 
-void CallOrigin::refuse(const access::Caller& caller, const grpc::Status& status) const {
-  Call call;
-  call.caller = caller;
-  record(call, status);
+void CallOrigin::record_refusal(const grpc::Status& status) const {
+  record({.caller = *caller_}, status);
 }
 
-std::optional<grpc::Status> no_longer_wanted(const Call& call) {
-  if (call.cancelled()) return grpc::Status(grpc::StatusCode::CANCELLED, "the caller has left");
-  if (std::chrono::system_clock::now() < call.deadline) return std::nullopt;
-  return grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
-                      "the call waited until its deadline; try again");
+void check_wanted(const Call& call) {
+  if (call.cancelled()) refuse(grpc::StatusCode::CANCELLED, "the caller has left");
+  if (std::chrono::system_clock::now() >= call.deadline)
+    refuse(grpc::StatusCode::DEADLINE_EXCEEDED, "the call waited until its deadline; try again");
 }
 
-jobs::CallLimits waiting_time(const Call& call, std::chrono::milliseconds most) {
-  const auto left = call.deadline - std::chrono::system_clock::now();
-  return {
-      .deadline = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, most),
-      .called_off = call.cancelled};
+jobs::CallLimits waiting_time(const Call& call, double most_s) {
+  using std::chrono::nanoseconds;
+  const auto most = std::chrono::duration_cast<nanoseconds>(std::chrono::duration<double>(most_s));
+  const nanoseconds left = call.deadline - std::chrono::system_clock::now();
+  return {.deadline = std::chrono::steady_clock::now() + std::min(left, most),
+          .called_off = call.cancelled};
 }
 
 }  // namespace dccast::service

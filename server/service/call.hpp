@@ -41,9 +41,10 @@ public:
 
   /// Not OK: the call is refused, and recorded.
   const grpc::Status& refusal() const { return refusal_; }
-  /// For a thread that may wait. @return OK, and sets the call; or why it is not answered, which is
-  /// recorded
-  grpc::Status admit(std::function<bool()> cancelled, Call& call);
+  /// For a thread that may wait. @throws Refusal  why it is not answered, which is recorded
+  Call admit(std::function<bool()> cancelled);
+  /// Of the job or study that the request names. @throws Refusal
+  void check_id() const;
   /// For the audit log and the figures of the gate.
   void record(const Call& call, const grpc::Status& status) const;
   /// For the figures alone: of a call that was not admitted.
@@ -51,7 +52,8 @@ public:
   Gate& gate() const { return *gate_; }
 
 private:
-  void refuse(const access::Caller& caller, const grpc::Status& status) const;
+  void judge();
+  void record_refusal(const grpc::Status& status) const;
 
   Gate* gate_;
   const access::CallRule* rule_;
@@ -71,10 +73,10 @@ const google::protobuf::MethodDescriptor* method_at(std::string_view path);
 /// @param gate  outlives it
 std::shared_ptr<grpc::AuthMetadataProcessor> proof_before_body(Gate& gate);
 
-/// The status of a call that is cancelled or past its deadline; nothing while its caller waits.
-std::optional<grpc::Status> no_longer_wanted(const Call& call);
+/// @throws Refusal  the call is cancelled or past its deadline
+void check_wanted(const Call& call);
 
-/// As long as the caller waits, and no longer than `most`.
-jobs::CallLimits waiting_time(const Call& call, std::chrono::milliseconds most);
+/// As long as the caller waits, and no longer than so many seconds.
+jobs::CallLimits waiting_time(const Call& call, double most_s);
 
 }  // namespace dccast::service

@@ -1,12 +1,16 @@
-// Calls about cases and the server itself.
+// Calls about cases, the server itself and the caller.
+#include <fmt/format.h>
 #include <google/protobuf/stubs/common.h>
 #include <grpcpp/grpcpp.h>
+
+#include <cmath>
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/processes.hpp"
 #include "server/jobs/quarantine.hpp"
+#include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
@@ -15,47 +19,42 @@ using Unary = SimulationService::Unary;
 
 Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest* request,
                                        v1::ValidateCaseResponse* response) {
-  const auto work = [=, this](const Call& call) {
+  return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
     auto examined =
         context_.intake.examine(request->case_(), request->attachments(),
                                 {request->faulty_keys().begin(), request->faulty_keys().end()},
-                                waiting_time(call, context_.check_timeout), true);
+                                waiting_time(call, context_.settings.check_timeout_s()), true);
     *response = std::move(examined.verdict);
     if (response->faults().empty()) *response->mutable_complete() = std::move(examined.complete);
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.checks, work}});
+  });
 }
 
 namespace {
 
 /// The text that a request gives or names. NOT_FOUND for a name that is not shipped.
-grpc::Status find_text(const v1::ReadCaseRequest& request, std::string& text) {
-  if (request.source_case() != v1::ReadCaseRequest::kShipped) {
-    text = request.text();
-    return grpc::Status::OK;
-  }
+std::string text_of(const v1::ReadCaseRequest& request) {
+  if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
-  if (const auto* known = shipped::find(cases, request.shipped())) {
-    text = known->text;
-    return grpc::Status::OK;
-  }
-  std::string names;
-  for (const std::string& name : shipped::names_of(cases))
-    names += (names.empty() ? "" : ", ") + name;
-  return {grpc::StatusCode::NOT_FOUND, "no case called \"" +
-                                           values::escaped(values::shortened(request.shipped())) +
-                                           "\" is built in; there are " + names};
+  if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
+  refuse(grpc::StatusCode::NOT_FOUND,
+         fmt::format("no case called \"{}\" is built in; there are {}",
+                     values::escaped(values::shortened(request.shipped())),
+                     fmt::join(shipped::names_of(cases), ", ")));
+}
+
+void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
+  response.set_name(caller.name);
+  response.set_role(caller.role);
+  response.set_proof(access::text_of(caller.by));
+  response.set_expires_unix(caller.expires_unix);
 }
 
 }  // namespace
 
 Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
                                    v1::ReadCaseResponse* response) {
-  const auto work = [=](const Call&) {
-    std::string text;
-    if (auto status = find_text(*request, text); !status.ok()) return status;
-    auto read = case_file::read_elsewhere(text, "case", *response->mutable_case_());
+  return answer(wire, *request, lanes_.histories, [=](const Call&) {
+    auto read = case_file::read_elsewhere(text_of(*request), "case", *response->mutable_case_());
     const bool parsed = read.faults.size() != 1 || !read.faults.front().field().empty();
     if (parsed)
       case_file::apply_changes_elsewhere(
@@ -66,30 +65,28 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
     }
     response->mutable_files()->Assign(read.files.begin(), read.files.end());
     for (v1::Fault& fault : *response->mutable_faults()) intake::make_printable(fault);
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.histories, work}});
+  });
 }
 
 Unary* SimulationService::ListAlloys(Wire* wire, const v1::ListAlloysRequest* request,
                                      v1::ListAlloysResponse* response) {
-  const auto work = [=, this](const Call&) {
-    for (const v1::Alloy& alloy : context_.intake.alloys()) *response->add_alloys() = alloy;
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.status, work}});
+  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+    const auto& alloys = context_.intake.alloys();
+    response->mutable_alloys()->Assign(alloys.begin(), alloys.end());
+  });
 }
 
 Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoRequest* request,
                                         v1::GetServerInfoResponse* response) {
-  const auto work = [=, this](const Call&) {
+  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
     const intake::Ceilings& ceilings = context_.intake.ceilings();
     response->set_version(context_.version);
     response->set_workers(context_.workers);
     response->set_queued(context_.scheduler.queued());
     response->set_running(context_.scheduler.running());
-    response->set_maximum_message_bytes(context_.maximum_message_bytes);
-    response->set_maximum_queued(context_.maximum_queued);
+    response->set_maximum_message_bytes(
+        static_cast<std::int64_t>(context_.settings.maximum_message_bytes()));
+    response->set_maximum_queued(context_.settings.maximum_queued());
     response->set_storage_fault(context_.scheduler.held());
     response->set_quarantined(
         static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
@@ -108,9 +105,39 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     build += __VERSION__;
     build += ", gRPC " + grpc::Version() + ", protobuf " +
              google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION);
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.status, work}});
+  });
+}
+
+Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
+                                v1::EnrolResponse* response) {
+  return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
+    check_text("machine", request->machine());
+    const std::int64_t now = unix_now();
+    const access::Caller user = context_.gate.authority().users().enrol(
+        request->secret(), request->machine(), now,
+        now + std::llround(context_.settings.token_lifetime_s()), *response->mutable_token());
+    if (!user.refusal.empty()) refuse(grpc::StatusCode::UNAUTHENTICATED, user.refusal);
+    call.note->set_user(user.name);
+    call.note->set_reason("a token was made for " + request->machine());
+    describe(user, *response->mutable_user());
+  });
+}
+
+Unary* SimulationService::WhoAmI(Wire* wire, const v1::WhoAmIRequest* request,
+                                 v1::WhoAmIResponse* response) {
+  return answer(wire, *request, lanes_.status,
+                [=](const Call& call) { describe(call.caller, *response); });
+}
+
+Unary* SimulationService::RevokeToken(Wire* wire, const v1::RevokeTokenRequest* request,
+                                      v1::RevokeTokenResponse*) {
+  return answer(wire, *request, lanes_.durable, [this](const Call& call) {
+    if (call.caller.credential.empty())
+      refuse(grpc::StatusCode::FAILED_PRECONDITION,
+             "this call was not made with a token; there is nothing to revoke");
+    context_.gate.authority().users().revoke(call.caller.name, call.caller.credential);
+    call.note->set_reason("the token was revoked by its user");
+  });
 }
 
 }  // namespace dccast::service

@@ -15,12 +15,12 @@
 
 namespace dccast::service {
 
-namespace {
-
 ino_t socket_behind(int descriptor) {
   struct stat status;
   return ::fstat(descriptor, &status) == 0 ? status.st_ino : 0;
 }
+
+namespace {
 
 struct Connection {
   int descriptor;

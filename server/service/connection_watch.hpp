@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <cstddef>
 #include <memory>
@@ -9,6 +11,10 @@ namespace dccast::service {
 
 /// Connections of one listener that were ended for what their clients sent.
 using EndedConnections = std::shared_ptr<std::atomic<int>>;
+
+/// The socket that a descriptor stands for now; 0: none. Once a descriptor is closed it may be
+/// another's.
+ino_t socket_behind(int descriptor);
 
 /// From now on what gRPC reads from this connection passes a FrameGuard, and the connection is
 /// ended when that asks for it.

@@ -1,38 +1,24 @@
 #include "server/service/gate.hpp"
 
+#include <absl/status/status.h>
+
+#include <condition_variable>
 #include <exception>
 #include <utility>
 
 #include "server/jobs/log.hpp"
+#include "server/service/refusals.hpp"
 
 namespace dccast::service {
 
 namespace {
 
 constexpr std::chrono::milliseconds between_looks{200};
-constexpr double recorded_refusals_per_s =
-    10.0;  // a peer that guesses tokens must not fill the disk
+// A peer that guesses tokens must not fill the disk.
+constexpr double recorded_refusals_per_s = 10.0;
 
-const char* name_of(grpc::StatusCode code) {
-  constexpr std::array names{"OK",
-                             "CANCELLED",
-                             "UNKNOWN",
-                             "INVALID_ARGUMENT",
-                             "DEADLINE_EXCEEDED",
-                             "NOT_FOUND",
-                             "ALREADY_EXISTS",
-                             "PERMISSION_DENIED",
-                             "RESOURCE_EXHAUSTED",
-                             "FAILED_PRECONDITION",
-                             "ABORTED",
-                             "OUT_OF_RANGE",
-                             "UNIMPLEMENTED",
-                             "INTERNAL",
-                             "UNAVAILABLE",
-                             "DATA_LOSS",
-                             "UNAUTHENTICATED"};
-  const auto number = static_cast<std::size_t>(code);
-  return number < names.size() ? names[number] : "UNKNOWN";
+std::string name_of(grpc::StatusCode code) {
+  return absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
 }
 
 /// The setting that a refusal names, as every one by a limit does.
@@ -55,10 +41,6 @@ grpc::Status unauthenticated(const std::string& why) {
   return {grpc::StatusCode::UNAUTHENTICATED, why};
 }
 
-bool is_refusal(grpc::StatusCode code) {
-  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED;
-}
-
 }  // namespace
 
 std::int64_t unix_now() {
@@ -77,16 +59,7 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
       unproven_rate_(limits.calls_per_s / 10.0),
       recorded_refusals_(recorded_refusals_per_s),
       streams_(limits.streams, limits.streams_per_user),
-      watcher_([this] { watch_for_lapses(); }) {}
-
-Gate::~Gate() {
-  {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-  }
-  changed_.notify_all();
-  watcher_.join();
-}
+      watcher_([this](const std::stop_token& stop) { watch_for_lapses(stop); }) {}
 
 access::Caller Gate::identify(const Shown& shown) {
   if (!shown.over_tls) return authority_.local_user(local_users_.name_of(shown.peer));
@@ -120,11 +93,8 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
 
 grpc::Status Gate::permit_touch(const access::Caller& caller, const access::CallRule& rule,
                                 const std::string& id) {
-  const v1::Touches touches = rule.access.touches();
-  const bool changes = touches == v1::CHANGES_JOB || touches == v1::CHANGES_STUDY;
-  if (touches == v1::NOTHING || caller.role >= v1::ADMIN) return grpc::Status::OK;
-  if (!changes && !authority_.reads_own_only(caller)) return grpc::Status::OK;
-  const bool of_study = touches == v1::READS_STUDY || touches == v1::CHANGES_STUDY;
+  if (!authority_.needs_ownership(caller, rule)) return grpc::Status::OK;
+  const bool of_study = rule.touches_study();
   const auto owner = (of_study ? owners_.study : owners_.job)(id);
   if (!owner) return grpc::Status::OK;  // the call finds that out itself
   const std::string fault =
@@ -133,24 +103,20 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
   return {grpc::StatusCode::PERMISSION_DENIED, fault};
 }
 
-grpc::Status Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
+void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
   if (const std::string limit = streams_.enter(caller.name, "streams"); !limit.empty())
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED, limit + "; end one, then try again"};
+    refuse(grpc::StatusCode::RESOURCE_EXHAUSTED, limit + "; end one, then try again");
   const std::lock_guard lock(mutex_);
   std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
   lasting_.push_back({caller, std::move(stream)});
-  return grpc::Status::OK;
-}
-
-void Gate::leave(const access::Caller& caller) {
-  streams_.leave(caller.name);
 }
 
 /// A look at the file of users costs a stat: five a second make a revocation hold at once for
 /// people.
-void Gate::watch_for_lapses() {
+void Gate::watch_for_lapses(const std::stop_token& stop) {
+  std::condition_variable_any ended;
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, between_looks, [this] { return ended_; })) {
+  while (!ended.wait_for(lock, stop, between_looks, [&] { return stop.stop_requested(); })) {
     if (lasting_.empty()) continue;
     lock.unlock();
     try {
@@ -192,7 +158,8 @@ CallFigures Gate::figures() {
 
 void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
                   const std::string& peer, const grpc::Status& status) {
-  const bool refused = is_refusal(status.error_code());
+  const bool refused = status.error_code() == grpc::StatusCode::UNAUTHENTICATED ||
+                       status.error_code() == grpc::StatusCode::PERMISSION_DENIED;
   const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
   if (reads && !refused) return;
   if (refused && !recorded_refusals_.take("", std::chrono::steady_clock::now())) return;

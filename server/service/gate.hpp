@@ -4,7 +4,6 @@
 
 #include <array>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -65,7 +64,6 @@ public:
   /// @param address  where local users call
   Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners,
        std::string address);
-  ~Gate();
 
   /// Looks local users up, which may wait; others are judged at once.
   access::Caller identify(const Shown& shown);
@@ -77,8 +75,9 @@ public:
                             const std::string& id);
 
   /// Counts a stream, and ends it once its caller has lapsed; leave() undoes the first.
-  grpc::Status enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
-  void leave(const access::Caller& caller);
+  /// @throws Refusal  a limit
+  void enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
+  void leave(const access::Caller& caller) { streams_.leave(caller.name); }
 
   void record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
               const std::string& peer, const grpc::Status& status);
@@ -96,7 +95,7 @@ private:
     access::Caller caller;
     std::weak_ptr<LastingCall> stream;
   };
-  void watch_for_lapses();
+  void watch_for_lapses(const std::stop_token& stop);
   void end_lapsed(std::int64_t now);
 
   access::Authority& authority_;
@@ -108,10 +107,8 @@ private:
   std::mutex figures_mutex_;
   CallFigures figures_;
   std::mutex mutex_;  ///< of all below
-  std::condition_variable changed_;
-  bool ended_ = false;
   std::vector<Lasting> lasting_;
-  std::thread watcher_;
+  std::jthread watcher_;
 };
 
 /// Seconds since 1970, as tokens and certificates count.

@@ -9,7 +9,7 @@
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
-#include "server/service/request_checks.hpp"
+#include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
@@ -18,32 +18,26 @@ using Unary = SimulationService::Unary;
 
 namespace {
 
-grpc::Status check_case_file(const std::string& text) {
+void check_case_file(const std::string& text) {
   constexpr std::size_t longest = 1 << 20;
-  if (text.size() <= longest) return grpc::Status::OK;
-  return {grpc::StatusCode::INVALID_ARGUMENT, "case_file is longer than 1 MiB; leave it empty"};
+  if (text.size() > longest) refuse("case_file is longer than 1 MiB; leave it empty");
 }
 
-grpc::Status check_time_limit(const Context& context, double seconds) {
-  const double most = context.maximum_time_s;
-  if (seconds == 0.0 ||
-      (seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most)))
-    return grpc::Status::OK;
-  return {
-      grpc::StatusCode::INVALID_ARGUMENT,
-      "time_limit_s must be positive" +
-          (most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
-                      : std::string())};
+void check_time_limit(double seconds, double most) {
+  const bool within = seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most);
+  if (within || seconds == 0.0) return;
+  refuse("time_limit_s must be positive" +
+         (most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
+                     : std::string()));
 }
 
 /// It becomes a word of a command: no blank, and no option.
-grpc::Status check_mail(const std::string& mail) {
-  if (const auto status = check_text("mail", mail); !status.ok() || mail.empty()) return status;
+void check_mail(const std::string& mail) {
+  check_text("mail", mail);
   const auto at = mail.find('@');
-  if (at != 0 && at != std::string::npos && mail.front() != '-' &&
-      mail.find_first_of(" ,;<>") == std::string::npos)
-    return grpc::Status::OK;
-  return {grpc::StatusCode::INVALID_ARGUMENT, "mail must be one address, like anna@example.org"};
+  if (!mail.empty() && (at == 0 || at == std::string::npos || mail.front() == '-' ||
+                        mail.find_first_of(" ,;<>") != std::string::npos))
+    refuse("mail must be one address, like anna@example.org");
 }
 
 /// Adds and removes labels as UpdateJobRequest has it.
@@ -64,41 +58,33 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
 
 /// A job that can never start is not taken; which others there are, and whether they failed, is
 /// read by those alone who may read them.
-grpc::Status check_jobs_before(Context& context, const access::Caller& caller,
-                               const google::protobuf::RepeatedPtrField<std::string>& after) {
+void check_jobs_before(Context& context, const access::Caller& caller,
+                       const google::protobuf::RepeatedPtrField<std::string>& after) {
   constexpr int most = 100;
-  if (after.size() > most)
-    return {grpc::StatusCode::INVALID_ARGUMENT, "a job waits for at most 100 others"};
+  if (after.size() > most) refuse("a job waits for at most 100 others");
   for (const std::string& id : after) {
-    if (const auto status = check_job_id(id); !status.ok()) return status;
+    check_job_id(id);
     const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
     if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
-      return status;
-    const auto job = context.scheduler.find(id);
-    if (!job) return job_not_found(id);
-    if (job->state() == v1::FAILED || job->state() == v1::CANCELLED)
-      return wrong_state(*job, "nothing can come after it");
+      throw Refusal{status};
+    const v1::Job job = find_job(context, id);
+    if (job.state() == v1::FAILED || job.state() == v1::CANCELLED)
+      refuse_state(job, "nothing can come after it");
   }
-  return grpc::Status::OK;
 }
 
 /// SubmitJob's first half: everything that can be wrong with the case.
-grpc::Status examine(Context& context, const Call& call, const v1::SubmitJobRequest& request,
-                     intake::ExaminedCase& examined) {
-  if (const auto status = check_study_of_job(request.study()); !status.ok()) return status;
-  if (const auto status = check_text("request_id", request.request_id()); !status.ok())
-    return status;
-  if (const auto status = check_labels(request.labels()); !status.ok()) return status;
-  if (const auto status = check_changes(request.changes()); !status.ok()) return status;
-  if (const auto status = check_time_limit(context, request.time_limit_s()); !status.ok())
-    return status;
-  if (const auto status = check_mail(request.mail()); !status.ok()) return status;
-  if (const auto status = check_case_file(request.case_file()); !status.ok()) return status;
-  if (const auto status = check_jobs_before(context, call.caller, request.after()); !status.ok())
-    return status;
-  examined = context.intake.examine(request.case_(), request.attachments(), {},
-                                    waiting_time(call, context.check_timeout));
-  return examined.verdict.faults_size() > 0 ? faulty_case(examined.verdict) : grpc::Status::OK;
+intake::ExaminedCase examine(Context& context, const Call& call,
+                             const v1::SubmitJobRequest& request) {
+  check_study_of_job(request.study());
+  check_text("request_id", request.request_id());
+  check_labels(request.labels());
+  check_changes(request.changes());
+  check_time_limit(request.time_limit_s(), context.settings.maximum_time_s());
+  check_mail(request.mail());
+  check_case_file(request.case_file());
+  check_jobs_before(context, call.caller, request.after());
+  return sound_case(context, call, request.case_(), request.attachments());
 }
 
 /// Its second half: the job on the disk.
@@ -119,11 +105,38 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
 }
 
 /// Each star doubles what a title may cost.
-grpc::Status check_pattern(const std::string& title) {
+void check_pattern(const std::string& title) {
   constexpr std::ptrdiff_t most_stars = 5;
-  if (const auto status = check_text("title", title); !status.ok()) return status;
-  if (std::ranges::count(title, '*') <= most_stars) return grpc::Status::OK;
-  return {grpc::StatusCode::INVALID_ARGUMENT, "the title has more than 5 stars"};
+  check_text("title", title);
+  if (std::ranges::count(title, '*') > most_stars) refuse("the title has more than 5 stars");
+}
+
+/// Which jobs a caller asks for, and reads.
+jobs::JobStore::Page wanted_by(const Context& context, const access::Caller& caller,
+                               const v1::ListJobsRequest& request) {
+  check_study_of_job(request.study());
+  check_labels(request.labels());
+  check_pattern(request.title());
+  const AgePage page = read_page("the list of jobs", request.page_token(), request.page_size());
+  jobs::JobStore::Page wanted;
+  wanted.before_ms = page.before_ms;
+  wanted.before_id = page.before_id;
+  wanted.size = page.size;
+  for (const int state : request.states())
+    wanted.states.push_back(static_cast<v1::JobState>(state));
+  wanted.study = request.study();
+  wanted.owner = request.owner();
+  if (context.gate.authority().reads_own_only(caller)) {
+    if (!wanted.owner.empty() && wanted.owner != caller.name)
+      refuse(grpc::StatusCode::PERMISSION_DENIED,
+             caller.name + " reads only jobs of their own (read = \"own\")");
+    wanted.owner = caller.name;
+  }
+  wanted.since_ms = jobs::milliseconds(request.since());
+  wanted.title = request.title();
+  wanted.id_prefix = request.id_prefix();
+  wanted.labels.assign(request.labels().begin(), request.labels().end());
+  return wanted;
 }
 
 /// Cuts a text between two characters of UTF-8.
@@ -155,9 +168,10 @@ void fit_into_list(v1::Job& job) {
 }
 
 /// Adds jobs until the page is full, by number or by bytes; then there is a next one.
-void fill(Context& context, jobs::JobStore::Page rest, int size, v1::ListJobsResponse& response) {
+void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& response) {
   // Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
   constexpr int rows_at_a_time = 32;
+  const int size = rest.size;
   std::size_t bytes = 0;
   for (;;) {
     rest.size = std::min(rows_at_a_time, size + 1 - response.jobs_size());
@@ -167,15 +181,12 @@ void fill(Context& context, jobs::JobStore::Page rest, int size, v1::ListJobsRes
       fit_into_list(job);
       bytes += job.ByteSizeLong();
       const bool full = response.jobs_size() == size || bytes > page_bytes;
-      if (full && response.jobs_size() > 0) {
-        const v1::Job& last = response.jobs(response.jobs_size() - 1);
-        return response.set_next_page_token(
-            age_token(jobs::milliseconds(last.create_time()), last.id()));
-      }
+      if (full && response.jobs_size() > 0)
+        return response.set_next_page_token(age_token(*response.jobs().rbegin()));
       *response.add_jobs() = std::move(job);
     }
     if (last_rows) return;
-    const v1::Job& last = response.jobs(response.jobs_size() - 1);
+    const v1::Job& last = *response.jobs().rbegin();
     rest.before_ms = jobs::milliseconds(last.create_time());
     rest.before_id = last.id();
   }
@@ -190,17 +201,15 @@ public:
   void on_appended() override { wake(); }
 
 private:
-  grpc::Status open(const Call&) override {
-    if (const auto status = check_job_id(request_.id()); !status.ok()) return status;
-    if (!context_.scheduler.find(request_.id())) return job_not_found(request_.id());
+  void open(const Call&) override {
+    find_job(context_, request_.id());
     log_ = context_.scheduler.log(request_.id());
     cursor_.sequence = std::max<std::int64_t>(request_.from_sequence(), 1);
     if (cursor_.sequence > log_->last_sequence() + 1)
-      return {grpc::StatusCode::OUT_OF_RANGE,
-              "job " + request_.id() + " has " + std::to_string(log_->last_sequence()) +
-                  " events so far; watch from one of them, or the next"};
+      refuse(grpc::StatusCode::OUT_OF_RANGE,
+             "job " + request_.id() + " has " + std::to_string(log_->last_sequence()) +
+                 " events so far; watch from one of them, or the next");
     context_.logs.watch(request_.id(), std::static_pointer_cast<JobStream>(shared_from_this()));
-    return grpc::Status::OK;
   }
 
   NextMessage<v1::JobEvent> next() override {
@@ -211,16 +220,15 @@ private:
       }
     } catch (const std::exception& error) {
       log::error("{}", error.what());
-      return {.end = grpc::Status(
-                  grpc::StatusCode::DATA_LOSS,
-                  std::string(error.what()) + "; `dccastd check` says what is left of it")};
+      refuse(grpc::StatusCode::DATA_LOSS,
+             std::string(error.what()) + "; `dccastd check` says what is left of it");
     }
     if (log_->terminal_event()) return {.end = grpc::Status::OK};
-    if (!context_.leaving) return {};
-    return {.end = grpc::Status(
-                grpc::StatusCode::UNAVAILABLE,
-                "dccastd is shutting down; the job goes on when it is back: watch again from " +
-                    std::to_string(cursor_.sequence))};
+    if (context_.leaving)
+      refuse(grpc::StatusCode::UNAVAILABLE,
+             "dccastd is shutting down; the job goes on when it is back: watch again from " +
+                 std::to_string(cursor_.sequence));
+    return {};
   }
 
   Context& context_;
@@ -233,123 +241,73 @@ private:
 
 Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* request, v1::Job* job) {
   const auto examined = std::make_shared<intake::ExaminedCase>();
-  const auto check = [=, this](const Call& call) {
-    return examine(context_, call, *request, *examined);
-  };
+  const auto check = [=, this](const Call& call) { *examined = examine(context_, call, *request); };
   const auto keep = [=, this](const Call& call) {
-    if (const auto status = may_queue(context_, call, request->request_id()); !status.ok())
-      return status;
+    check_may_queue(context_, call, request->request_id());
     *job = submit(context_, call, *request, *examined);
     call.note->set_job(job->id());
     call.note->set_case_sha256(job->case_sha256());
-    return grpc::Status::OK;
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
 }
 
 Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {
-  const auto work = [=, this](const Call&) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    auto found = context_.scheduler.find(request->id());
-    if (!found) return job_not_found(request->id());
-    *job = std::move(*found);
-    if (job->state() != v1::CANCELLED) return grpc::Status::OK;
+  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+    *job = find_job(context_, request->id());
+    if (job->state() != v1::CANCELLED) return;
     if (const auto end = context_.scheduler.log(request->id())->terminal_event())
       job->set_cause(end->state_change().cause());
     intake::make_printable(*job);
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.status, work}});
+  });
 }
 
 Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
-  const auto work = [=, this](const Call& call) {
-    AgePage page;
-    if (const auto status = check_study_of_job(request->study()); !status.ok()) return status;
-    if (const auto status = check_labels(request->labels()); !status.ok()) return status;
-    if (const auto status = check_pattern(request->title()); !status.ok()) return status;
-    if (const auto status =
-            read_page("the list of jobs", request->page_token(), request->page_size(), page);
-        !status.ok())
-      return status;
-    jobs::JobStore::Page wanted;
-    wanted.before_ms = page.before_ms;
-    wanted.before_id = page.before_id;
-    for (const int state : request->states())
-      wanted.states.push_back(static_cast<v1::JobState>(state));
-    wanted.study = request->study();
-    wanted.owner = request->owner();
-    if (context_.gate.authority().reads_own_only(call.caller)) {
-      if (!wanted.owner.empty() && wanted.owner != call.caller.name)
-        return grpc::Status(grpc::StatusCode::PERMISSION_DENIED,
-                            call.caller.name + " reads only jobs of their own (read = \"own\")");
-      wanted.owner = call.caller.name;
-    }
-    wanted.since_ms = jobs::milliseconds(request->since());
-    wanted.title = request->title();
-    wanted.id_prefix = request->id_prefix();
-    wanted.labels.assign(request->labels().begin(), request->labels().end());
-    fill(context_, std::move(wanted), page.size, *response);
-    return grpc::Status::OK;
-  };
-  return answer(wire, *request, {{lanes_.status, work}});
+  return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
+    fill(context_, wanted_by(context_, call.caller, *request), *response);
+  });
 }
 
 Unary* SimulationService::CancelJob(Wire* wire, const v1::CancelJobRequest* request, v1::Job* job) {
-  const auto work = [=, this](const Call&) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    if (const auto status = check_text("reason", request->reason()); !status.ok()) return status;
-    return status_of(context_.scheduler.cancel(request->id(), request->reason()), request->id(), "",
-                     job);
-  };
-  return answer(wire, *request, {{lanes_.durable, work}});
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    check_text("reason", request->reason());
+    *job = done(context_.scheduler.cancel(request->id(), request->reason()), request->id());
+  });
 }
 
 Unary* SimulationService::PauseJob(Wire* wire, const v1::PauseJobRequest* request, v1::Job* job) {
-  const auto work = [=, this](const Call&) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    return status_of(context_.scheduler.pause(request->id()), request->id(), "", job);
-  };
-  return answer(wire, *request, {{lanes_.durable, work}});
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    *job = done(context_.scheduler.pause(request->id()), request->id());
+  });
 }
 
 Unary* SimulationService::ResumeJob(Wire* wire, const v1::ResumeJobRequest* request, v1::Job* job) {
-  const auto work = [=, this](const Call&) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    return status_of(context_.scheduler.resume(request->id()), request->id(),
-                     "it is not paused and goes on by itself", job);
-  };
-  return answer(wire, *request, {{lanes_.durable, work}});
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    *job = done(context_.scheduler.resume(request->id()), request->id(),
+                "it is not paused and goes on by itself");
+  });
 }
 
 Unary* SimulationService::DeleteJob(Wire* wire, const v1::DeleteJobRequest* request,
                                     v1::DeleteJobResponse*) {
-  const auto work = [=, this](const Call&) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    return status_of(context_.scheduler.remove(request->id()), request->id(), "cancel it first",
-                     nullptr);
-  };
-  return answer(wire, *request, {{lanes_.durable, work}});
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    done(context_.scheduler.remove(request->id()), request->id(), "cancel it first");
+  });
 }
 
 Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* request, v1::Job* job) {
-  const auto work = [=, this](const Call& call) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    grpc::Status refusal;
+  return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
     const auto change = [&](v1::Job& found) {
       change_labels(*request, found);
       if (request->has_pinned()) found.set_pinned(request->pinned());
-      refusal = check_labels(found.labels());
-      return refusal.ok();
+      check_labels(found.labels());
+      return true;
     };
     const jobs::Reply reply = context_.scheduler.mark(request->id(), change);
-    if (!refusal.ok()) return refusal;
     call.note->set_reason(request->has_pinned() ? (request->pinned() ? "pinned" : "not pinned")
                                                 : "labels");
-    return status_of(reply, request->id(), "", job);
-  };
-  return answer(wire, *request, {{lanes_.durable, work}});
+    *job = done(reply, request->id());
+  });
 }
 
 SimulationService::Stream<v1::JobEvent>* SimulationService::WatchJob(

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -27,11 +26,6 @@ namespace {
 
 // After a refusal by the system, e.g. for want of descriptors, the connection stays in its queue.
 constexpr std::chrono::milliseconds pause_after_refusal{100};
-
-ino_t socket_behind(int descriptor) {
-  struct stat status;
-  return ::fstat(descriptor, &status) == 0 ? status.st_ino : 0;
-}
 
 std::string host_of(const std::string& address) {
   return address.substr(0, address.rfind(':'));
@@ -184,31 +178,17 @@ void Listener::accept_one() {
 }
 
 bool Listener::has_room(const std::string& host) {
-  if (open_of(host) >= bounds_.per_peer && !end_a_silent_one(host)) return false;
-  return count_open() < bounds_.connections || end_a_silent_one("");
-}
-
-/// A descriptor that was closed is free, or belongs to something else by now.
-void Listener::forget_closed() {
-  std::erase_if(admitted_, [](const Admitted& connection) {
-    return socket_behind(connection.descriptor) != connection.socket;
-  });
-}
-
-std::size_t Listener::count_open() {
-  if (admitted_.size() >= bounds_.connections) forget_closed();
-  return admitted_.size();
-}
-
-std::size_t Listener::open_of(const std::string& host) {
-  if (bounds_.per_peer >= bounds_.connections) return 0;
-  const auto count = [&] {
-    return static_cast<std::size_t>(
-        std::count_if(admitted_.begin(), admitted_.end(),
-                      [&](const Admitted& connection) { return connection.host == host; }));
+  const auto has_its_share = [&] {
+    return static_cast<std::size_t>(std::ranges::count(admitted_, host, &Admitted::host)) >=
+           bounds_.per_peer;
   };
-  if (count() >= bounds_.per_peer) forget_closed();
-  return count();
+  // A descriptor that was closed is free, or belongs to something else by now.
+  if (admitted_.size() >= bounds_.connections || has_its_share())
+    std::erase_if(admitted_, [](const Admitted& connection) {
+      return socket_behind(connection.descriptor) != connection.socket;
+    });
+  if (has_its_share() && !end_a_silent_one(host)) return false;
+  return admitted_.size() < bounds_.connections || end_a_silent_one("");
 }
 
 /// Ends the oldest connection that has not made a request in its first second, for one that may.

@@ -54,11 +54,8 @@ private:
   };
   void run();
   void accept_one();
-  std::size_t open_of(const std::string& host);
-  std::size_t count_open();
   bool end_a_silent_one(const std::string& host);
   bool has_room(const std::string& host);
-  void forget_closed();
   void pace();
   void trim();
 

@@ -12,9 +12,11 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/storage/file.hpp"
+#include "proto/values/address.hpp"
 
 namespace dccast::service {
 
@@ -28,28 +30,19 @@ struct Endpoint {
 
 /// @param text  "127.0.0.1:7117" or "[::1]:7117"
 std::optional<Endpoint> parse(const std::string& text) {
+  const auto [host, port] = values::host_and_port(text);
   Endpoint endpoint;
-  const auto colon = text.rfind(':');
-  if (colon == std::string::npos) return std::nullopt;
-  std::string host = text.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) {
-    endpoint.family = AF_INET6;
-    host = host.substr(1, host.size() - 2);
-  }
-  std::from_chars(text.data() + colon + 1, text.data() + text.size(), endpoint.port);
+  if (host.find(':') != std::string::npos) endpoint.family = AF_INET6;
+  std::from_chars(port.data(), port.data() + port.size(), endpoint.port);
   if (::inet_pton(endpoint.family, host.c_str(), endpoint.address.data()) != 1) return std::nullopt;
   return endpoint;
 }
 
 /// gRPC writes peers as URIs, in which brackets are escaped: "ipv6:%5B::1%5D:40000".
 std::optional<Endpoint> parse_peer(const std::string& peer) {
-  std::string text;
-  for (std::size_t at = peer.find(':') + 1; at < peer.size(); ++at) {
-    const bool opens = peer.compare(at, 3, "%5B") == 0;
-    const bool closes = peer.compare(at, 3, "%5D") == 0;
-    text += opens ? '[' : closes ? ']' : peer[at];
-    if (opens || closes) at += 2;
-  }
+  std::string text = peer.substr(peer.find(':') + 1);
+  for (const auto& [escaped, bracket] : {std::pair("%5B", "["), std::pair("%5D", "]")})
+    if (const auto at = text.find(escaped); at != std::string::npos) text.replace(at, 3, bracket);
   return parse(text);
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/service/call.hpp"
-#include "server/service/status.hpp"
+#include "server/service/refusals.hpp"
 #include "server/service/work_pool.hpp"
 
 namespace dccast::service {
@@ -17,8 +17,8 @@ namespace dccast::service {
 /// What a stream does next: sends a message, or ends, or waits to be woken where there is neither.
 template <class Message>
 struct NextMessage {
-  std::optional<Message> message = std::nullopt;
-  std::optional<grpc::Status> end = std::nullopt;
+  std::optional<Message> message{};
+  std::optional<grpc::Status> end{};
 };
 
 /// A stream of messages to a client, one under way at a time. It is opened in a lane, asks for the
@@ -42,29 +42,19 @@ public:
 
   /// There may be a next message.
   void wake() {
-    {
-      const std::lock_guard lock(mutex_);
-      woken_ = true;
-    }
-    look();
+    go_on_with([this] { woken_ = true; });
   }
 
   void OnWriteDone(bool ok) final {
-    {
-      const std::lock_guard lock(mutex_);
+    go_on_with([&] {
       writing_ = false;
       woken_ = true;
       cancelled_ = cancelled_ || !ok;
-    }
-    look();
+    });
   }
 
   void OnCancel() final {
-    {
-      const std::lock_guard lock(mutex_);
-      cancelled_ = true;
-    }
-    look();
+    go_on_with([this] { cancelled_ = true; });
   }
 
   void OnDone() final {
@@ -74,17 +64,15 @@ public:
 
   /// Ends what is under way, and the stream once its last message has gone.
   void lapse(const grpc::Status& status) final {
-    {
-      const std::lock_guard lock(mutex_);
+    go_on_with([&] {
       if (!lapsed_) lapsed_ = status;
       woken_ = true;
-    }
-    look();
+    });
   }
 
 protected:
-  /// Finds what is to be sent; what it throws is answered as guarded() has it.
-  virtual grpc::Status open(const Call& call) = 0;
+  /// Finds what is to be sent. What it and next() throw ends the stream as guarded() has it.
+  virtual void open(const Call& call) = 0;
   virtual NextMessage<Message> next() = 0;
   /// Whether next() waits for the store and is for a thread of the lane.
   virtual bool looks_in_lane() const { return false; }
@@ -101,13 +89,13 @@ protected:
 private:
   void open_in_lane() {
     bool admitted = false;
-    grpc::Status status = guarded([&] {
-      const auto refusal = origin_.admit([this] { return cancelled(); }, call_);
-      if (!refusal.ok()) return refusal;
+    const grpc::Status status = guarded([&] {
+      call_ = origin_.admit([this] { return cancelled(); });
       admitted = true;
-      const auto limit = origin_.gate().enter(call_.caller, this->weak_from_this());
-      entered_ = limit.ok();
-      return limit.ok() ? open(call_) : limit;
+      origin_.gate().enter(call_.caller, this->weak_from_this());
+      entered_ = true;
+      origin_.check_id();
+      open(call_);
     });
     if (admitted) origin_.record(call_, status);
     if (!status.ok()) return end(status);
@@ -115,14 +103,18 @@ private:
     wake();
   }
 
+  template <class Change>
+  void go_on_with(Change change) {
+    {
+      const std::lock_guard lock(mutex_);
+      change();
+    }
+    look();
+  }
+
   bool cancelled() {
     const std::lock_guard lock(mutex_);
     return cancelled_ || lapsed_;
-  }
-
-  std::optional<grpc::Status> lapsed() {
-    const std::lock_guard lock(mutex_);
-    return lapsed_;
   }
 
   void end(const grpc::Status& status) {
@@ -147,15 +139,14 @@ private:
   }
 
   NextMessage<Message> guarded_next() {
-    if (const auto status = lapsed()) return {.end = status};
-    if (cancelled()) return {.end = grpc::Status::CANCELLED};
+    {
+      const std::lock_guard lock(mutex_);
+      if (lapsed_) return {.end = lapsed_};
+      if (cancelled_) return {.end = grpc::Status::CANCELLED};
+    }
     NextMessage<Message> found;
-    const grpc::Status status = guarded([&] {
-      found = next();
-      return grpc::Status::OK;
-    });
-    if (!status.ok()) return {.end = status};
-    return found;
+    const grpc::Status status = guarded([&] { found = next(); });
+    return status.ok() ? std::move(found) : NextMessage<Message>{.end = status};
   }
 
   void send_next() {

@@ -14,7 +14,7 @@
 #include "proto/values/digests.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
-#include "server/service/request_checks.hpp"
+#include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
@@ -27,7 +27,7 @@ using Responses = std::vector<Response>;
 
 using SendQueryResponse = std::function<void(Response)>;
 
-constexpr std::chrono::hours longest_query{24};
+constexpr double longest_query_s = 24 * 3600.0;
 constexpr std::size_t most_steps_at_once = 1000;
 constexpr std::size_t most_bytes_at_once = 1'000'000;
 
@@ -122,7 +122,7 @@ public:
   }
 
   /// Runs it for this answer alone; nothing is left of the run.
-  grpc::Status run(const jobs::CallLimits& waiting) {
+  void run(const jobs::CallLimits& waiting) {
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
     begin("");
     const RunEnd end = context_.warm_workers
@@ -131,12 +131,11 @@ public:
                            .run_end();
     finish(state_of(end.outcome()), end.failure());
     if (end.outcome() == RunEnd::SUCCEEDED) keep_answer();
-    return grpc::Status::OK;
   }
 
   /// Runs it as a job that goes first, which stays.
-  grpc::Status run_as_job(const jobs::CallLimits& waiting) {
-    if (const auto status = may_queue(context_, call_); !status.ok()) return status;
+  void run_as_job(const jobs::CallLimits& waiting) {
+    check_may_queue(context_, call_);
     jobs::NewJob job = intake::new_job(request_.case_(), request_.attachments(), examined_);
     job.owner = call_.caller.name;
     job.changes = {request_.changes().begin(), request_.changes().end()};
@@ -150,10 +149,8 @@ public:
     context_.logs.watch(id, appended);
     for (jobs::EventLog::Cursor cursor;; appended->wait()) {
       while (const auto event = log->read(cursor)) {
-        if (event->state_change().terminal()) {
-          finish(event->state_change().state(), event->state_change().failure());
-          return grpc::Status::OK;
-        }
+        if (event->state_change().terminal())
+          return finish(event->state_change().state(), event->state_change().failure());
         take(*event);
       }
       if (!waiting.called_off()) continue;
@@ -193,7 +190,7 @@ private:
     v1::SolveCase& order = *request.mutable_solve();
     *order.mutable_case_() = examined_.complete;
     order.set_directory(folder);
-    order.set_threads(context_.query_threads);
+    order.set_threads(context_.settings.query_threads());
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);
@@ -255,18 +252,16 @@ private:
 };
 
 /// Answers a query, from the store or by a run of its own: `send` is called in order, from this
-/// thread. The run ends at once when the call is cancelled. May throw: guarded().
-grpc::Status answer_query(Context& context, const Call& call,
-                          const v1::QueryButtCurlRequest& request, const SendQueryResponse& send) {
-  if (const auto status = check_changes(request.changes()); !status.ok()) return status;
-  const intake::ExaminedCase examined = context.intake.examine(
-      request.case_(), request.attachments(), {}, waiting_time(call, context.check_timeout));
-  if (examined.verdict.faults_size() > 0) return faulty_case(examined.verdict);
+/// thread. The run ends at once when the call is cancelled.
+void answer_query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
+                  const SendQueryResponse& send) {
+  check_changes(request.changes());
+  const auto examined = sound_case(context, call, request.case_(), request.attachments());
   Query query(context, call, request, examined, send);
-  if (query.answer_from_store()) return grpc::Status::OK;
-  jobs::CallLimits waiting = waiting_time(call, longest_query);
+  if (query.answer_from_store()) return;
+  jobs::CallLimits waiting = waiting_time(call, longest_query_s);
   waiting.largest_bytes = INT64_MAX;  // its estimate was held against the ceiling
-  return request.keep() ? query.run_as_job(waiting) : query.run(waiting);
+  request.keep() ? query.run_as_job(waiting) : query.run(waiting);
 }
 
 /// One query: what the thread of its run has passed on and gRPC has not sent yet.
@@ -277,19 +272,18 @@ public:
 
 private:
   /// Runs from the beginning to the end of the query, whose responses are sent meanwhile.
-  grpc::Status open(const Call& caller) override {
+  void open(const Call& caller) override {
     set_open();
     Call call = caller;
     call.cancelled = [this, &caller] { return caller.cancelled() || context_.leaving; };
     grpc::Status status = guarded([&] {
-      return answer_query(context_, call, request_,
-                          [this](Response response) { send(std::move(response)); });
+      answer_query(context_, call, request_,
+                   [this](Response response) { send(std::move(response)); });
     });
     if (status.error_code() == grpc::StatusCode::CANCELLED && context_.leaving)
       status = {grpc::StatusCode::UNAVAILABLE, "dccastd is shutting down; ask again later"};
     const std::lock_guard lock(mutex_);
     end_ = std::move(status);
-    return grpc::Status::OK;
   }
 
   std::size_t kept_bytes() const override { return request_.ByteSizeLong(); }

@@ -13,17 +13,17 @@
 #include "proto/values/digests.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/service/message_stream.hpp"
-#include "server/service/request_checks.hpp"
+#include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
 
 namespace {
 
-bool has_result(const v1::Job& job) {
-  for (const v1::Artifact& artifact : job.artifacts())
-    if (artifact.name() == "results.h5") return true;
-  return false;
+/// @return null where the job has no such result
+const v1::Artifact* artifact_of(const v1::Job& job, const std::string& name) {
+  const auto found = std::ranges::find(job.artifacts(), name, &v1::Artifact::name);
+  return found == job.artifacts().end() ? nullptr : &*found;
 }
 
 /// A token is "<sequence of the event>.<step>" of the last step of the page before.
@@ -37,64 +37,57 @@ bool read_token(const std::string& token, jobs::StepPlace& place) {
 }
 
 /// As many steps as fit beside what the response holds already, one at least.
-grpc::Status add_steps(Context& context, const v1::QueryResultRequest& request,
-                       v1::QueryResultResponse& response) {
+void add_steps(Context& context, const v1::QueryResultRequest& request,
+               v1::QueryResultResponse& response) {
   const std::size_t taken = response.ByteSizeLong();
   const std::size_t most_bytes = std::min(page_bytes, answer_bytes - std::min(answer_bytes, taken));
   jobs::StepPlace place;
   if (!read_token(request.page_token(), place))
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            "the page_token is not one of this history; begin again without it"};
-  if (request.page_size() < 0)
-    return {grpc::StatusCode::INVALID_ARGUMENT, "page_size must not be negative"};
+    refuse("the page_token is not one of this history; begin again without it");
+  if (request.page_size() < 0) refuse("page_size must not be negative");
   const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
                                              : static_cast<std::size_t>(request.page_size());
   const auto page = context.step_indexes.of(request.id())
                         ->page(*context.scheduler.log(request.id()), place, most, most_bytes);
   if (!page)
-    return {
-        grpc::StatusCode::ABORTED,
-        "the run has gone back behind the page before this one; begin again without page_token"};
+    refuse(grpc::StatusCode::ABORTED,
+           "the run has gone back behind the page before this one; begin again without page_token");
   response.mutable_steps()->Add(page->steps.begin(), page->steps.end());
   if (page->next)
     response.set_next_page_token(std::to_string(page->next->sequence) + "." +
                                  std::to_string(page->next->step));
-  return grpc::Status::OK;
 }
 
-grpc::Status add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
-                       const v1::Job& job, v1::QueryResultResponse& response) {
+void add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
+               const v1::Job& job, v1::QueryResultResponse& response) {
   const int number = request.frame_number();
-  if (number < 0)
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            "frame_number must not be negative: 1 is the first frame, 0 the last"};
-  if (!has_result(job))
-    return wrong_state(job, "it has no frame yet: watch it until it has results");
-  v1::QueryResultResponse stored = context.intake.stored_frame(
-      context.jobs_directory / request.id(), number, waiting_time(call, context.check_timeout));
+  if (number < 0) refuse("frame_number must not be negative: 1 is the first frame, 0 the last");
+  if (!artifact_of(job, "results.h5"))
+    refuse_state(job, "it has no frame yet: watch it until it has results");
+  const v1::QueryResultResponse stored =
+      context.intake.stored_frame(context.jobs_directory / request.id(), number,
+                                  waiting_time(call, context.settings.check_timeout_s()));
   const int frames = stored.frame_time_s_size();
-  if (frames == 0) return wrong_state(job, "its results hold no frame");
+  if (frames == 0) refuse_state(job, "its results hold no frame");
   if (!stored.has_frame())
-    return {grpc::StatusCode::OUT_OF_RANGE,
-            "job " + request.id() + " has " + std::to_string(frames) +
-                " frames; ask for one of 1 to " + std::to_string(frames) + ", or 0 for the last"};
+    refuse(grpc::StatusCode::OUT_OF_RANGE,
+           "job " + request.id() + " has " + std::to_string(frames) +
+               " frames; ask for one of 1 to " + std::to_string(frames) + ", or 0 for the last");
   response.MergeFrom(stored);
-  return grpc::Status::OK;
 }
 
 /// What comes with the first page only.
-grpc::Status add_case_and_frame(Context& context, const Call& call,
-                                const v1::QueryResultRequest& request, const v1::Job& job,
-                                v1::QueryResultResponse& response) {
+void add_case_and_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
+                        const v1::Job& job, v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
   if (!jobs::read_complete_case(context.jobs_directory / request.id(), *response.mutable_case_()))
-    return {grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
-                                             " cannot be read any more; " +
-                                             "dccastd check says what else is damaged"};
+    refuse(grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
+                                            " cannot be read any more; " +
+                                            "dccastd check says what else is damaged");
   intake::make_printable(*response.mutable_case_());
   if (const auto error = case_file::relative_discretisation_error(response.case_()))
     response.set_relative_curl_error(*error);
-  return request.frame() ? add_frame(context, call, request, job, response) : grpc::Status::OK;
+  if (request.frame()) add_frame(context, call, request, job, response);
 }
 
 std::string megabytes(std::size_t bytes) {
@@ -102,16 +95,14 @@ std::string megabytes(std::size_t bytes) {
 }
 
 /// An answer that most clients would not take is not sent.
-grpc::Status fits_into_answer(const v1::QueryResultResponse& response) {
-  if (response.ByteSizeLong() <= answer_bytes) return grpc::Status::OK;
+void check_size(const v1::QueryResultResponse& response) {
+  if (response.ByteSizeLong() <= answer_bytes) return;
   const std::size_t frame = response.has_frame() ? response.frame().ByteSizeLong() : 0;
   const std::size_t rest = response.ByteSizeLong() - frame;
-  const std::string held = ", more than an answer of 4 MiB holds; ";
-  if (frame > rest)
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED,
-            "the frame has " + megabytes(frame) + held + "fetch results.h5, which has it too"};
-  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
-          "case and first step have " + megabytes(rest) + held + "fetch results.h5"};
+  const std::string held = ", more than an answer of 4 MiB holds; fetch results.h5";
+  refuse(grpc::StatusCode::RESOURCE_EXHAUSTED,
+         frame > rest ? "the frame has " + megabytes(frame) + held + ", which has it too"
+                      : "case and first step have " + megabytes(rest) + held);
 }
 
 /// A file on its way to a client.
@@ -125,17 +116,17 @@ struct SentFile {
 /// A file in chunks, from an offset on; OUT_OF_RANGE where that lies beyond its end.
 class FileStream final : public MessageStream<v1::FetchResultResponse> {
 public:
-  using OpenFile = std::function<grpc::Status(const Call&, SentFile&)>;
+  using OpenFile = std::function<SentFile(const Call&)>;
 
   FileStream(WorkPool& lane, CallOrigin origin, std::int64_t offset, OpenFile open_file)
       : MessageStream(lane, std::move(origin)), next_(offset), open_file_(std::move(open_file)) {}
 
 private:
-  grpc::Status open(const Call& call) override {
-    if (const auto status = open_file_(call, file_); !status.ok()) return status;
-    if (next_ >= 0 && next_ <= file_.size) return grpc::Status::OK;
-    return {grpc::StatusCode::OUT_OF_RANGE,
-            file_.name + " has " + std::to_string(file_.size) + " bytes; begin again from 0"};
+  void open(const Call& call) override {
+    file_ = open_file_(call);
+    if (next_ < 0 || next_ > file_.size)
+      refuse(grpc::StatusCode::OUT_OF_RANGE,
+             file_.name + " has " + std::to_string(file_.size) + " bytes; begin again from 0");
   }
 
   /// At least one chunk, which may be empty: size and digest travel with it.
@@ -149,8 +140,7 @@ private:
     chunk.set_sha256(file_.sha256);
     chunk.mutable_data()->resize(size);
     if (file_.file.read_at(next_, *chunk.mutable_data()) != size)
-      return {.end = grpc::Status(grpc::StatusCode::DATA_LOSS,
-                                  "the file became shorter while it was read")};
+      refuse(grpc::StatusCode::DATA_LOSS, "the file became shorter while it was read");
     next_ += static_cast<std::int64_t>(size);
     return {.message = std::move(chunk)};
   }
@@ -161,12 +151,6 @@ private:
   bool begun_ = false;
 };
 
-std::optional<v1::Artifact> artifact_of(const v1::Job& job, const std::string& name) {
-  for (const v1::Artifact& artifact : job.artifacts())
-    if (artifact.name() == name) return artifact;
-  return std::nullopt;
-}
-
 /// A job of a client that has no file, as Python's and those of a study, has one by its case.
 void write_case_file(const std::filesystem::path& folder, const std::filesystem::path& path) {
   v1::Case submitted;
@@ -176,71 +160,66 @@ void write_case_file(const std::filesystem::path& folder, const std::filesystem:
 }
 
 /// What a job of any state may have beside its results, as it is now.
-grpc::Status open_own_file(Context& context, const v1::Job& job, const std::string& name,
-                           SentFile& sent) {
+SentFile open_own_file(Context& context, const v1::Job& job, const std::string& name) {
   const auto folder = context.jobs_directory / job.id();
   std::optional<jobs::CheckFolder> made;  // its file goes with the call
   auto path = folder / name;
   if (!std::filesystem::exists(path)) {
     if (name != jobs::submitted_file)
-      return {grpc::StatusCode::NOT_FOUND,
-              "job " + job.id() + " has no worker.log: it has not begun"};
+      refuse(grpc::StatusCode::NOT_FOUND,
+             "job " + job.id() + " has no worker.log: it has not begun");
     made.emplace(context.query_directory, jobs::Attachments{});
     path = made->path() / name;
     write_case_file(folder, path);
   }
-  sent = {.file = storage::File(path, O_RDONLY), .name = name};
+  SentFile sent{.file = storage::File(path, O_RDONLY), .name = name};
   sent.size = sent.file.size();
   // A worker may go on writing: what follows is not sent.
   sent.sha256 = values::sha256_of_file(path, sent.size);
-  return grpc::Status::OK;
+  return sent;
 }
 
-grpc::Status open_artifact(Context& context, const v1::FetchResultRequest& request,
-                           SentFile& sent) {
-  if (const auto status = check_job_id(request.id()); !status.ok()) return status;
-  const auto job = context.scheduler.find(request.id());
-  if (!job) return job_not_found(request.id());
+SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) {
+  const v1::Job job = find_job(context, request.id());
   if (request.artifact() == jobs::submitted_file || request.artifact() == "worker.log")
-    return open_own_file(context, *job, request.artifact(), sent);
-  if (job->artifacts().empty())
-    return wrong_state(*job, "it has no results yet: watch it until it has ended");
+    return open_own_file(context, job, request.artifact());
+  if (job.artifacts().empty())
+    refuse_state(job, "it has no results yet: watch it until it has ended");
   const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
-  const auto artifact = artifact_of(*job, name);
+  const v1::Artifact* artifact = artifact_of(job, name);
   if (!artifact)
-    return {grpc::StatusCode::NOT_FOUND,
-            "job " + request.id() + " has no result \"" + name + "\"; the job lists those it has"};
-  sent = {.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
-          .name = name,
-          .size = artifact->size_bytes(),
-          .sha256 = artifact->sha256()};
-  if (sent.file.size() == sent.size) return grpc::Status::OK;
-  return {grpc::StatusCode::DATA_LOSS,
-          name + " on the server has not the size its worker wrote; run the job again"};
+    refuse(grpc::StatusCode::NOT_FOUND,
+           "job " + request.id() + " has no result \"" + name + "\"; the job lists those it has");
+  SentFile sent{.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
+                .name = name,
+                .size = artifact->size_bytes(),
+                .sha256 = artifact->sha256()};
+  if (sent.file.size() != sent.size)
+    refuse(grpc::StatusCode::DATA_LOSS,
+           name + " on the server has not the size its worker wrote; run the job again");
+  return sent;
 }
 
 /// The study as a file that has no name any more: it is gone with the call. A study that has not
 /// changed gives the same bytes, so that a client goes on where it was.
-grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request,
-                        SentFile& sent) {
-  if (const auto status = check_study_id(request.id()); !status.ok()) return status;
+SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request) {
   v1::EvaluateStudyRequest every_curve;
   every_curve.set_id(request.id());
   every_curve.set_curves(true);
-  const auto result = context.studies.evaluate(every_curve);
-  if (!result) return study_not_found(request.id());
+  v1::WorkerRequest asked;
+  *asked.mutable_write_table()->mutable_study() =
+      of_study(request.id(), context.studies.evaluate(every_curve));
   const jobs::CheckFolder folder(context.query_directory, {});
   const auto path = folder.path() / "study.h5";
-  v1::WorkerRequest asked;
   asked.mutable_write_table()->set_path(path);
-  *asked.mutable_write_table()->mutable_study() = *result;
-  context.warm_workers.ask(asked, waiting_time(call, context.check_timeout));
-  sent = {.file = storage::File(path, O_RDONLY),
-          .name = "the table of study " + request.id(),
-          .sha256 = values::sha256_of_file(path)};
+  context.warm_workers.ask(asked, waiting_time(call, context.settings.check_timeout_s()));
+  SentFile sent{.file = storage::File(path, O_RDONLY),
+                .name = "the table of study " + request.id(),
+                .sha256 = values::sha256_of_file(path)};
   sent.size = sent.file.size();
-  if (request.sha256().empty() || request.sha256() == sent.sha256) return grpc::Status::OK;
-  return {grpc::StatusCode::ABORTED, "the study went on meanwhile; begin again from 0"};
+  if (!request.sha256().empty() && request.sha256() != sent.sha256)
+    refuse(grpc::StatusCode::ABORTED, "the study went on meanwhile; begin again from 0");
+  return sent;
 }
 
 }  // namespace
@@ -248,36 +227,27 @@ grpc::Status open_study(Context& context, const Call& call, const v1::FetchStudy
 SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
                                                          const v1::QueryResultRequest* request,
                                                          v1::QueryResultResponse* response) {
-  const auto work = [=, this](const Call& call) {
-    if (const auto status = check_job_id(request->id()); !status.ok()) return status;
-    const auto job = context_.scheduler.find(request->id());
-    if (!job) return job_not_found(request->id());
-    if (request->page_token().empty()) {
-      const auto status = add_case_and_frame(context_, call, *request, *job, *response);
-      if (!status.ok()) return status;
-    }
-    const grpc::Status status = add_steps(context_, *request, *response);
-    return status.ok() ? fits_into_answer(*response) : status;
-  };
-  return answer(wire, *request, {{request->frame() ? lanes_.checks : lanes_.histories, work}});
+  WorkPool& lane = request->frame() ? lanes_.checks : lanes_.histories;
+  return answer(wire, *request, lane, [=, this](const Call& call) {
+    const v1::Job job = find_job(context_, request->id());
+    if (request->page_token().empty()) add_case_and_frame(context_, call, *request, job, *response);
+    add_steps(context_, *request, *response);
+    check_size(*response);
+  });
 }
 
 SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchResult(
     Wire* wire, const v1::FetchResultRequest* request) {
-  const auto open = [this, request = *request](const Call&, SentFile& sent) {
-    return open_artifact(context_, request, sent);
-  };
-  return begin_stream<FileStream>(lanes_.status, origin_of(wire, *request), request->offset(),
-                                  open);
+  return begin_stream<FileStream>(
+      lanes_.status, origin_of(wire, *request), request->offset(),
+      [this, request = *request](const Call&) { return open_artifact(context_, request); });
 }
 
 SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchStudy(
     Wire* wire, const v1::FetchStudyRequest* request) {
-  const auto open = [this, request = *request](const Call& call, SentFile& sent) {
-    return open_study(context_, call, request, sent);
-  };
-  return begin_stream<FileStream>(lanes_.checks, origin_of(wire, *request), request->offset(),
-                                  open);
+  return begin_stream<FileStream>(
+      lanes_.checks, origin_of(wire, *request), request->offset(),
+      [this, request = *request](const Call& call) { return open_study(context_, call, request); });
 }
 
 }  // namespace dccast::service

@@ -26,21 +26,21 @@ namespace {
 
 constexpr const char* alive = "alive";
 
-/// Clients may ping as often as every 10 s, also between calls; without this gRPC answers them with
-/// "too many pings" and hangs up.
-void permit_pings(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
-}
-
-/// A connection that is silent from the start, or falls silent, is closed: a client that is alive
-/// reconnects without noticing.
-void end_idle_connections(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000);
-}
+/// Of all connections.
+constexpr std::pair<const char*, int> channel_arguments[]{
+    // Clients may ping as often as every 10 s, also between calls; without this gRPC answers them
+    // with "too many pings" and hangs up.
+    {GRPC_ARG_KEEPALIVE_TIME_MS, 20000},
+    {GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000},
+    {GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1},
+    {GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000},
+    // A connection that is silent from the start, or falls silent, is closed: a client that is
+    // alive reconnects without noticing.
+    {GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000},
+    {GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000},
+    // No more calls are open than a busy client needs: what waits beyond is the client's.
+    {GRPC_ARG_MAX_CONCURRENT_STREAMS, 100}};
+constexpr std::size_t memory_of_transports = 256'000'000;  // [bytes]
 
 // What a client sends before its first request, with some pings: preface, settings, window; with
 // TLS its half of the handshake, too, without a certificate.
@@ -121,30 +121,8 @@ public:
   }
 };
 
-std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors() {
-  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> all;
-  all.push_back(std::make_unique<UnreadableRequests>());
-  return all;
-}
-
 // Of requests that have not come whole, beside one of the largest [bytes].
 constexpr std::size_t unfinished_beside_the_largest = 32'000'000;
-
-/// One connection has no more calls open than a busy client needs: what waits beyond is the
-/// client's. Memory of all transports is bounded, too.
-void bound_connections(grpc::ServerBuilder& builder) {
-  constexpr int most_calls_of_a_connection = 100;
-  constexpr std::size_t most_bytes = 256'000'000;
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_calls_of_a_connection);
-  builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(most_bytes));
-}
-
-/// The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
-/// gigabytes, which gRPC would unpack before anything looks at them.
-void refuse_compression(grpc::ServerBuilder& builder) {
-  for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE})
-    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
-}
 
 }  // namespace
 
@@ -162,21 +140,26 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   auto local_acceptor = acceptor_with(builder, grpc::InsecureServerCredentials());
   const auto tls_acceptor =
       tls_ ? acceptor_with(builder, tls_credentials(*tls_, context.gate)) : nullptr;
-  builder.experimental().SetInterceptorCreators(interceptors());
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<UnreadableRequests>());
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   builder.RegisterService(&service_);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(context.maximum_message_bytes));
-  refuse_compression(builder);
-  bound_connections(builder);
-  bound_unfinished_requests(static_cast<std::size_t>(context.maximum_message_bytes) +
-                            unfinished_beside_the_largest);
-  permit_pings(builder);
-  end_idle_connections(builder);
+  const double largest = context.settings.maximum_message_bytes();
+  builder.SetMaxReceiveMessageSize(static_cast<int>(largest));
+  // The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
+  // gigabytes, which gRPC would unpack before anything looks at them.
+  for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE})
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  for (const auto& [name, value] : channel_arguments) builder.AddChannelArgument(name, value);
+  builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(memory_of_transports));
+  bound_unfinished_requests(static_cast<std::size_t>(largest) + unfinished_beside_the_largest);
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot serve on " + local_.address());
-  local_.start({.connections = context.maximum_connections, .greeting_bytes = greeting_bytes},
+  const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
+  local_.start({.connections = connections, .greeting_bytes = greeting_bytes},
                hand_over(std::move(local_acceptor)));
   if (tls_)
-    tls_->listener.start({.connections = context.maximum_connections,
+    tls_->listener.start({.connections = connections,
                           .per_peer = tls_->connections_per_peer,
                           .greeting_bytes = tls_greeting_bytes,
                           .over_tls = true},

@@ -2,13 +2,14 @@
 
 #include <utility>
 
-#include "server/service/status.hpp"
+#include "server/service/refusals.hpp"
 
 namespace dccast::service {
 
 SimulationService::SimulationService(Context& context)
     : context_(context),
-      lanes_(context.checks_at_once, context.queries_at_once, context.maximum_waiting_checks) {}
+      lanes_(context.settings.checkers(), context.settings.query_workers(),
+             context.settings.maximum_waiting_checks()) {}
 
 /// A call on its way through its lanes.
 struct SimulationService::UnaryCall {
@@ -45,13 +46,12 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
     bool admitted = number > 0;
     const grpc::Status status = guarded([&] {
       if (!admitted) {
-        const auto refusal =
-            call->origin.admit([wire = call->wire] { return wire->IsCancelled(); }, call->call);
-        if (!refusal.ok()) return refusal;
+        call->call = call->origin.admit([wire = call->wire] { return wire->IsCancelled(); });
         admitted = true;
+        call->origin.check_id();
       }
-      const auto unwanted = no_longer_wanted(call->call);
-      return unwanted ? *unwanted : call->stages[number].work(call->call);
+      check_wanted(call->call);
+      call->stages[number].work(call->call);
     });
     if (!admitted) return call->reactor->Finish(status);
     if (!status.ok()) return call->finish(status);

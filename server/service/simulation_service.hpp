@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dccast/v1/service.grpc.pb.h"
@@ -30,6 +31,9 @@ public:
   Unary* ValidateCase(Wire*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
   Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
   Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
+  Unary* Enrol(Wire*, const v1::EnrolRequest*, v1::EnrolResponse*) override;
+  Unary* WhoAmI(Wire*, const v1::WhoAmIRequest*, v1::WhoAmIResponse*) override;
+  Unary* RevokeToken(Wire*, const v1::RevokeTokenRequest*, v1::RevokeTokenResponse*) override;
 
   // jobs.cpp
   Unary* SubmitJob(Wire*, const v1::SubmitJobRequest*, v1::Job*) override;
@@ -41,11 +45,6 @@ public:
   Unary* UpdateJob(Wire*, const v1::UpdateJobRequest*, v1::Job*) override;
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
-
-  // users.cpp
-  Unary* Enrol(Wire*, const v1::EnrolRequest*, v1::EnrolResponse*) override;
-  Unary* WhoAmI(Wire*, const v1::WhoAmIRequest*, v1::WhoAmIResponse*) override;
-  Unary* RevokeToken(Wire*, const v1::RevokeTokenRequest*, v1::RevokeTokenResponse*) override;
 
   // results.cpp
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
@@ -67,17 +66,21 @@ public:
   Stream<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:
-  /// A part of a call and the lane that does it. It may throw: guarded().
+  using Work = std::function<void(const Call&)>;
+  /// A part of a call and the lane that does it.
   struct Stage {
     WorkPool& lane;
-    std::function<grpc::Status(const Call&)> work;
+    Work work;
   };
   struct UnaryCall;
 
-  /// Answers a call by its stages in turn, as long as it is wanted; the first that is not OK ends
-  /// it.
+  /// Answers a call by its stages in turn, as long as it is wanted; what one throws ends it:
+  /// guarded().
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
+  Unary* answer(Wire* wire, const google::protobuf::Message& request, WorkPool& lane, Work work) {
+    return answer(wire, request, {{lane, std::move(work)}});
+  }
   void do_stage(std::shared_ptr<UnaryCall> call, std::size_t number);
   CallOrigin origin_of(const Wire* wire, const google::protobuf::Message& request) {
     return {*wire, context_.gate, request};

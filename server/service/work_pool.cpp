@@ -8,15 +8,8 @@
 namespace dccast::service {
 
 WorkPool::WorkPool(int threads, const WaitingBound& bound) : bound_(bound) {
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
-}
-
-WorkPool::~WorkPool() {
-  {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
-  changed_.notify_all();
+  for (int i = 0; i < threads; ++i)
+    threads_.emplace_back([this](const std::stop_token& stop) { run(stop); });
 }
 
 bool WorkPool::post(std::function<void()> work, std::size_t bytes) {
@@ -31,13 +24,12 @@ bool WorkPool::post(std::function<void()> work, std::size_t bytes) {
   return true;
 }
 
-void WorkPool::run() {
+void WorkPool::run(const std::stop_token& stop) {
   for (;;) {
     std::function<void()> work;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return closed_ || !waiting_.empty(); });
-      if (waiting_.empty()) return;
+      if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) return;
       work = std::move(waiting_.front().work);
       waiting_bytes_ -= waiting_.front().bytes;
       waiting_.pop_front();

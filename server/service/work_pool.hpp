@@ -20,9 +20,8 @@ struct WaitingBound {
 /// A few threads for calls that wait for the disk or compute: gRPC's own threads must not.
 class WorkPool {
 public:
+  /// Its end does what was posted.
   explicit WorkPool(int threads, const WaitingBound& bound = {});
-  /// Does what was posted, then ends.
-  ~WorkPool();
   /// With one thread, work is done in the order it was posted. What it throws is logged.
   /// @param bytes  that it keeps in memory
   /// @return       false when too much is waiting: the work was not taken
@@ -34,14 +33,13 @@ private:
     std::size_t bytes = 0;
   };
 
-  void run();
+  void run(const std::stop_token& stop);
 
   const WaitingBound bound_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   std::deque<Work> waiting_;
   std::size_t waiting_bytes_ = 0;
-  bool closed_ = false;
   std::vector<std::jthread> threads_;
 };
 

@@ -1,0 +1,308 @@
+#include "server/service/refusals.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <new>
+#include <system_error>
+
+#include "core/storage/storage_error.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/printable.hpp"
+#include "server/jobs/log.hpp"
+#include "server/service/call.hpp"
+#include "server/service/context.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+constexpr int most_labels = 20;
+constexpr std::size_t longest_label = 64;             // bytes
+constexpr std::size_t most_bytes_of_changes = 16384;  // they are shown in lists of 1000 jobs
+constexpr int largest_page = 1000;
+// Primary result codes of SQLite, which only jobs/sqlite.cpp may include.
+constexpr int sqlite_read_only = 8;
+constexpr int sqlite_io_error = 10;
+constexpr int sqlite_corrupt = 11;
+constexpr int sqlite_full = 13;
+constexpr int sqlite_cannot_open = 14;
+constexpr int sqlite_not_a_database = 26;
+// With base64 and the message beside it this stays below the 8 KiB of the trailers.
+constexpr std::size_t largest_details = 4096;
+
+grpc::Status disk_refuses(const std::string& what) {
+  return {
+      grpc::StatusCode::RESOURCE_EXHAUSTED,
+      what + "; the server's data directory takes nothing more: free space there, then try again"};
+}
+
+grpc::Status internal(const std::string& what) {
+  const std::string shown = values::escaped(what, values::Lines::several);
+  log::error("{}", values::escaped(what));
+  return {grpc::StatusCode::INTERNAL, shown};
+}
+
+/// The log has the SQL that failed; a caller receives what is wrong with the store and who repairs
+/// it.
+grpc::Status store_refuses(const jobs::StoreError& error) {
+  log::error("{}", error.what());
+  switch (error.code()) {
+    case sqlite_full:
+      return disk_refuses("the job store cannot grow");
+    case sqlite_read_only:
+      return disk_refuses("the job store is not writable");
+    case sqlite_io_error:
+    case sqlite_cannot_open:
+      return disk_refuses("the job store cannot be read or written");
+    case sqlite_corrupt:
+    case sqlite_not_a_database:
+      return {
+          grpc::StatusCode::DATA_LOSS,
+          "the job store of this dccastd, jobs.sqlite in its data directory, is damaged; stop it "
+          "and run `dccastd check --repair`, or restore a backup with `dccastd restore`"};
+    default:
+      return {grpc::StatusCode::INTERNAL,
+              "the job store did not answer as it should (SQLite code " +
+                  std::to_string(error.code()) + "); the log of dccastd says more"};
+  }
+}
+
+/// Whether asking again can help decides the code.
+grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
+  using Why = jobs::WorkerDidNotAnswer::Why;
+  const std::string what = values::escaped(error.what());
+  log::warn("{}", what);
+  switch (error.why()) {
+    case Why::called_off:
+      return {grpc::StatusCode::CANCELLED, what};
+    case Why::not_started:
+    case Why::killed:
+      return {grpc::StatusCode::UNAVAILABLE, what + "; try again"};
+    case Why::too_slow:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              what +
+                  " (check_timeout in the settings of dccastd); try again, or make mesh and "
+                  "tables of the case smaller"};
+    case Why::too_large:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+              what + " of memory; make mesh and tables of the case smaller"};
+    default:
+      return internal(what +
+                      ". It is a fault of dccast if it does so again: report it with the case");
+  }
+}
+
+void check_uuid(const std::string& given, const std::string& of_what, const std::string& origin) {
+  if (values::is_uuid(given)) return;
+  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
+  std::string message = "\"";
+  message += values::escaped(values::shortened(given));
+  message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
+  refuse(message);
+}
+
+bool read_age_token(const std::string& token, AgePage& page) {
+  if (token.empty()) return true;
+  const auto dot = token.find('.');
+  if (dot == std::string::npos || !values::is_uuid(token.substr(dot + 1))) return false;
+  page.before_id = token.substr(dot + 1);
+  const auto [end, error] = std::from_chars(token.data(), token.data() + dot, page.before_ms);
+  return error == std::errc() && end == token.data() + dot;
+}
+
+[[noreturn]] void refuse_unknown_job(const std::string& id) {
+  refuse(grpc::StatusCode::NOT_FOUND,
+         "there is no job " + id + " here; the list of jobs names those there are");
+}
+
+}  // namespace
+
+void refuse(grpc::StatusCode code, const std::string& why) {
+  throw Refusal{{code, why}};
+}
+
+void refuse(const std::string& why) {
+  refuse(grpc::StatusCode::INVALID_ARGUMENT, why);
+}
+
+grpc::Status guarded(const std::function<void()>& handler) {
+  try {
+    handler();
+    return grpc::Status::OK;
+  } catch (const Refusal& refusal) {
+    return refusal.status;
+  } catch (const jobs::QueueFull& error) {
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
+  } catch (const jobs::RequestIdTaken& error) {
+    return {grpc::StatusCode::ALREADY_EXISTS, error.what()};
+  } catch (const jobs::StorageHeld& error) {
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
+  } catch (const jobs::ShuttingDown& error) {
+    return {grpc::StatusCode::UNAVAILABLE, error.what()};
+  } catch (const jobs::StoreError& error) {
+    return store_refuses(error);
+  } catch (const jobs::WorkerDidNotAnswer& error) {
+    return not_answered(error);
+  } catch (const std::system_error& error) {
+    if (!storage::is_disk_fault(error.code())) return internal(error.what());
+    log::error("{}", error.what());
+    return disk_refuses(error.what());
+  } catch (const std::bad_alloc&) {
+    log::error("out of memory");
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
+  } catch (const std::exception& error) {
+    return internal(error.what());
+  } catch (...) {
+    return internal("something was thrown that is no exception");
+  }
+}
+
+grpc::Status too_many_waiting() {
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+          "too many calls of this kind are waiting already; try again in a moment"};
+}
+
+void check_job_id(const std::string& id) {
+  check_uuid(id, "job", "as it was given for the job submitted, or stands in the list of jobs");
+}
+
+void check_study_id(const std::string& id) {
+  check_uuid(id, "study", "chosen by who submits the first job of the study");
+}
+
+void check_study_of_job(const std::string& study) {
+  if (!study.empty()) check_study_id(study);
+}
+
+void check_text(const std::string& name, const std::string& text) {
+  if (const std::string fault = values::too_long(name, text); !fault.empty()) refuse(fault);
+  if (const auto character = values::unprintable(text))
+    refuse(name + " contains " + *character + "; leave that character out");
+}
+
+void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels) {
+  if (labels.size() > most_labels)
+    refuse("there are " + std::to_string(labels.size()) + " labels; a job has at most " +
+           std::to_string(most_labels));
+  for (const std::string& label : labels) {
+    const std::string given = "the label \"" + values::escaped(values::shortened(label)) + "\" ";
+    if (label.empty() || label.size() > longest_label)
+      refuse(given + "is not one line of 1 to " + std::to_string(longest_label) + " bytes");
+    if (const auto character = values::unprintable(label))
+      refuse(given + "contains " + *character + "; leave that character out");
+  }
+}
+
+void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes) {
+  std::size_t bytes = 0;
+  for (const v1::CaseChange& change : changes) {
+    bytes += change.ByteSizeLong();
+    for (const std::string& text : {change.key(), change.value()})
+      if (const auto character = values::unprintable(text, values::Lines::several))
+        refuse("a change of the case contains " + *character);
+  }
+  if (bytes > most_bytes_of_changes)
+    refuse("the changes of the case take " + std::to_string(bytes) + " bytes; at most " +
+           std::to_string(most_bytes_of_changes) + " are kept: write them into the case");
+}
+
+void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& whose) {
+  if (verdict.faults_size() == 0) return;
+  v1::ValidateCaseResponse details;
+  for (const v1::Fault& fault : verdict.faults()) {
+    *details.add_faults() = fault;
+    if (details.ByteSizeLong() <= largest_details) continue;
+    details.mutable_faults()->RemoveLast();
+    break;
+  }
+  std::string message = (whose.empty() ? "" : whose + ": ") + "the case has " +
+                        std::to_string(verdict.faults_size()) + " fault" +
+                        (verdict.faults_size() == 1 ? "" : "s");
+  if (details.faults_size() < verdict.faults_size())
+    message += " (" + std::to_string(details.faults_size()) +
+               " given here; validating the case gives all)";
+  const v1::Fault& first = verdict.faults(0);
+  message += "; first: " + first.field() + ": " + first.message().substr(0, 512);
+  throw Refusal{{grpc::StatusCode::INVALID_ARGUMENT, message, details.SerializeAsString()}};
+}
+
+intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
+                                const jobs::Attachments& attachments, const std::string& whose) {
+  auto examined = context.intake.examine(submitted, attachments, {},
+                                         waiting_time(call, context.settings.check_timeout_s()));
+  check_verdict(examined.verdict, whose);
+  return examined;
+}
+
+void check_may_queue(Context& context, const Call& call, const std::string& request_id) {
+  using grpc::StatusCode::RESOURCE_EXHAUSTED;
+  const access::Caller& caller = call.caller;
+  const v1::DaemonConfig& settings = context.settings;
+  if (caller.role >= v1::ADMIN) return;
+  if (const auto before =
+          request_id.empty() ? std::nullopt : context.store.find_request(request_id)) {
+    if (before->job.owner() == caller.name) return;
+    refuse(grpc::StatusCode::ALREADY_EXISTS,
+           "another user has submitted a job with this request_id; choose a new one");
+  }
+  if (const double most = settings.maximum_disk_per_user_bytes(); most > 0.0)
+    if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
+      refuse(RESOURCE_EXHAUSTED, "the jobs of " + caller.name + " hold " + std::to_string(held) +
+                                     " bytes on the server; maximum_disk_per_user = " +
+                                     std::to_string(std::llround(most)) +
+                                     " bytes; delete some (dccast delete)");
+  const int unfinished = context.store.unfinished_of(caller.name);
+  if (unfinished >= settings.maximum_queued_per_user())
+    refuse(RESOURCE_EXHAUSTED, caller.name + " has " + std::to_string(unfinished) +
+                                   " jobs that have not ended; maximum_queued_per_user = " +
+                                   std::to_string(settings.maximum_queued_per_user()) +
+                                   "; submit again when some have ended");
+}
+
+v1::Job find_job(Context& context, const std::string& id) {
+  if (auto job = context.scheduler.find(id)) return std::move(*job);
+  refuse_unknown_job(id);
+}
+
+void refuse_unknown_study(const std::string& id) {
+  refuse(grpc::StatusCode::NOT_FOUND,
+         "there is no study " + id + " here; the list of studies names those there are");
+}
+
+void refuse_state(const v1::Job& job, const std::string& remedy) {
+  const bool ended = jobs::is_terminal(job.state());
+  refuse(grpc::StatusCode::FAILED_PRECONDITION,
+         "job " + job.id() + " is " + v1::JobState_Name(job.state()) + "; " +
+             (ended ? "it has ended, submit its case again for another run" : remedy));
+}
+
+v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string& remedy) {
+  using Kind = jobs::Reply::Kind;
+  if (reply.kind == Kind::not_found) refuse_unknown_job(id);
+  if (reply.kind == Kind::wrong_state) refuse_state(reply.job, remedy);
+  if (reply.kind == Kind::being_cancelled)
+    refuse(grpc::StatusCode::ABORTED,
+           "job " + id + " is being cancelled; try again when its worker has left it");
+  return reply.job;
+}
+
+v1::Study done(const studies::StudyReply& reply, const std::string& id, const std::string& remedy) {
+  using Kind = studies::StudyReply::Kind;
+  if (reply.kind == Kind::not_found) refuse_unknown_study(id);
+  if (reply.kind == Kind::wrong_state)
+    refuse(grpc::StatusCode::FAILED_PRECONDITION,
+           "study " + id + " is " + v1::StudyState_Name(reply.study.state()) + "; " + remedy);
+  return reply.study;
+}
+
+AgePage read_page(const std::string& list, const std::string& token, int size) {
+  AgePage page;
+  if (!read_age_token(token, page))
+    refuse("the page_token is not one of " + list + "; begin again without it");
+  if (size < 0) refuse("page_size must not be negative");
+  if (size > 0) page.size = std::min(size, largest_page);
+  return page;
+}
+
+}  // namespace dccast::service
