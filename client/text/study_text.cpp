@@ -188,8 +188,7 @@ namespace {
 /// own.
 std::string si_suffix(const std::string& key) {
   if (key.ends_with(".scale")) return "_factor";
-  v1::Case any;
-  const auto* const field = case_file::place_of(any, key).field;
+  const auto* const field = case_file::field_at(v1::Case(), key);
   const auto suffix =
       field == nullptr ? std::nullopt : case_file::unit_suffix(case_file::key_of(*field).unit());
   return suffix && !suffix->empty() ? *suffix : "_si";

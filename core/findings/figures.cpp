@@ -7,7 +7,6 @@
 
 #include "core/findings/motion.hpp"
 #include "core/findings/shell.hpp"
-#include "core/findings/slice.hpp"
 
 namespace dccast::casting {
 
@@ -20,11 +19,6 @@ constexpr double first_metal_out = 5e-3;
 /// From this solid fraction on [1] the mush is as tough as solid metal; 0.94 to 0.99 by alloy
 /// (docs/findings.md).
 constexpr double tough_solid_fraction = 0.98;
-
-template <class Place>
-PlacedFigure placed(double value, const Place& place) {
-  return {value, {place.begin(), place.end()}};
-}
 
 /// Node of the bottom that is nearest to a place.
 template <int Dim>
@@ -46,27 +40,26 @@ double greatest_lift(std::span<const std::vector<double>> displacement) {
   return std::isfinite(most) ? most : 0.0;
 }
 
-}  // namespace
-
-double shell_isotherm(const Case& c) {
-  return c.alloy.shell_temperature();
-}
-
+/// Distance of the mould exit, where the water begins, below the metal level [m].
 double mould_exit(const Case& c) {
   return c.cooling.water.from;
 }
 
+/// Distance below the metal level [m] at which the mould contact, the uppermost zone, ends; without
+/// a zone that of the mould exit.
 double contact_end(const Case& c) {
   const auto& zones = c.cooling.zones;
   if (zones.empty()) return mould_exit(c);
   return std::ranges::min_element(zones, {}, &thermal::SideZone::from)->to;
 }
 
+}  // namespace
+
 template <int Dim>
 StepMeter<Dim>::StepMeter(const Case& c)
     : case_(c),
       properties_(c.alloy),
-      isotherm_(shell_isotherm(c)),
+      isotherm_(c.alloy.shell_temperature()),
       fragile_above_(material::temperature_of_fraction(c.alloy, 1.0 - tough_solid_fraction)),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}
@@ -78,8 +71,8 @@ void StepMeter<Dim>::measure_exit(const StepView<Dim>& view, StepFigures& f) con
   const auto slice = slice_at(view.mesh, view.temperature, std::max(0.0, height), isotherm_);
   if (!slice) return;  // a mesh without a side
   f.left_mould = height >= 0.0 && view.cast_length >= first_metal_out;
-  f.exit_surface = placed(slice->hottest_surface, slice->hottest_at);
-  f.exit_shell = placed(slice->shell, slice->thinnest_at);
+  f.exit_surface = slice->surface;
+  f.exit_shell = slice->shell;
 }
 
 /// Checks a few heights only: a remelted band is centimetres high.
@@ -99,15 +92,14 @@ void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) cons
     const double distance = begin + length * i / heights;
     if (distance > view.metal_level) return;
     const auto surface = at(distance);
-    if (!surface || surface->value <= f.gap_surface.value) continue;
-    f.gap_surface = placed(surface->value, surface->place);
+    if (surface && surface->value > f.gap_surface.value) f.gap_surface = *surface;
   }
 }
 
 template <int Dim>
 void StepMeter<Dim>::measure_bottom(const StepView<Dim>& view, StepFigures& f) const {
   const Located<Dim> shell = bottom_shell(view.mesh, view.temperature, isotherm_);
-  f.bottom_shell = placed(shell.value, shell.place);
+  f.bottom_shell = shell;
   const std::vector<int> nodes = mesh::patch_nodes(view.mesh, mesh::PatchKind::bottom);
   if (!f.mechanical || nodes.empty()) return;
   const auto lift = [&](int n) { return view.slab.displacement[std::size_t(n) * Dim + Dim - 1]; };
@@ -182,9 +174,8 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   measure_bottom(view, f);
   if (f.mechanical) measure_mechanics(view, f, history);
   const bool hoop = case_.section.kind == mesh::SectionKind::axisymmetric;
-  const auto strain =
+  f.mush_strain =
       mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
-  f.mush_strain = placed(strain.value, strain.place);
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);
   f.thickest_bottom_shell = history.thickest_bottom_shell;

@@ -26,8 +26,8 @@ struct StepView {
   std::span<const double> temperature;  ///< (node) [°C]
   const mechanics::SlabState<Dim>& slab;
   const mechanics::SlabChecks& checks;  ///< of the mechanical step; ignored before the first one
-  double superheat = 0.0;   ///< [J/m], [J/rad], [J] of the metal poured so far
-  double level_heat = 0.0;  ///< [J/m], [J/rad], [J] in through the metal level so far
+  double superheat = 0.0;               ///< [J/m], [J/rad], [J] of the metal poured so far
+  double level_heat = 0.0;              ///< [J/m], [J/rad], [J] in through the metal level so far
   int growing = 0;                      ///< first element of the row that still stretches
   double face_length = 1.0;             ///< forces are divided by it [m], [m/rad] or [1]
   /// (monitor, coordinate) [m]; not finite if there is no metal yet
@@ -36,23 +36,23 @@ struct StepView {
 
 /// The figures of a step that findings are judged by, for any dimension.
 struct StepFigures {
-  double time = 0.0;                    ///< [s]
-  double time_step = 0.0;               ///< [s]
-  bool moves = false;                   ///< the block moves: the hold is over
-  bool last = false;                    ///< the casting ends with this step
-  bool mechanical = false;              ///< displacements are computed
-  bool solid_model = false;             ///< three dimensions: forces are those of the whole quarter
-  double energy_balance_error = 0.0;    ///< [1] relative to the heat exchanged
-  double superheat = 0.0;               ///< [J/m], [J/rad], [J] of the metal poured so far
-  double level_heat = 0.0;              ///< [J/m], [J/rad], [J] in through the metal level so far
-  double water_share = 0.0;             ///< [1] heat taken of all that the water could take, by face
-  bool water_boiled_away = false;       ///< on some face too little is left to cover it
-  bool water_thrown_off = false;        ///< vapour has thrown it off some face
-  double weight = 0.0;                  ///< [N/m], in 3D [N]
-  double bottom_reaction = 0.0;         ///< [N/m] upwards, in 3D [N]
-  double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
-  double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
-  double sump_depth = 0.0;              ///< [m]
+  double time = 0.0;                   ///< [s]
+  double time_step = 0.0;              ///< [s]
+  bool moves = false;                  ///< the block moves: the hold is over
+  bool last = false;                   ///< the casting ends with this step
+  bool mechanical = false;             ///< displacements are computed
+  bool solid_model = false;            ///< three dimensions: forces are those of the whole quarter
+  double energy_balance_error = 0.0;   ///< [1] relative to the heat exchanged
+  double superheat = 0.0;              ///< [J/m], [J/rad], [J] of the metal poured so far
+  double level_heat = 0.0;             ///< [J/m], [J/rad], [J] in through the metal level so far
+  double water_share = 0.0;            ///< [1] heat taken of all that the water could take, by face
+  bool water_boiled_away = false;      ///< on some face too little is left to cover it
+  bool water_thrown_off = false;       ///< vapour has thrown it off some face
+  double weight = 0.0;                 ///< [N/m], in 3D [N]
+  double bottom_reaction = 0.0;        ///< [N/m] upwards, in 3D [N]
+  double complementarity_error = 0.0;  ///< [1] relative to 1 mm and the weight
+  double metal_depth = 0.0;            ///< [m] from the bottom to the metal level
+  double sump_depth = 0.0;             ///< [m]
   double mould_exit_temperature = 0.0;  ///< [°C] largest of the side at the mould exit
   bool left_mould = false;              ///< metal that was held by the mould has left it
   PlacedFigure exit_surface;  ///< [°C] hottest point of the side at the mould exit, or at the butt
@@ -66,12 +66,12 @@ struct StepFigures {
   /// [m] thinnest_shell(), once a closed shell has existed; empty where it is not judged, or closed
   /// with no least thickness to compare with
   std::optional<PlacedFigure> closed_shell;
-  PlacedFigure mush_strain;            ///< [1]
-  PlacedFigure lift;                   ///< [m] largest lift of the bottom
-  PlacedFigure centre_lift;            ///< [m] of the bottom at the symmetry plane, axis or both planes
-  double corner_lift = 0.0;            ///< [m] of the bottom farthest from there
-  PlacedFigure rotation;               ///< [rad] largest of an element since it solidified
-  PlacedFigure slip;                   ///< [m] of the butt beyond its thermal contraction
+  PlacedFigure mush_strain;  ///< [1]
+  PlacedFigure lift;         ///< [m] largest lift of the bottom
+  PlacedFigure centre_lift;  ///< [m] of the bottom at the symmetry plane, axis or both planes
+  double corner_lift = 0.0;  ///< [m] of the bottom farthest from there
+  PlacedFigure rotation;     ///< [rad] largest of an element since it solidified
+  PlacedFigure slip;         ///< [m] of the butt beyond its thermal contraction
   PlacedFigure liquid_pressure_error;  ///< [1] relative, on the liquidus front
   double greatest_curl = 0.0;          ///< [m] largest of all monitors
 };
@@ -82,14 +82,6 @@ struct FigureHistory {
   std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation()
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
 };
-
-/// The isotherm at which metal counts as shell [°C].
-double shell_isotherm(const Case& casting_case);
-/// Distance of the mould exit, where the water begins, below the metal level [m].
-double mould_exit(const Case& casting_case);
-/// Distance below the metal level [m] at which the mould contact, the uppermost zone, ends; without
-/// a zone that of the mould exit.
-double contact_end(const Case& casting_case);
 
 /// Measures the figures of steps; decides nothing.
 template <int Dim>
@@ -112,12 +104,9 @@ private:
 
   const Case& case_;
   material::MechanicalProperties properties_;
-  double isotherm_;     ///< [°C] shell_isotherm()
+  double isotherm_;       ///< [°C] at which metal counts as shell
   double fragile_above_;  ///< [°C]
-  double solid_below_;  ///< [°C]
+  double solid_below_;    ///< [°C]
 };
-
-extern template class StepMeter<2>;
-extern template class StepMeter<3>;
 
 }  // namespace dccast::casting

@@ -108,8 +108,8 @@ RunFailures judge(const Case& c, const StepFigures& step, FindingsState& state) 
 
 namespace {
 
-using results::Sections;
 using results::Exceedance;
+using results::Sections;
 
 /// Of what may be absent: nothing or one value.
 Sections::Reals as_reals(const std::optional<double>& value) {

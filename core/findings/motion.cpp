@@ -48,8 +48,7 @@ constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
 
 }  // namespace
 
-template <>
-Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
+Turn<2> turn_of(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
   // The integral of grad u over a quadrilateral is a matter of its diagonals, by Gauss' theorem: u
   // is linear along each edge. Those of a triangle are the two edges at its third node.
   const int* node = mesh.nodes_of(element);
@@ -70,8 +69,7 @@ Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double
   return {angle_of(curl, 2.0 * twice_area + divergence)};
 }
 
-template <>
-Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
+Turn<3> turn_of(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
   if (mesh.nodes_per_element == 4)
     return quaternion_of(
         polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
@@ -80,14 +78,15 @@ Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double
       polar_rotation(deformation_gradient(mesh, element, displacement, in_the_middle)));
 }
 
-template <>
-double angle_between<2>(const Turn<2>& from, const Turn<2>& to) {
+namespace {
+
+/// Angle of the rotation from one turn to another [rad], 0 to pi.
+double angle_between(const Turn<2>& from, const Turn<2>& to) {
   const double apart = std::abs(to[0] - from[0]);
   return std::min(apart, 2.0 * std::numbers::pi - apart);  // the smaller of the two angles
 }
 
-template <>
-double angle_between<3>(const Turn<3>& from, const Turn<3>& to) {
+double angle_between(const Turn<3>& from, const Turn<3>& to) {
   // The product of one with the conjugate of the other: real part, and imaginary parts.
   const double real = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3];
   const double i = from[0] * to[1] - from[1] * to[0] - from[2] * to[3] + from[3] * to[2];
@@ -95,6 +94,8 @@ double angle_between<3>(const Turn<3>& from, const Turn<3>& to) {
   const double k = from[0] * to[3] - from[3] * to[0] - from[1] * to[2] + from[2] * to[1];
   return 2.0 * std::atan2(std::hypot(i, j, k), std::abs(real));
 }
+
+}  // namespace
 
 template <int Dim>
 std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element) {
@@ -111,17 +112,18 @@ PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char>
                               std::span<const double> displacement, int growing,
                               std::vector<double>& when_liquid) {
   constexpr std::size_t numbers = std::tuple_size_v<Turn<Dim>>;
+  constexpr Turn<Dim> unmoved{Dim == 2 ? 0.0 : 1.0};
   while (when_liquid.size() < std::size_t(mesh.elements()) * numbers)
-    for (const double number : no_turn<Dim>()) when_liquid.push_back(number);
+    when_liquid.insert(when_liquid.end(), unmoved.begin(), unmoved.end());
   double largest = 0.0;
   int where = -1;
   for (int e = 0; e < mesh.elements(); ++e) {
-    const Turn<Dim> turn = turn_of<Dim>(mesh, e, displacement);
+    const Turn<Dim> turn = turn_of(mesh, e, displacement);
     const auto stored = when_liquid.begin() + static_cast<std::ptrdiff_t>(std::size_t(e) * numbers);
     if (solid[std::size_t(e)] == 0 || e >= growing) std::ranges::copy(turn, stored);
     Turn<Dim> reference;
     std::copy_n(stored, numbers, reference.begin());
-    const double turned = angle_between<Dim>(reference, turn);
+    const double turned = angle_between(reference, turn);
     if (turned <= largest) continue;
     largest = turned;
     where = e;
@@ -163,11 +165,9 @@ void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, Pla
 
 }  // namespace
 
-template <>
-PlacedFigure largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> solid,
-                             std::span<const double> displacement,
-                             std::span<const double> temperature,
-                             const material::MechanicalProperties& properties, double solid_below) {
+PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
+                          std::span<const double> displacement, std::span<const double> temperature,
+                          const material::MechanicalProperties& properties, double solid_below) {
   PlacedFigure slip;
   double contraction = 0.0;  // of the solid from the symmetry plane to here [m]
   for (const auto& edge : mesh.facets(mesh::PatchKind::bottom)) {
@@ -181,11 +181,9 @@ PlacedFigure largest_slip<2>(const mesh::Mesh2D& mesh, std::span<const char> sol
   return slip;
 }
 
-template <>
-PlacedFigure largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> solid,
-                             std::span<const double> displacement,
-                             std::span<const double> temperature,
-                             const material::MechanicalProperties& properties, double solid_below) {
+PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
+                          std::span<const double> displacement, std::span<const double> temperature,
+                          const material::MechanicalProperties& properties, double solid_below) {
   double strain = 0.0;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] != 0)
@@ -203,15 +201,6 @@ PlacedFigure largest_slip<3>(const mesh::Mesh3D& mesh, std::span<const char> sol
   return slip;
 }
 
-template std::vector<double> centroid(const mesh::Mesh<2>&, int);
-template std::vector<double> centroid(const mesh::Mesh<3>&, int);
-template void merge_turns<2>(const mesh::MergedRows&, std::vector<double>&);
-template void merge_turns<3>(const mesh::MergedRows&, std::vector<double>&);
-template PlacedFigure largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
-                                       std::span<const double>, int, std::vector<double>&);
-template PlacedFigure largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
-                                       std::span<const double>, int, std::vector<double>&);
-
 namespace {
 
 template <int Dim>
@@ -224,12 +213,6 @@ Located<Dim> mean_of(const mesh::Mesh<Dim>& mesh, int e, std::span<const double>
     for (std::size_t d = 0; d < Dim; ++d) mean.place[d] += share * mesh.point(n)[d];
   }
   return mean;
-}
-
-template <int Dim>
-double tensile(const SymmetricTensor<Dim>& strain, bool hoop) {
-  const double largest = largest_principal(strain);
-  return Dim == 2 && hoop ? std::max(largest, strain[2]) : largest;
 }
 
 }  // namespace
@@ -263,13 +246,23 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
     const Located<Dim> element = mean_of(mesh, e, temperature);
     if (element.value <= fragile_above) continue;
     for (std::size_t q = 0; q < points; ++q) {
-      const double strain = tensile(slab.viscoplastic[std::size_t(e) * points + q], hoop);
+      const auto& tensor = slab.viscoplastic[std::size_t(e) * points + q];
+      double strain = largest_principal(tensor);
+      if (Dim == 2 && hoop) strain = std::max(strain, tensor[2]);
       if (strain > largest.value) largest = {strain, element.place};
     }
   }
   return largest;
 }
 
+template std::vector<double> centroid(const mesh::Mesh<2>&, int);
+template std::vector<double> centroid(const mesh::Mesh<3>&, int);
+template void merge_turns<2>(const mesh::MergedRows&, std::vector<double>&);
+template void merge_turns<3>(const mesh::MergedRows&, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<2>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
+template PlacedFigure largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
+                                       std::span<const double>, int, std::vector<double>&);
 template Located<2> mush_strain(const mesh::Mesh<2>&, const mechanics::SlabState<2>&,
                                 std::span<const double>, double, int, bool);
 template Located<3> mush_strain(const mesh::Mesh<3>&, const mechanics::SlabState<3>&,

@@ -22,32 +22,11 @@ std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element);
 template <int Dim>
 using Turn = std::array<double, Dim == 2 ? 1 : 4>;
 
-/// The turn of an element that has not moved.
-template <int Dim>
-constexpr Turn<Dim> no_turn() {
-  if constexpr (Dim == 2)
-    return {0.0};
-  else
-    return {1.0, 0.0, 0.0, 0.0};
-}
-
 /// The turn of an element, from the mean of grad u over the element in 2D and from grad u at its
 /// centre in 3D.
 /// @param displacement  (node, Dim) [m]
-template <int Dim>
-Turn<Dim> turn_of(const mesh::Mesh<Dim>& mesh, int element, std::span<const double> displacement);
-template <>
-Turn<2> turn_of<2>(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
-template <>
-Turn<3> turn_of<3>(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
-
-/// Angle of the rotation from one turn to another [rad], 0 to pi.
-template <int Dim>
-double angle_between(const Turn<Dim>& from, const Turn<Dim>& to);
-template <>
-double angle_between<2>(const Turn<2>& from, const Turn<2>& to);
-template <>
-double angle_between<3>(const Turn<3>& from, const Turn<3>& to);
+Turn<2> turn_of(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
+Turn<3> turn_of(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
 
 /// The largest angle by which a solid element has turned since it solidified [rad].
 ///
@@ -79,21 +58,15 @@ void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liqui
 ///
 /// @param solid_below  temperature below which the contraction is counted [°C]
 /// @param temperature  (node) [°C]
-template <int Dim>
-PlacedFigure largest_slip(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below);
-template <>
-PlacedFigure largest_slip<2>(const mesh::Mesh2D&, std::span<const char>, std::span<const double>,
-                             std::span<const double>, const material::MechanicalProperties&,
-                             double);
-template <>
-PlacedFigure largest_slip<3>(const mesh::Mesh3D&, std::span<const char>, std::span<const double>,
-                             std::span<const double>, const material::MechanicalProperties&,
-                             double);
+PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
+                          std::span<const double> displacement, std::span<const double> temperature,
+                          const material::MechanicalProperties& properties, double solid_below);
 
-/// Largest tensile viscoplastic strain of metal below coherency and above `fragile_above` since coherency [1]:
-/// its largest principal value; zero without such metal.
+/// Largest tensile viscoplastic strain since coherency of metal below it and above `fragile_above`
+/// [1]: its largest principal value; zero without such metal.
 ///
 /// In plane strain the out-of-plane direction is left out: the model constrains it rigidly, a real
 /// slab does not. Elastic strain, about 1e-4 in the mush, is left out too.
@@ -110,10 +83,5 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
 /// Largest principal value of a symmetric tensor in 2D or 3D [unit of the tensor].
 double largest_principal(const SymmetricTensor<2>& in_plane);
 double largest_principal(const SymmetricTensor<3>& tensor);  ///< [unit of the tensor]
-
-extern template Located<2> mush_strain(const mesh::Mesh<2>&, const mechanics::SlabState<2>&,
-                                       std::span<const double>, double, int, bool);
-extern template Located<3> mush_strain(const mesh::Mesh<3>&, const mechanics::SlabState<3>&,
-                                       std::span<const double>, double, int, bool);
 
 }  // namespace dccast::casting

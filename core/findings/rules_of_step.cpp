@@ -120,7 +120,7 @@ Found centre_lifts(const Case&, const StepFigures& f) {
 }
 
 Found hot_exit(const Case& c, const StepFigures& f) {
-  const double limit = shell_isotherm(c);
+  const double limit = c.alloy.shell_temperature();
   if (!f.moves || !f.left_mould || f.exit_surface.value < limit) return std::nullopt;
   return Exceeded{f.exit_surface, limit,
                   sentence("The surface leaves the mould at %.4g degC, above the %.6g degC at "
@@ -142,7 +142,7 @@ Found thin_exit(const Case& c, const StepFigures& f) {
 /// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
 /// that is solid there and melts again does so because of the gap.
 Found remelting_in_gap(const Case& c, const StepFigures& f) {
-  const double limit = shell_isotherm(c);
+  const double limit = c.alloy.shell_temperature();
   if (!f.moves || !f.in_gap || f.gap_entry >= limit || f.gap_surface.value < limit)
     return std::nullopt;
   return Exceeded{f.gap_surface, limit,
@@ -311,9 +311,10 @@ Found hot_tears(const Case& c, const StepFigures& f) {
   if (f.mush_strain.value <= limit) return std::nullopt;
   return Exceeded{
       f.mush_strain, limit,
-      sentence("Metal that is coherent but not yet tough has been stretched by %.3g %%, more than the "
-               "%.3g %% that melt can feed: hot tears are likely there.",
-               in_percent * f.mush_strain.value, in_percent * limit)};
+      sentence(
+          "Metal that is coherent but not yet tough has been stretched by %.3g %%, more than the "
+          "%.3g %% that melt can feed: hot tears are likely there.",
+          in_percent * f.mush_strain.value, in_percent * limit)};
 }
 
 /// The upper edge of the plant's range holds at any time.

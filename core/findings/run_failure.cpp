@@ -8,30 +8,21 @@ namespace dccast::casting {
 
 namespace {
 
-struct NamedKind {
-  FailureKind kind;
-  const char* name;
-};
-
-constexpr std::array<NamedKind, 7> names{{
-    {FailureKind::solve_failed, "solve_failed"},
-    {FailureKind::check_failed, "check_failed"},
-    {FailureKind::shell_melted_through, "shell_melted_through"},
-    {FailureKind::motion_too_large, "motion_too_large"},
-    {FailureKind::liquid_pressure_lost, "liquid_pressure_lost"},
-    {FailureKind::storage, "storage"},
-    {FailureKind::other_version, "other_version"},
-}};
+/// In the order of FailureKind.
+constexpr std::array names{"solve_failed",     "check_failed",         "shell_melted_through",
+                           "motion_too_large", "liquid_pressure_lost", "storage",
+                           "other_version"};
 
 }  // namespace
 
 std::string name_of(FailureKind kind) {
-  return std::ranges::find(names, kind, &NamedKind::kind)->name;
+  return names[std::size_t(kind)];
 }
 
 std::optional<FailureKind> failure_kind(std::string_view name) {
-  const auto found = std::ranges::find(names, name, &NamedKind::name);
-  return found == names.end() ? std::nullopt : std::optional(found->kind);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<FailureKind>(found - names.begin());
 }
 
 bool ends_run(FailureKind kind) {

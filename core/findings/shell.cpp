@@ -56,9 +56,8 @@ std::vector<char> open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> s
     reached[std::size_t(n)] = 1;
     to_do.push_back(n);
   };
-  for (int n = 0; n < mesh.nodes(); ++n) {
+  for (int n = 0; n < mesh.nodes(); ++n)
     if (mesh.point(n)[Dim - 1] >= level - same_height) reach(n);
-  }
   while (!to_do.empty()) {
     const int n = to_do.back();
     to_do.pop_back();
@@ -89,6 +88,19 @@ struct Tip {
 
 }  // namespace
 
+std::span<const std::pair<int, int>> edges_of(int dimension, int nodes_per_element) {
+  using Edge = std::pair<int, int>;
+  static constexpr Edge triangle[] = {{0, 1}, {1, 2}, {2, 0}};
+  static constexpr Edge quadrilateral[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+  static constexpr Edge tetrahedron[] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  static constexpr Edge hexahedron[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                        {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+  if (nodes_per_element == 3) return triangle;
+  if (nodes_per_element == 8) return hexahedron;
+  if (dimension == 2) return quadrilateral;
+  return tetrahedron;
+}
+
 /// Dijkstra's shortest path.
 template <int Dim>
 std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
@@ -113,9 +125,8 @@ std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
     if (tip.length > shortest[std::size_t(tip.node)]) continue;
     for (int e : around.of(tip.node)) {
       const bool free = solid[std::size_t(e)] == 0;
-      for (int n : corners(mesh, e)) {
+      for (int n : corners(mesh, e))
         go_to(n, tip.length + (free ? 0.0 : distance(mesh, tip.node, n)), tip.begin);
-      }
     }
   }
   return std::nullopt;
@@ -127,27 +138,13 @@ bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
   for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) at_bottom[std::size_t(n)] = 1;
   for (int e = 0; e < mesh.elements(); ++e) {
     if (solid[std::size_t(e)] != 0) continue;
-    for (int n : corners(mesh, e)) {
+    for (int n : corners(mesh, e))
       if (at_bottom[std::size_t(n)] != 0) return true;
-    }
   }
   return false;
 }
 
-template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<2>&, std::span<const char>);
-template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<3>&, std::span<const char>);
-template bool melt_touches_bottom(const mesh::Mesh<2>&, std::span<const char>);
-template bool melt_touches_bottom(const mesh::Mesh<3>&, std::span<const char>);
-
 namespace {
-
-template <int Dim>
-Located<Dim> whole_height(const mesh::Mesh<Dim>& mesh) {
-  Located<Dim> found;
-  for (int n = 0; n < mesh.nodes(); ++n)
-    found.value = std::max(found.value, mesh.point(n)[Dim - 1]);
-  return found;
-}
 
 /// Height of the lowest node of an element [m].
 template <int Dim>
@@ -172,7 +169,7 @@ std::array<double, Dim> crossing(const double* cold, const double* hot, double s
 template <int Dim>
 Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                           double isotherm) {
-  Located<Dim> lowest = whole_height(mesh);
+  Located<Dim> lowest{mesh.largest(Dim - 1), {}};
   const auto consider = [&](const std::array<double, Dim>& at) {
     if (at[Dim - 1] >= lowest.value) return;
     lowest = {at[Dim - 1], at};
@@ -194,6 +191,10 @@ Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> t
   return lowest;
 }
 
+template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<2>&, std::span<const char>);
+template std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<3>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<2>&, std::span<const char>);
+template bool melt_touches_bottom(const mesh::Mesh<3>&, std::span<const char>);
 template Located<2> bottom_shell(const mesh::Mesh<2>&, std::span<const double>, double);
 template Located<3> bottom_shell(const mesh::Mesh<3>&, std::span<const double>, double);
 

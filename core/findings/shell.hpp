@@ -10,38 +10,24 @@
 
 namespace dccast::casting {
 
-using Edge = std::pair<int, int>;
-
-/// The edges of an element as pairs of its corners: triangle, quadrilateral, tetrahedron or
-/// hexahedron.
-inline std::span<const Edge> edges_of(int dimension, int nodes_per_element) {
-  static constexpr std::array<Edge, 3> triangle{{{0, 1}, {1, 2}, {2, 0}}};
-  static constexpr std::array<Edge, 4> quadrilateral{{{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
-  static constexpr std::array<Edge, 6> tetrahedron{
-      {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-  static constexpr std::array<Edge, 12> hexahedron{{{0, 1},
-                                                    {1, 2},
-                                                    {2, 3},
-                                                    {3, 0},
-                                                    {4, 5},
-                                                    {5, 6},
-                                                    {6, 7},
-                                                    {7, 4},
-                                                    {0, 4},
-                                                    {1, 5},
-                                                    {2, 6},
-                                                    {3, 7}}};
-  if (nodes_per_element == 3) return triangle;
-  if (nodes_per_element == 8) return hexahedron;
-  if (dimension == 2) return quadrilateral;
-  return tetrahedron;
-}
-
 /// A figure of a step and where it occurs in the undeformed slab.
 struct PlacedFigure {
   double value = 0.0;           ///< [unit of the figure]
   std::vector<double> place{};  ///< coordinates [m]; empty if there is none
 };
+
+/// A value and its location, while a figure is sought.
+template <int Dim>
+struct Located {
+  double value = 0.0;               ///< in the unit of the function that gave it
+  std::array<double, Dim> place{};  ///< in the undeformed slab [m]
+
+  operator PlacedFigure() const { return {value, {place.begin(), place.end()}}; }
+};
+
+/// The edges of an element as pairs of its corners: triangle, quadrilateral, tetrahedron or
+/// hexahedron.
+std::span<const std::pair<int, int>> edges_of(int dimension, int nodes_per_element);
 
 /// Smallest thickness of the shell between the bottom block and the melt: the length [m] of the
 /// shortest path through it, and where that path begins at the bottom.
@@ -64,13 +50,6 @@ std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
 template <int Dim>
 bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> solid);
 
-/// A value and its location.
-template <int Dim>
-struct Located {
-  double value = 0.0;               ///< in the unit of the function that gave it
-  std::array<double, Dim> place{};  ///< in the undeformed slab [m]
-};
-
 /// Smallest height of an isotherm above the bottom [m], interpolated linearly along the edges of
 /// elements, so that it changes smoothly with time; thinnest_shell() works with whole elements. The
 /// location is on the bottom. If no metal is that hot, the height of the slab.
@@ -80,7 +59,50 @@ template <int Dim>
 Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                           double isotherm);
 
-extern template Located<2> bottom_shell(const mesh::Mesh<2>&, std::span<const double>, double);
-extern template Located<3> bottom_shell(const mesh::Mesh<3>&, std::span<const double>, double);
+/// A horizontal cut through the slab.
+template <int Dim>
+struct Slice {
+  Located<Dim> surface;  ///< [°C] hottest point of the side
+  Located<Dim> shell;    ///< [m] smallest distance from the side to the isotherm, at the isotherm
+};
+
+/// Cuts the mesh at a height. Temperatures are linear along the edges of elements and between the
+/// points where the edges meet the cut.
+///
+/// If the side itself is hotter than the isotherm, the shell is zero. If no metal at this height is
+/// that hot, the shell is as thick as the slab, measured from the side.
+/// @param temperature  (node) [°C]
+/// @param height       [m] above the bottom of the undeformed slab
+/// @param isotherm     [°C]
+/// @return             empty if the slab has no side at that height
+template <int Dim>
+std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                                   double height, double isotherm);
+
+/// The hottest point of the side at a height and its temperature [°C]: the same as slice_at()
+/// finds, without visiting every element.
+/// @param temperature  (node) [°C]
+/// @param height       [m] above the bottom of the undeformed slab
+/// @return             empty if the slab has no side at that height
+template <int Dim>
+std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
+                                            std::span<const double> temperature, double height);
+
+/// Largest temperature of the sides at a height above the bottom block, linear between nodes [°C].
+/// Above and below the sides the value at their end is used; 0 if the mesh has no named sides.
+/// @param temperature  (node) [°C]
+/// @param height       [m]
+template <int Dim>
+double side_temperature(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                        double height);
+
+/// Depth of the sump [m]: distance below the metal level at which the centre of the slab, where
+/// most symmetry planes meet, first falls below the isotherm; the whole depth if it never does.
+/// @param temperature  (node) [°C]
+/// @param metal_level  [m]
+/// @param isotherm     [°C]
+template <int Dim>
+double sump_depth(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                  double metal_level, double isotherm);
 
 }  // namespace dccast::casting

@@ -1,5 +1,3 @@
-#include "core/findings/slice.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,18 +9,16 @@ namespace dccast::casting {
 
 namespace {
 
-/// A point of the cut.
+/// A temperature [°C] at a point of the cut.
 template <int Dim>
-struct CutPoint {
-  std::array<double, Dim> at{};  ///< [m]
-  double temperature = 0.0;      ///< [°C]
-};
+using CutPoint = Located<Dim>;
 
 template <int Dim>
 CutPoint<Dim> between(const CutPoint<Dim>& a, const CutPoint<Dim>& b, double share) {
   CutPoint<Dim> point;
-  for (std::size_t d = 0; d < Dim; ++d) point.at[d] = a.at[d] + share * (b.at[d] - a.at[d]);
-  point.temperature = a.temperature + share * (b.temperature - a.temperature);
+  for (std::size_t d = 0; d < Dim; ++d)
+    point.place[d] = a.place[d] + share * (b.place[d] - a.place[d]);
+  point.value = a.value + share * (b.value - a.value);
   return point;
 }
 
@@ -36,15 +32,15 @@ template <int Dim>
 double distance(const std::array<double, Dim>& p, const SidePiece<Dim>& piece) {
   double along = 0.0, squared = 0.0;
   for (std::size_t d = 0; d < Dim; ++d) {
-    const double step = piece.end.at[d] - piece.begin.at[d];
-    along += step * (p[d] - piece.begin.at[d]);
+    const double step = piece.end.place[d] - piece.begin.place[d];
+    along += step * (p[d] - piece.begin.place[d]);
     squared += step * step;
   }
   const double share = squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
   double sum = 0.0;
   for (std::size_t d = 0; d < Dim; ++d) {
-    const double step = piece.end.at[d] - piece.begin.at[d];
-    sum += std::pow(p[d] - piece.begin.at[d] - share * step, 2);
+    const double step = piece.end.place[d] - piece.begin.place[d];
+    sum += std::pow(p[d] - piece.begin.place[d] - share * step, 2);
   }
   return std::sqrt(sum);
 }
@@ -85,8 +81,8 @@ private:
   double up(int n) const { return mesh_.point(n)[Dim - 1]; }
   CutPoint<Dim> point(int n) const {
     CutPoint<Dim> p;
-    std::copy_n(mesh_.point(n), Dim, p.at.begin());
-    p.temperature = temperature_[std::size_t(n)];
+    std::copy_n(mesh_.point(n), Dim, p.place.begin());
+    p.value = temperature_[std::size_t(n)];
     return p;
   }
   /// Most elements lie above or below the cut as a whole.
@@ -118,23 +114,16 @@ private:
   std::vector<SidePiece<Dim>> side_;
 };
 
-/// A place and how far from the side it is.
+/// The metal at the isotherm that is nearest to the side [m]; infinitely far where there is none.
 template <int Dim>
-struct Depth {
-  double value;
-  std::array<double, Dim> at{};
-};
-
-/// The metal at the isotherm that is nearest to the side; infinitely far where there is none.
-template <int Dim>
-Depth<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
-  Depth<Dim> nearest{std::numeric_limits<double>::infinity(), {}};
+Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
+  Located<Dim> nearest{std::numeric_limits<double>::infinity(), {}};
   cut.for_each_element([&](const auto& points) {
     for (const auto& cold : points)
       for (const auto& hot : points) {
-        if (cold.temperature >= isotherm || hot.temperature < isotherm) continue;
-        const double share = (isotherm - cold.temperature) / (hot.temperature - cold.temperature);
-        const auto at = between(cold, hot, share).at;
+        if (cold.value >= isotherm || hot.value < isotherm) continue;
+        const double share = (isotherm - cold.value) / (hot.value - cold.value);
+        const auto at = between(cold, hot, share).place;
         const double depth = cut.from_side(at);
         if (depth < nearest.value) nearest = {depth, at};
       }
@@ -142,14 +131,14 @@ Depth<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
   return nearest;
 }
 
-/// The place farthest from the side.
+/// The place farthest from the side [m].
 template <int Dim>
-Depth<Dim> middle(const Cut<Dim>& cut) {
-  Depth<Dim> farthest{0.0, {}};
+Located<Dim> middle(const Cut<Dim>& cut) {
+  Located<Dim> farthest;
   cut.for_each_element([&](const auto& points) {
     for (const auto& point : points) {
-      const double depth = cut.from_side(point.at);
-      if (depth > farthest.value) farthest = {depth, point.at};
+      const double depth = cut.from_side(point.place);
+      if (depth > farthest.value) farthest = {depth, point.place};
     }
   });
   return farthest;
@@ -160,7 +149,7 @@ CutPoint<Dim> hottest(const std::vector<SidePiece<Dim>>& side) {
   CutPoint<Dim> found = side.front().begin;
   for (const auto& piece : side)
     for (const auto* end : {&piece.begin, &piece.end})
-      if (end->temperature > found.temperature) found = *end;
+      if (end->value > found.value) found = *end;
   return found;
 }
 
@@ -171,14 +160,10 @@ std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const 
                                    double height, double isotherm) {
   const Cut<Dim> cut(mesh, temperature, height);
   if (cut.side().empty()) return std::nullopt;
-  const CutPoint<Dim> surface = hottest(cut.side());
-  Slice<Dim> slice{surface.temperature, surface.at, 0.0, surface.at};
-  if (surface.temperature >= isotherm) return slice;
-  Depth<Dim> shell = nearest_hot(cut, isotherm);
-  if (!std::isfinite(shell.value)) shell = middle(cut);
-  slice.shell = shell.value;
-  slice.thinnest_at = shell.at;
-  return slice;
+  const Located<Dim> surface = hottest(cut.side());
+  if (surface.value >= isotherm) return Slice<Dim>{surface, {0.0, surface.place}};
+  const Located<Dim> shell = nearest_hot(cut, isotherm);
+  return Slice<Dim>{surface, std::isfinite(shell.value) ? shell : middle(cut)};
 }
 
 template <int Dim>
@@ -186,30 +171,14 @@ std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
                                             std::span<const double> temperature, double height) {
   const Cut<Dim> cut(mesh, temperature, height);
   if (cut.side().empty()) return std::nullopt;
-  const CutPoint<Dim> surface = hottest(cut.side());
-  return Located<Dim>{surface.temperature, surface.at};
+  return hottest(cut.side());
 }
-
-template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>, double,
-                                          double);
-template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>, double,
-                                          double);
-template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&, std::span<const double>,
-                                                   double);
-template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&, std::span<const double>,
-                                                   double);
 
 namespace {
 
 template <int Dim>
 double height_of(const mesh::Mesh<Dim>& mesh, int n) {
   return mesh.point(n)[Dim - 1];
-}
-
-template <int Dim>
-void sort_by_height(const mesh::Mesh<Dim>& mesh, std::vector<int>& nodes) {
-  std::sort(nodes.begin(), nodes.end(),
-            [&](int a, int b) { return height_of(mesh, a) < height_of(mesh, b); });
 }
 
 /// Nodes where most symmetry planes meet, lowest first.
@@ -222,10 +191,9 @@ std::vector<int> middle_of(const mesh::Mesh<Dim>& mesh) {
     for (const int n : mesh::patch_nodes(patch)) most = std::max(most, ++planes_at[std::size_t(n)]);
   }
   std::vector<int> nodes;
-  for (int n = 0; n < mesh.nodes(); ++n) {
+  for (int n = 0; n < mesh.nodes(); ++n)
     if (planes_at[std::size_t(n)] == most) nodes.push_back(n);
-  }
-  sort_by_height(mesh, nodes);
+  std::ranges::sort(nodes, {}, [&](int n) { return height_of(mesh, n); });
   return nodes;
 }
 
@@ -258,10 +226,9 @@ double largest_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
                   std::span<const int> nodes, double height) {
   constexpr double same_height = 1e-9;  // [m]
   double largest = -INFINITY;
-  for (const int n : nodes) {
+  for (const int n : nodes)
     if (std::abs(height_of(mesh, n) - height) <= same_height)
       largest = std::max(largest, temperature[std::size_t(n)]);
-  }
   return largest;
 }
 
@@ -270,10 +237,11 @@ double largest_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
 template <int Dim>
 double side_temperature(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                         double height) {
-  std::vector<int> side = mesh::patch_nodes(mesh, mesh::PatchKind::side);
+  const std::vector<int> side = mesh::patch_nodes(mesh, mesh::PatchKind::side);
   if (side.empty()) return 0.0;
-  sort_by_height(mesh, side);
-  const double lowest = height_of(mesh, side.front()), highest = height_of(mesh, side.back());
+  const auto by_height = [&](int n) { return height_of(mesh, n); };
+  const double lowest = height_of(mesh, *std::ranges::min_element(side, {}, by_height));
+  const double highest = height_of(mesh, *std::ranges::max_element(side, {}, by_height));
   if (lowest >= height) return largest_at(mesh, temperature, side, lowest);
   if (highest < height) return largest_at(mesh, temperature, side, highest);
   return largest_crossing(mesh, temperature, height);
@@ -295,6 +263,14 @@ double sump_depth(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
   return metal_level;
 }
 
+template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>, double,
+                                          double);
+template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>, double,
+                                          double);
+template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&, std::span<const double>,
+                                                   double);
+template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&, std::span<const double>,
+                                                   double);
 template double side_temperature(const mesh::Mesh<2>&, std::span<const double>, double);
 template double side_temperature(const mesh::Mesh<3>&, std::span<const double>, double);
 template double sump_depth(const mesh::Mesh<2>&, std::span<const double>, double, double);

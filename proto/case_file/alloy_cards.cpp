@@ -4,7 +4,7 @@
 #include <set>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/override.hpp"
+#include "proto/case_file/key_place.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/shipped.hpp"
@@ -21,25 +21,11 @@ bool plain_name(const std::string& name) {
          name.find_first_not_of(permitted) == std::string::npos;
 }
 
-AlloyCard finished(v1::Alloy alloy, ReadOutcome outcome, const std::string& name) {
-  AlloyCard card{std::move(alloy), {}};
-  card.alloy.set_card(name);
-  if (outcome.ok()) outcome.faults = uncertainty_faults(card.alloy);
-  for (v1::Fault& fault : outcome.faults) {
-    fault.set_message("in alloy card " + describe(fault, outcome.source));
-    fault.set_field("alloy.card");
-    card.faults.push_back(std::move(fault));
-  }
-  return card;
-}
-
 AlloyCard unknown(const std::string& name, const std::filesystem::path& directory) {
   const std::vector<std::string> names = alloy_names(directory);
-  std::string known;
-  for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
   const std::string near = nearest(name, names);
   return {{},
-          {make_fault("alloy.card", quoted(name.substr(0, 100)), "unknown alloy", known,
+          {make_fault("alloy.card", quoted(name.substr(0, 100)), "unknown alloy", joined(names),
                       near.empty() ? "see `dccast alloys`" : "did you mean \"" + near + "\"?")}};
 }
 
@@ -47,19 +33,23 @@ AlloyCard unknown(const std::string& name, const std::filesystem::path& director
 
 AlloyCard alloy_card(const std::string& name, const std::filesystem::path& directory) {
   if (!plain_name(name)) return unknown(name, directory);
-  v1::Alloy alloy;
+  AlloyCard card;
+  ReadOutcome read;
   std::error_code error;
   const std::filesystem::path file = directory / (name + ".toml");
-  if (!directory.empty() && std::filesystem::is_regular_file(file, error)) {
-    ReadOutcome outcome = read_file(file, alloy);
-    return finished(std::move(alloy), std::move(outcome), name);
+  if (!directory.empty() && std::filesystem::is_regular_file(file, error))
+    read = read_file(file, card.alloy);
+  else if (const auto* const shipped = shipped::find(shipped::alloy_cards(), name))
+    read = read_text(shipped->text, name + ".toml", card.alloy);
+  else
+    return unknown(name, directory);
+  card.alloy.set_card(name);
+  card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
+  for (v1::Fault& fault : card.faults) {
+    fault.set_message("in alloy card " + describe(fault, read.source));
+    fault.set_field("alloy.card");
   }
-  for (const auto& shipped : shipped::alloy_cards()) {
-    if (shipped.name != name) continue;
-    ReadOutcome outcome = read_text(shipped.text, name + ".toml", alloy);
-    return finished(std::move(alloy), std::move(outcome), name);
-  }
-  return unknown(name, directory);
+  return card;
 }
 
 std::vector<std::string> alloy_names(const std::filesystem::path& directory) {
@@ -90,17 +80,12 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   }
   // What gives the value gives its range.
   complete.clear_uncertainty();
-  v1::Alloy given_in_case = overrides;  // looking for a key may add its table
-  for (const v1::KeyRange& line : card.uncertainty()) {
-    const FieldPlace given = place_of(given_in_case, line.key());
-    if (given.field == nullptr || !is_present(*given.message, *given.field))
-      *complete.add_uncertainty() = line;
-  }
-  const Descriptor& descriptor = *v1::Alloy::descriptor();
-  for (int i = 0; i < descriptor.field_count(); ++i)
+  for (const v1::KeyRange& line : card.uncertainty())
+    if (!has_value_at(overrides, line.key())) *complete.add_uncertainty() = line;
+  for (const FieldDescriptor* const field : fields_of(*v1::Alloy::descriptor()))
     // Merging would append the points of a curve to those of the card.
-    if (is_curve(*descriptor.field(i)) && is_present(overrides, *descriptor.field(i)))
-      complete.GetReflection()->ClearField(&complete, descriptor.field(i));
+    if (is_curve(*field) && is_present(overrides, *field))
+      complete.GetReflection()->ClearField(&complete, field);
   complete.MergeFrom(overrides);
   apply_defaults(complete);
   overrides = std::move(complete);

@@ -1,10 +1,9 @@
-#include "proto/case_file/change_value.hpp"
-
 #include <algorithm>
 #include <charconv>
 
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/case_file/toml_walker.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -12,8 +11,10 @@ namespace {
 constexpr std::string_view prefix = "value = ";
 
 /// A text for the parser that knows for each of its characters where it was written.
-class TracedText {
-public:
+struct TracedText {
+  std::string text{prefix};
+  std::vector<int> columns = std::vector<int>(prefix.size(), 1);  // by character
+
   /// Appends bytes of which each stands where it was written, from `column` on.
   void append_written(std::string_view part, int column) {
     for (const char c : part) append(std::string_view(&c, 1), column++);
@@ -21,17 +22,10 @@ public:
 
   /// Appends bytes that all come from one place.
   void append(std::string_view part, int column) {
-    text_ += part;
+    text += part;
     for (const char c : part)
-      if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) columns_.push_back(column);
+      if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) columns.push_back(column);
   }
-
-  const std::string& text() const { return text_; }
-  const std::vector<int>& columns() const { return columns_; }
-
-private:
-  std::string text_;
-  std::vector<int> columns_;  // by character, as the parser counts them
 };
 
 bool is_literal(std::string_view word) {
@@ -42,69 +36,33 @@ bool is_literal(std::string_view word) {
   return error == std::errc{} && end == digits.data() + digits.size();
 }
 
-/// A word of a list, with the quotes that a shell may have taken.
-void append_word(TracedText& text, std::string_view word, int column) {
-  const auto first = word.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return text.append_written(word, column);
-  const auto last = word.find_last_not_of(" \t");
-  const std::string_view core = word.substr(first, last - first + 1);
-  column += static_cast<int>(first);
-  if (is_literal(core)) return text.append_written(core, column);
-  text.append(quoted(std::string(core)), column);
-}
-
-/// End of the quoted text that begins at `begin`, or the end of the value.
-std::size_t end_of_quotes(std::string_view value, std::size_t begin) {
-  const char quote = value[begin];
-  for (std::size_t i = begin + 1; i < value.size(); ++i) {
-    if (quote == '"' && value[i] == '\\')
-      ++i;
-    else if (value[i] == quote)
-      return i + 1;
-  }
-  return value.size();
-}
-
-/// A list whose words may lack their quotes.
+/// A list whose words may lack their quotes, which a shell may have taken.
 TracedText quoted_list(std::string_view value) {
   TracedText text;
-  text.append(prefix, 1);
-  std::size_t at = 0;
-  while (at < value.size()) {
+  std::size_t end = 0;
+  for (std::size_t at = 0; at < value.size(); at = end) {
+    const bool in_quotes = value[at] == '"' || value[at] == '\'';
+    const bool is_word = !in_quotes && std::string_view("[],").find(value[at]) == std::string::npos;
+    end = in_quotes ? end_of_string(value, at)
+          : is_word ? std::min(value.find_first_of("[],\"'", at), value.size())
+                    : at + 1;
+    const std::string_view part = value.substr(at, end - at);
+    const std::string_view word = is_word ? trimmed(part) : std::string_view();
     const int column = static_cast<int>(at) + 1;
-    std::size_t end = at + 1;
-    if (value[at] == '"' || value[at] == '\'') {
-      end = end_of_quotes(value, at);
-      text.append_written(value.substr(at, end - at), column);
-    } else if (std::string_view("[],").find(value[at]) != std::string_view::npos) {
-      text.append_written(value.substr(at, 1), column);
-    } else {
-      end = std::min(value.find_first_of("[],\"'", at), value.size());
-      append_word(text, value.substr(at, end - at), column);
-    }
-    at = end;
+    if (word.empty())
+      text.append_written(part, column);
+    else if (const int offset = static_cast<int>(word.data() - part.data()); is_literal(word))
+      text.append_written(word, column + offset);
+    else
+      text.append(quoted(std::string(word)), column + offset);
   }
   return text;
 }
 
-TracedText plain(std::string_view value) {
-  TracedText text;
-  text.append(prefix, 1);
-  text.append_written(value, 1);
-  return text;
-}
-
-TracedText as_string(const std::string& value) {
-  TracedText text;
-  text.append(prefix, 1);
-  text.append(quoted(value), 1);
-  return text;
-}
-
-std::optional<toml::table> parsed(const TracedText& text) {
-  if (check_text(text.text())) return std::nullopt;
+std::optional<toml::table> parsed(const std::string& text) {
+  if (check_text(text)) return std::nullopt;
   try {
-    toml::table table = toml::parse(text.text());
+    toml::table table = toml::parse(text);
     if (table.size() == 1) return table;
   } catch (const toml::parse_error&) {
   }
@@ -121,14 +79,13 @@ bool holds_text(const FieldDescriptor* field) {
 ChangeValue change_value(const std::string& written, const FieldDescriptor* field) {
   const bool in_quotes = written.starts_with('"') || written.starts_with('\'');
   std::vector<TracedText> readings;
-  if (!holds_text(field) || in_quotes) readings.push_back(plain(written));
+  if (!holds_text(field) || in_quotes) readings.emplace_back().append_written(written, 1);
   if (written.starts_with('[')) readings.push_back(quoted_list(written));
   for (const TracedText& reading : readings)
-    if (auto table = parsed(reading)) return {std::move(*table), reading.columns()};
-  const TracedText text = as_string(written);
-  toml::table table;
-  table.insert("value", written);
-  return {std::move(table), text.columns()};
+    if (auto table = parsed(reading.text)) return {std::move(*table), reading.columns};
+  TracedText as_string;
+  as_string.append(quoted(written), 1);
+  return {toml::table{{"value", written}}, as_string.columns};
 }
 
 }  // namespace dccast::case_file

@@ -36,16 +36,6 @@ void set_default(Message& message, const FieldDescriptor& field) {
   message.MergeFrom(default_of(field, message));
 }
 
-void apply(Message& message, bool alloy_inside);
-
-void apply_below(Message& message, const FieldDescriptor& field) {
-  const Reflection& reflection = *message.GetReflection();
-  if (!field.is_repeated())
-    return apply(*reflection.MutableMessage(&message, &field), is_alloy(field));
-  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
-    apply(*reflection.MutableRepeatedMessage(&message, &field, i), is_alloy(field));
-}
-
 /// A creep law is there or not; an empty one must not appear by itself.
 bool appears_by_itself(const FieldDescriptor& field) {
   return !key_of(field).only_if_given() &&
@@ -53,13 +43,16 @@ bool appears_by_itself(const FieldDescriptor& field) {
 }
 
 void apply(Message& message, bool alloy_inside) {
-  const Descriptor& descriptor = *message.GetDescriptor();
-  for (int i = 0; i < descriptor.field_count(); ++i) {
-    const FieldDescriptor& field = *descriptor.field(i);
-    if (is_table(field)) {
-      if (appears_by_itself(field) || is_present(message, field)) apply_below(message, field);
-    } else if (!is_present(message, field) && (!alloy_inside || field.name() == "card")) {
-      set_default(message, field);
+  const Reflection& reflection = *message.GetReflection();
+  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor())) {
+    if (!is_table(*field)) {
+      if (!is_present(message, *field) && (!alloy_inside || field->name() == "card"))
+        set_default(message, *field);
+    } else if (field->is_repeated()) {
+      for (int i = 0; i < reflection.FieldSize(message, field); ++i)
+        apply(*reflection.MutableRepeatedMessage(&message, field, i), is_alloy(*field));
+    } else if (appears_by_itself(*field) || is_present(message, *field)) {
+      apply(*reflection.MutableMessage(&message, field), is_alloy(*field));
     }
   }
 }

@@ -3,19 +3,26 @@
 #include <google/protobuf/message.h>
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
+/// Paths of keys as in a case file: "schedule.casting_speed", "monitor[1].x",
+/// "schedule.water_flow.scale".
 namespace dccast::case_file {
 
-/// The field at a path of a message, as in a case file ("schedule.casting_speed", "monitor[1].x",
-/// "schedule.water_flow.scale").
-struct FieldPlace {
-  google::protobuf::Message* message = nullptr;
-  const google::protobuf::FieldDescriptor* field = nullptr;  ///< null: there is no such key
+/// One part of a path: a key, and of a list the element.
+struct Segment {
+  std::string key;
+  std::optional<std::size_t> element;
 };
 
-/// Missing tables on the path are created, elements of arrays are not.
-FieldPlace place_of(google::protobuf::Message& message, std::string_view path);
+/// The parts of a path; empty if it is none.
+std::vector<Segment> segments_of(std::string_view path);
+
+/// The field at a path of a message; null if there is no such key or element.
+const google::protobuf::FieldDescriptor* field_at(const google::protobuf::Message& message,
+                                                  std::string_view path);
 
 /// Whether a value stands at this path.
 bool has_value_at(const google::protobuf::Message& message, std::string_view path);

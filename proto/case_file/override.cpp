@@ -1,25 +1,16 @@
 #include "proto/case_file/override.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <set>
+#include <span>
 #include <string>
 
-#include "proto/case_file/change_value.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/ranges.hpp"
-#include "proto/case_file/recipe_words.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/toml_walker.hpp"
 
 namespace dccast::case_file {
 namespace {
-
-/// One part of a path: a key, and for an array of tables which of them.
-struct Segment {
-  std::string key;
-  std::optional<std::size_t> index;
-};
 
 /// What a change does with the key that its path leads to.
 enum class Deed {
@@ -44,38 +35,6 @@ bool is_real(const FieldDescriptor& field) {
          (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE && !field.is_repeated());
 }
 
-/// Unit of a difference of two values of a key.
-std::string difference_unit(const FieldDescriptor& field) {
-  return key_of(field).unit() == "degC" ? "K" : key_of(field).unit();
-}
-
-std::optional<Segment> segment_of(const std::string& text) {
-  const std::size_t bracket = text.find('[');
-  Segment segment{text.substr(0, bracket), std::nullopt};
-  if (segment.key.empty()) return std::nullopt;
-  if (bracket == std::string::npos) return segment;
-  std::size_t index = 0;
-  const char* const end = text.data() + text.size();
-  const auto [read, error] = std::from_chars(text.data() + bracket + 1, end, index);
-  if (error != std::errc{} || read + 1 != end || *read != ']') return std::nullopt;
-  segment.index = index;
-  return segment;
-}
-
-/// "monitor[0].x" in its parts; nothing if it is no path.
-std::optional<std::vector<Segment>> segments_of(const std::string& key) {
-  std::vector<Segment> segments;
-  std::size_t begin = 0;
-  while (begin <= key.size()) {
-    const std::size_t end = std::min(key.find('.', begin), key.size());
-    auto segment = segment_of(key.substr(begin, end - begin));
-    if (!segment) return std::nullopt;
-    segments.push_back(std::move(*segment));
-    begin = end + 1;
-  }
-  return segments;
-}
-
 /// Follows the path of a change through the tables of a case, and says where it does not lead.
 class Finder {
 public:
@@ -91,12 +50,13 @@ public:
         add_unknown(walk_, value_, *message, path, segment.key);
         return std::nullopt;
       }
-      const std::string key_path = join_path(path, segment.key);
-      if (!is_table(*field)) return key(*message, *field, segments, i, path);
-      if (i + 1 == segments.size()) return refuse_table(*field, key_path);
-      message = enter(*message, *field, segment, key_path);
+      if (!is_table(*field))
+        return key(*message, *field, {segments.begin() + i, segments.end()}, path);
+      path = join_path(path, segment.key);
+      if (i + 1 == segments.size()) return refuse_table(*field, path);
+      message = enter(*message, *field, segment, path);
       if (message == nullptr) return std::nullopt;
-      path = key_path + (field->is_repeated() ? "[" + std::to_string(*segment.index) + "]" : "");
+      if (segment.element) path = element_path(path, *segment.element);
     }
     return std::nullopt;
   }
@@ -104,32 +64,29 @@ public:
 private:
   std::nullopt_t refuse(const std::string& path, const std::string& message,
                         const std::string& permitted, const std::string& remedy = {}) {
-    walk_.add(make_fault(path, written(value_), message, permitted, remedy), value_);
+    walk_.refuse(value_, path, message, permitted, remedy);
     return std::nullopt;
   }
 
   std::nullopt_t refuse_table(const FieldDescriptor& field, const std::string& path) {
-    const std::string below = field.is_repeated() ? path + "[0]" : path;
-    const FieldDescriptor& first = *field.message_type()->field(0);
+    const std::string below = field.is_repeated() ? element_path(path, 0) : path;
     return refuse(path, "a table; a change sets one key", "a key of the table",
-                  "e.g. " + join_path(below, toml_key(first)));
+                  "e.g. " + join_path(below, toml_key(*field.message_type()->field(0))));
   }
 
-  /// The last part of a path, or one before a recipe word.
+  /// @param parts  of the path from the key on: itself, perhaps a recipe word
   std::optional<Target> key(Message& message, const FieldDescriptor& field,
-                            const std::vector<Segment>& segments, std::size_t at,
-                            const std::string& path) {
-    const std::string key_path = join_path(path, segments[at].key);
-    if (segments[at].index) {
-      if (!is_curve(field) || at + 1 < segments.size())
+                            std::span<const Segment> parts, const std::string& path) {
+    const auto& [name, element] = parts[0];
+    const std::string key_path = join_path(path, name);
+    if (element) {
+      if (!is_curve(field) || parts.size() > 1)
         return refuse(key_path, "this key is no list of tables", "");
-      const std::string point = std::to_string(*segments[at].index);
-      return Target{&message, &field, key_path + "[" + point + "]", Deed::set_point,
-                    *segments[at].index};
+      return Target{&message, &field, element_path(key_path, *element), Deed::set_point, *element};
     }
-    if (at + 1 == segments.size()) return Target{&message, &field, key_path};
-    const std::string& word = segments[at + 1].key;
-    const bool last = at + 2 == segments.size();
+    if (parts.size() == 1) return Target{&message, &field, key_path};
+    const std::string& word = parts[1].key;
+    const bool last = parts.size() == 2;
     if (const FieldDescriptor* const factor = recipe_field(field, word); factor != nullptr && last)
       return Target{&message, factor, join_path(path, toml_key(*factor)),
                     word == "scale" ? Deed::recipe : Deed::set};
@@ -143,25 +100,22 @@ private:
   Message* enter(Message& message, const FieldDescriptor& field, const Segment& segment,
                  const std::string& path) {
     const Reflection& reflection = *message.GetReflection();
-    if (!field.is_repeated() && segment.index) {
-      refuse(path, "this table is no list", "",
-             "leave out [" + std::to_string(*segment.index) + "]");
+    const auto& element = segment.element;
+    if (!field.is_repeated()) {
+      if (!element) return reflection.MutableMessage(&message, &field);
+      refuse(path, "this table is no list", "", "leave out [" + std::to_string(*element) + "]");
       return nullptr;
     }
-    if (!field.is_repeated()) return reflection.MutableMessage(&message, &field);
     const auto count = static_cast<std::size_t>(reflection.FieldSize(message, &field));
-    if (!segment.index || *segment.index > count) {
-      refuse(path, segment.index ? "there is none with this number" : "which of them is missing",
-             path + "[0] to " + path + "[" + std::to_string(count) + "], the last one is new");
+    if (!element || *element > count) {
+      refuse(path, element ? "there is none with this number" : "which of them is missing",
+             element_path(path, 0) + " to " + element_path(path, count) + ", the last one is new");
       return nullptr;
     }
-    if (*segment.index < count)
-      return reflection.MutableRepeatedMessage(&message, &field, static_cast<int>(*segment.index));
-    if (auto fault = count_fault(field, count + 1, path)) {
-      walk_.add(std::move(*fault), value_);
-      return nullptr;
-    }
-    return reflection.AddMessage(&message, &field);
+    if (*element < count)
+      return reflection.MutableRepeatedMessage(&message, &field, static_cast<int>(*element));
+    const bool fits = Entry{walk_, value_, field, path}.passes(count_fault(field, count + 1, path));
+    return fits ? reflection.AddMessage(&message, &field) : nullptr;
   }
 
   Walk& walk_;
@@ -209,8 +163,8 @@ private:
   }
 
   std::optional<Target> find(Walk& walk, const toml::node& value, const v1::CaseChange& change) {
-    if (const auto segments = segments_of(change.key()))
-      return Finder(walk, value).find(root_, *segments);
+    if (const auto segments = segments_of(change.key()); !segments.empty())
+      return Finder(walk, value).find(root_, segments);
     walk.add(make_fault(change.key(), change.value(), "not the path of a key", "",
                         "e.g. schedule.hold or monitor[0].x"),
              value);
@@ -220,15 +174,13 @@ private:
   /// What the file said of the key is gone. False if the change cannot be made at all.
   bool begin(Walk& walk, const toml::node& value, const Target& target) {
     if (!changed_.insert(target.path).second) {
-      walk.add(make_fault(target.path, written(value), "is set twice", "", "keep one of them"),
-               value);
+      walk.refuse(value, target.path, "is set twice", "", "keep one of them");
       return false;
     }
     const bool is_file = key_of(*target.field).attachment();
     if (is_file && folder_ == nullptr) {
-      walk.add(make_fault(target.path, written(value), "names a file, which a change cannot bring",
-                          "", "name the file in the case"),
-               value);
+      walk.refuse(value, target.path, "names a file, which a change cannot bring", "",
+                  "name the file in the case");
       return false;
     }
     std::erase_if(read_.faults,
@@ -248,60 +200,51 @@ private:
 
   static void set(Walk& walk, const toml::node& value, const Target& target,
                   const v1::CaseChange& change) {
+    const Entry entry{walk, value, *target.field, target.path};
     if (target.deed == Deed::set || (target.deed == Deed::recipe && value.is_array()))
-      return read_field(walk, value, *target.field, *target.message, target.path);
-    if (target.deed != Deed::recipe) return adjust(walk, value, target);
-    v1::Curve factor;
-    read_scale(walk, change.value(), *target.field, factor, target.path);
-    if (factor.value_size() > 0)
-      target.message->GetReflection()
-          ->MutableMessage(target.message, target.field)
-          ->CopyFrom(factor);
+      return read_field(entry, *target.message);
+    if (target.deed != Deed::recipe) return adjust(entry, target);
+    set_curve(target, read_scale(walk, change.value(), *target.field, target.path));
+  }
+
+  static void set_curve(const Target& target, const v1::Curve& curve) {
+    const Reflection& reflection = *target.message->GetReflection();
+    if (curve.value_size() > 0)
+      reflection.MutableMessage(target.message, target.field)->CopyFrom(curve);
   }
 
   /// Changes values that are there by the number of a change.
-  static void adjust(Walk& walk, const toml::node& node, const Target& target) {
-    const std::string unit = target.deed == Deed::scale    ? "1"
-                             : target.deed == Deed::offset ? difference_unit(*target.field)
-                                                           : key_of(*target.field).unit();
+  static void adjust(const Entry& entry, const Target& target) {
+    const std::string& own_unit = key_of(entry.field).unit();
+    const std::string unit = target.deed == Deed::scale                          ? "1"
+                             : target.deed == Deed::offset && own_unit == "degC" ? "K"
+                                                                                 : own_unit;
     const auto number =
-        read_number(walk, node, unit, example_text(*target.field), nullptr, target.path);
+        read_number(entry.walk, entry.node, unit, example_text(entry.field), nullptr, entry.path);
     if (!number) return;
     v1::Curve curve = values_of(target);
-    const bool there = target.deed == Deed::set_point
-                           ? target.point < static_cast<std::size_t>(curve.value_size())
-                           : curve.value_size() > 0;
-    if (!there)
-      return walk.add(make_fault(target.path, written(node), "there is no value here to change", "",
-                                 "give the key in the case"),
-                      node);
+    if (target.point >= static_cast<std::size_t>(curve.value_size()))
+      return entry.refuse("there is no value here to change", "", "give the key in the case");
     for (int i = 0; i < curve.value_size(); ++i) {
       double value = curve.value(i);
       if (target.deed == Deed::scale) value *= *number;
       if (target.deed == Deed::offset) value += *number;
       if (target.deed == Deed::set_point && static_cast<std::size_t>(i) == target.point)
         value = *number;
-      if (auto fault = range_fault(*target.field, value, target.path,
-                                   quantity_text(value, key_of(*target.field).unit()), ""))
-        return walk.add(std::move(*fault), node);
+      if (!entry.passes(
+              range_fault(entry.field, value, entry.path, quantity_text(value, own_unit), "")))
+        return;
       curve.set_value(i, value);
     }
-    const Reflection& reflection = *target.message->GetReflection();
-    if (is_curve(*target.field))
-      reflection.MutableMessage(target.message, target.field)->CopyFrom(curve);
-    else
-      reflection.SetDouble(target.message, target.field, curve.value(0));
+    if (is_curve(entry.field)) return set_curve(target, curve);
+    target.message->GetReflection()->SetDouble(target.message, target.field, curve.value(0));
   }
 
   /// A number as a table of one point; no point where the key is absent.
   static v1::Curve values_of(const Target& target) {
-    const Reflection& reflection = *target.message->GetReflection();
+    if (is_curve(*target.field)) return curve_of(*target.message, *target.field);
     v1::Curve curve;
-    if (!is_present(*target.message, *target.field)) return curve;
-    if (is_curve(*target.field))
-      curve.CopyFrom(reflection.GetMessage(*target.message, target.field));
-    else
-      curve.add_value(reflection.GetDouble(*target.message, target.field));
+    if (const auto number = number_of(*target.message, *target.field)) curve.add_value(*number);
     return curve;
   }
 
@@ -323,6 +266,19 @@ private:
   std::set<std::string> changed_;
 };
 
+/// @param folder  of files; null: a change that names one is refused
+void apply_all(v1::Case& description, const std::vector<v1::CaseChange>& changes, ReadOutcome& read,
+               const std::filesystem::path* folder) {
+  Changes made(description, read, folder);
+  for (const v1::CaseChange& change : changes) {
+    made.apply(change);
+    // What gives a value gives its range: the case's own one does not hold for another value.
+    auto& ranges = *description.mutable_uncertainty();
+    const auto of_key = [&](const v1::KeyRange& range) { return range.key() == change.key(); };
+    ranges.erase(std::remove_if(ranges.begin(), ranges.end(), of_key), ranges.end());
+  }
+}
+
 }  // namespace
 
 std::optional<v1::CaseChange> parse_change(std::string_view text) {
@@ -335,38 +291,21 @@ std::optional<v1::CaseChange> parse_change(std::string_view text) {
   return change;
 }
 
-namespace {
-
-/// Applies changes. What gives a value gives its range: the case's own one does not hold for
-/// another value.
-void apply_all(Changes made, const std::vector<v1::CaseChange>& changes, v1::Case& description) {
-  for (const v1::CaseChange& change : changes) {
-    made.apply(change);
-    auto& ranges = *description.mutable_uncertainty();
-    ranges.erase(
-        std::remove_if(ranges.begin(), ranges.end(),
-                       [&](const v1::KeyRange& range) { return range.key() == change.key(); }),
-        ranges.end());
-  }
-}
-
-}  // namespace
-
 std::vector<v1::Fault> apply_changes(v1::Case& description,
                                      const std::vector<v1::CaseChange>& changes) {
   ReadOutcome read;
-  apply_all(Changes(description, read, nullptr), changes, description);
+  apply_all(description, changes, read, nullptr);
   return std::move(read.faults);
 }
 
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder) {
-  apply_all(Changes(description, read, &folder), changes, description);
+  apply_all(description, changes, read, &folder);
 }
 
 void apply_changes_elsewhere(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                              ReadOutcome& read) {
-  apply_all(Changes(description, read, nullptr), changes, description);
+  apply_all(description, changes, read, nullptr);
 }
 
 }  // namespace dccast::case_file

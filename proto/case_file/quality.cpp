@@ -9,8 +9,9 @@
 #include "proto/case_file/case_file.hpp"
 
 namespace dccast::case_file {
-
 namespace {
+
+using google::protobuf::util::MessageDifferencer;
 
 /// From so long after an event, steps of this length.
 struct Rung {
@@ -164,32 +165,23 @@ void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
         std::max(2.0 * mesh.growth_cell_m(), std::min(highest, 4.0 * mesh.growth_cell_m())));
 }
 
-/// A table of steps: `begin` from `start`, `event` from each of the events, sorted.
-class StepTable {
-public:
-  void add(double at, const Ladder& ladder, double until) {
-    for (const Rung& rung : ladder) {
-      const double from = at + rung.after;
-      if (from >= until) break;
-      hold_last_until(from);
-      curve_.add_at(from);
-      curve_.add_value(rung.step);
+/// Adds the steps of a ladder that begins at a time. Tables are interpolated, and steps end at
+/// their points: a step's length is repeated one such step before the next length begins.
+void add_steps(double begin, const Ladder& ladder, double until, v1::Curve& curve) {
+  for (const auto& [after, step] : ladder) {
+    const double from = begin + after;
+    if (from >= until) break;
+    if (curve.value_size() > 0) {
+      const double last = *std::prev(curve.value().end());
+      if (from - last > *std::prev(curve.at().end())) {
+        curve.add_at(from - last);
+        curve.add_value(last);
+      }
     }
+    curve.add_at(from);
+    curve.add_value(step);
   }
-  v1::Curve curve() const { return curve_; }
-
-private:
-  /// Tables are interpolated, and steps end at their points: a step's length is repeated one such
-  /// step before the next length begins.
-  void hold_last_until(double time) {
-    if (curve_.value_size() == 0) return;
-    const double last = *std::prev(curve_.value().end());
-    if (time - last <= *std::prev(curve_.at().end())) return;
-    curve_.add_at(time - last);
-    curve_.add_value(last);
-  }
-  v1::Curve curve_;
-};
+}
 
 /// When something sudden happens after the simulation has started [s], rising.
 std::vector<double> sudden_events(const v1::Case& c, double start) {
@@ -204,26 +196,20 @@ std::vector<double> sudden_events(const v1::Case& c, double start) {
   return events;
 }
 
-/// Of a case whose times are at fault: the check says so, and nothing else.
-v1::Curve constant_step() {
-  v1::Curve curve;
-  curve.add_at(0.0);
-  curve.add_value(1.0);
-  return curve;
-}
-
 v1::Curve steps(const Discretisation& d, const v1::Case& c) {
-  if (!(c.time().end_s() > -c.schedule().hold_s())) return constant_step();
-  const double start = -c.schedule().hold_s();
-  const std::vector<double> events = sudden_events(c, start);
-  StepTable table;
-  const double end = c.time().end_s();
-  if (events.empty() || events.front() > start)
-    table.add(start, d.begin, events.empty() ? end : events.front());
-  for (std::size_t i = 0; i < events.size(); ++i)
-    table.add(events[i], d.event, i + 1 < events.size() ? events[i + 1] : end);
-  v1::Curve curve = table.curve();
+  const double start = -c.schedule().hold_s(), end = c.time().end_s();
+  v1::Curve curve;
+  if (!(end > start)) {  // the check of the times says so, and nothing else
+    curve.add_at(0.0);
+    curve.add_value(1.0);
+    return curve;
+  }
   curve.set_abscissa(v1::TIME);
+  std::vector<double> events = sudden_events(c, start);
+  events.push_back(end);
+  if (events.front() > start) add_steps(start, d.begin, events.front(), curve);
+  for (std::size_t i = 0; i + 1 < events.size(); ++i)
+    add_steps(events[i], d.event, events[i + 1], curve);
   return curve;
 }
 
@@ -258,7 +244,7 @@ bool is_of_quality(const v1::Case& complete) {
                                             v1::Mesh::descriptor()->FindFieldByName(key));
   open.mutable_time()->clear_step_s();
   apply_quality(open);
-  return google::protobuf::util::MessageDifferencer::Equals(open, complete);
+  return MessageDifferencer::Equals(open, complete);
 }
 
 /// Castings like those the bands were measured on: sections through the thickness of a slab, and
@@ -312,7 +298,7 @@ bool is_same_casting(const v1::Case& a, const v1::Case& b) {
     c.mutable_time()->clear_minimum_step_s();
     return c;
   };
-  return google::protobuf::util::MessageDifferencer::Equals(alone(a), alone(b));
+  return MessageDifferencer::Equals(alone(a), alone(b));
 }
 
 namespace {
@@ -338,7 +324,7 @@ bool quality_matters(const v1::Case& description) {
   apply_defaults(draft);
   apply_defaults(fine);
   fine.set_quality(v1::DRAFT);
-  return !google::protobuf::util::MessageDifferencer::Equals(draft, fine);
+  return !MessageDifferencer::Equals(draft, fine);
 }
 
 v1::Case divided(const v1::Case& description, int parts) {
@@ -358,8 +344,8 @@ std::string reason_against_dividing(const v1::Case& description) {
            "their runs, or use the built-in mesh";
   if (!description.thermal().file().empty())
     return "thermal.file: temperatures from a file belong to its nodes and do not become more "
-           "exact on "
-           "finer meshes; use the heat solver";
+           "exact "
+           "on finer meshes; use the heat solver";
   if (description.monitor().empty() ||
       (description.mechanics().has_enabled() && !description.mechanics().enabled()))
     return "the case computes no curl: it needs a [[monitor]] and mechanics.enabled";
@@ -367,7 +353,7 @@ std::string reason_against_dividing(const v1::Case& description) {
 }
 
 bool is_refined_case(const v1::Case& a, const v1::Case& b) {
-  return google::protobuf::util::MessageDifferencer::Equals(undivided(a), undivided(b));
+  return MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 
 }  // namespace dccast::case_file

@@ -5,7 +5,6 @@
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/toml_walker.hpp"
 #include "proto/values/printable.hpp"
@@ -14,13 +13,12 @@ namespace dccast::case_file {
 namespace {
 
 std::string against_text(const FieldDescriptor& field) {
-  std::string text;
+  std::vector<std::string> abscissae;
   for (const v1::Abscissa abscissa : abscissae_of(field)) {
     const std::string unit = abscissa_unit(abscissa);
-    text += (text.empty() ? "" : ", ") + abscissa_name(abscissa) +
-            (unit == "1" ? "" : " [" + unit + "]");
+    abscissae.push_back(abscissa_name(abscissa) + (unit == "1" ? "" : " [" + unit + "]"));
   }
-  return text;
+  return "against " + joined(abscissae);
 }
 
 std::string abscissa_example(v1::Abscissa abscissa) {
@@ -37,57 +35,47 @@ std::string abscissa_example(v1::Abscissa abscissa) {
 }
 
 std::string pair_example(const FieldDescriptor& field) {
-  const std::string abscissa = abscissa_example(abscissae_of(field).front());
-  std::string value = example_text(field);
-  return "[" + abscissa + ", " + value + "]";
+  return "[" + abscissa_example(abscissae_of(field).front()) + ", " + example_text(field) + "]";
 }
 
 /// Which abscissa is meant, by the unit of the first point; unspecified (and a fault) if none fits.
-v1::Abscissa abscissa_of(Walk& walk, const toml::node& node, const FieldDescriptor& field,
-                         const std::string& path) {
-  const auto choices = abscissae_of(field);
-  const auto text = node.is_string() ? node.value<std::string>() : std::nullopt;
+v1::Abscissa abscissa_of(const Entry& first) {
+  const auto choices = abscissae_of(first.field);
+  const bool is_number = first.node.is_number();
+  const auto text = first.node.value<std::string>();
   for (const v1::Abscissa choice : choices)
-    if ((node.is_number() && abscissa_unit(choice) == "1") ||
+    if ((is_number && abscissa_unit(choice) == "1") ||
         (text && parse_quantity(*text, abscissa_unit(choice)).value))
       return choice;
-  if (node.is_number() || text) {
-    const Quantity tried = text ? parse_quantity(*text, abscissa_unit(choices.front()))
-                                : Quantity{std::nullopt, "", "the unit is missing"};
-    walk.add(make_fault(path, written(node), "first number of a point: " + tried.message,
-                        "against " + against_text(field), "e.g. " + pair_example(field)),
-             node);
-  } else {
-    walk.add(make_fault(path, written(node), type_name(node) + " where a quantity is expected",
-                        "against " + against_text(field), "e.g. " + pair_example(field)),
-             node);
-  }
+  const std::string fault = text ? "first number of a point: " +
+                                       parse_quantity(*text, abscissa_unit(choices.front())).message
+                            : is_number ? "first number of a point: the unit is missing"
+                                        : type_name(first.node) + " where a quantity is expected";
+  first.refuse(fault, against_text(first.field), "e.g. " + pair_example(first.field));
   return v1::ABSCISSA_UNSPECIFIED;
 }
 
 /// A point of the table; false if it has a fault.
-bool read_point(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
-                const std::string& path) {
+bool read_point(const Entry& point, v1::Curve& curve) {
+  const auto& [walk, node, field, path] = point;
   const toml::array* const pair = node.as_array();
   if (pair == nullptr || pair->size() != 2) {
-    walk.add(make_fault(path, written(node), "a point must be a pair [abscissa, value]",
-                        "against " + against_text(field), "e.g. " + pair_example(field)),
-             node);
+    point.refuse("a point must be a pair [abscissa, value]", against_text(field),
+                 "e.g. " + pair_example(field));
     return false;
   }
-  const toml::node& first = *pair->get(0);
-  if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
-    curve.set_abscissa(abscissa_of(walk, first, field, path));
+  const Entry first{walk, *pair->get(0), field, path}, second{walk, *pair->get(1), field, path};
+  if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED) curve.set_abscissa(abscissa_of(first));
   if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED) return false;
-  const auto at = read_number(walk, first, abscissa_unit(curve.abscissa()),
+  const auto at = read_number(walk, first.node, abscissa_unit(curve.abscissa()),
                               abscissa_example(curve.abscissa()), nullptr, path);
-  const auto value =
-      read_number(walk, *pair->get(1), key_of(field).unit(), example_text(field), &field, path);
+  const auto value = read_number(second);
   if (!at || !value) return false;
   if (curve.at_size() > 0 && *at <= curve.at(curve.at_size() - 1)) {
-    walk.add(make_fault(path, written(first), "must be larger than that of the point before it",
-                        "strictly increasing " + abscissa_name(curve.abscissa())),
-             node);
+    walk.add(
+        make_fault(path, written(first.node), "must be larger than that of the point before it",
+                   "strictly increasing " + abscissa_name(curve.abscissa())),
+        node);
     return false;
   }
   curve.add_at(*at);
@@ -97,28 +85,26 @@ bool read_point(Walk& walk, const toml::node& node, const FieldDescriptor& field
 
 }  // namespace
 
-void read_curve(Walk& walk, const toml::node& node, const FieldDescriptor& field, v1::Curve& curve,
-                const std::string& path) {
-  const toml::array* const points = node.as_array();
+v1::Curve read_curve(const Entry& entry) {
+  v1::Curve curve;
+  const toml::array* const points = entry.node.as_array();
   if (points == nullptr) {
-    const auto value =
-        read_number(walk, node, key_of(field).unit(), example_text(field), &field, path);
-    if (!value) return;
-    curve.add_at(0.0);
-    curve.add_value(*value);
-    return;
+    if (const auto value = read_number(entry)) {
+      curve.add_at(0.0);
+      curve.add_value(*value);
+    }
+    return curve;
   }
   if (points->empty())
-    walk.add(make_fault(path, "[]", "an empty table", "at least one point",
-                        "e.g. [" + pair_example(field) + "]"),
-             node);
-  if (auto fault = count_fault(field, points->size(), path))
-    return walk.add(std::move(*fault), node);
+    entry.walk.add(make_fault(entry.path, "[]", "an empty table", "at least one point",
+                              "e.g. [" + pair_example(entry.field) + "]"),
+                   entry.node);
+  if (!entry.passes(count_fault(entry.field, points->size(), entry.path))) return curve;
   bool sound = true;
   for (std::size_t i = 0; i < points->size(); ++i)
-    sound = read_point(walk, *points->get(i), field, curve, path + "[" + std::to_string(i) + "]") &&
-            sound;
-  if (!sound) curve.Clear();
+    sound &=
+        read_point({entry.walk, *points->get(i), entry.field, element_path(entry.path, i)}, curve);
+  return sound ? curve : v1::Curve();
 }
 
 namespace {
@@ -157,10 +143,6 @@ void sort_by_place(ReadOutcome& outcome) {
                    });
 }
 
-}  // namespace
-
-namespace {
-
 /// @param folder  of attachments; null: they are listed, not read
 ReadOutcome read(std::string_view text, const std::string& name, Message& message,
                  const std::filesystem::path* folder) {
@@ -179,10 +161,9 @@ ReadOutcome read(std::string_view text, const std::string& name, Message& messag
   outcome.source = SourceMap(name);
   outcome.source.set("", {1, 1});
   Walk walk{folder, outcome};
-  if (table.empty()) {
+  if (table.empty())
     outcome.faults.push_back(make_fault("", "", "the file holds no key", "",
                                         "see `dccast new --list` for cases to begin with"));
-  }
   read_table(walk, table, message, "");
   sort_by_place(outcome);
   return outcome;

@@ -1,6 +1,5 @@
-#include "proto/case_file/recipe_words.hpp"
-
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/toml_walker.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -83,29 +82,20 @@ std::optional<Place> read_place(Walk& walk, const Part& part, const FieldDescrip
   return std::nullopt;
 }
 
-double step_width(v1::Abscissa abscissa) {
-  return abscissa == v1::TIME ? step_width_s : step_width_m;
-}
-
-void append_step(v1::Curve& curve, double at, double width, double before, double behind) {
-  curve.add_at(at);
-  curve.add_value(before);
-  curve.add_at(at + width);
-  curve.add_value(behind);
-}
-
 v1::Curve stepped(double factor, const std::optional<Place>& from,
                   const std::optional<Place>& until) {
   v1::Curve curve;
-  if (!from && !until) {
-    curve.add_at(0.0);
-    curve.add_value(factor);
-    return curve;
-  }
-  curve.set_abscissa((from ? from : until)->abscissa);
-  const double width = step_width(curve.abscissa());
-  if (from) append_step(curve, from->at - width, width, 1.0, factor);
-  if (until) append_step(curve, until->at, width, factor, 1.0);
+  const auto add = [&](double at, double value) {
+    curve.add_at(at);
+    curve.add_value(value);
+  };
+  if (!from && !until) add(0.0, factor);
+  if (from || until) curve.set_abscissa((from ? from : until)->abscissa);
+  const double width = curve.abscissa() == v1::TIME ? step_width_s : step_width_m;
+  if (from) add(from->at - width, 1.0);
+  if (from) add(from->at - width + width, factor);
+  if (until) add(until->at, factor);
+  if (until) add(until->at + width, 1.0);
   return curve;
 }
 
@@ -133,17 +123,16 @@ const FieldDescriptor* recipe_field(const FieldDescriptor& table, std::string_vi
 }
 
 std::string recipe_paths(const Descriptor& descriptor, const std::string& path) {
-  std::string paths;
-  for (int i = 0; i < descriptor.field_count(); ++i)
+  std::vector<std::string> paths;
+  for (const FieldDescriptor* const field : fields_of(descriptor))
     for (const char* const word : {"scale", "shift"})
-      if (recipe_field(*descriptor.field(i), word) != nullptr)
-        paths += (paths.empty() ? "" : ", ") +
-                 join_path(join_path(path, toml_key(*descriptor.field(i))), word);
-  return paths;
+      if (recipe_field(*field, word) != nullptr)
+        paths.push_back(join_path(join_path(path, toml_key(*field)), word));
+  return joined(paths);
 }
 
-void read_scale(Walk& walk, const std::string& text, const FieldDescriptor& field, v1::Curve& curve,
-                const std::string& path) {
+v1::Curve read_scale(Walk& walk, const std::string& text, const FieldDescriptor& field,
+                     const std::string& path) {
   const Recipe recipe = divided(text);
   std::optional<Place> from, until;
   const auto factor = read_factor(walk, recipe.factor, field, path);
@@ -152,7 +141,7 @@ void read_scale(Walk& walk, const std::string& text, const FieldDescriptor& fiel
   const bool sound = factor && from.has_value() == recipe.from.has_value() &&
                      until.has_value() == recipe.until.has_value() &&
                      in_order(walk, recipe, from, until, path);
-  if (sound) curve = stepped(*factor, from, until);
+  return sound ? stepped(*factor, from, until) : v1::Curve();
 }
 
 }  // namespace dccast::case_file

@@ -23,9 +23,15 @@ std::string toml_key(const FieldDescriptor& field) {
   return field.name().substr(0, field.name().size() - suffix->size());
 }
 
+std::vector<const FieldDescriptor*> fields_of(const Descriptor& descriptor) {
+  std::vector<const FieldDescriptor*> fields;
+  for (int i = 0; i < descriptor.field_count(); ++i) fields.push_back(descriptor.field(i));
+  return fields;
+}
+
 const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key) {
-  for (int i = 0; i < descriptor.field_count(); ++i)
-    if (toml_key(*descriptor.field(i)) == key) return descriptor.field(i);
+  for (const FieldDescriptor* const field : fields_of(descriptor))
+    if (toml_key(*field) == key) return field;
   return nullptr;
 }
 
@@ -51,14 +57,19 @@ std::vector<std::string> enum_texts(const FieldDescriptor& field) {
   return texts;
 }
 
+namespace {
+
 bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE &&
          field.message_type()->full_name() == descriptor.full_name();
 }
 
+}  // namespace
+
 bool is_curve(const FieldDescriptor& field) {
   return is_message_of(field, *v1::Curve::descriptor());
 }
+
 bool is_alloy(const FieldDescriptor& field) {
   return is_message_of(field, *v1::Alloy::descriptor());
 }
@@ -75,6 +86,28 @@ bool is_present(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (field.is_repeated()) return reflection.FieldSize(message, &field) > 0;
   return reflection.HasField(message, &field);
+}
+
+std::optional<double> number_of(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated() || !is_present(message, field)) return std::nullopt;
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return reflection.GetDouble(message, &field);
+    case FieldDescriptor::CPPTYPE_INT32:
+      return reflection.GetInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_INT64:
+      return static_cast<double>(reflection.GetInt64(message, &field));
+    default:
+      return std::nullopt;
+  }
+}
+
+v1::Curve curve_of(const Message& message, const FieldDescriptor& field) {
+  // A copy, so that a Curve of a foreign pool (dynamic messages) is read as well as ours.
+  v1::Curve curve;
+  curve.ParseFromString(message.GetReflection()->GetMessage(message, &field).SerializeAsString());
+  return curve;
 }
 
 std::string abscissa_unit(v1::Abscissa abscissa) {
@@ -109,6 +142,16 @@ std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field) {
 
 std::string join_path(const std::string& parent, const std::string& key) {
   return parent.empty() ? key : parent + "." + key;
+}
+
+std::string element_path(const std::string& list, std::size_t element) {
+  return list + "[" + std::to_string(element) + "]";
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
 }
 
 namespace {
@@ -160,6 +203,68 @@ std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
     return make_fault(path, written, "not a finite number", range_text(field, unit_written));
   if (in_range(key_of(field), value)) return std::nullopt;
   return make_fault(path, written, "out of range", range_text(field, unit_written));
+}
+
+namespace {
+
+/// A description may have lines; a title or a name stands in lists and logs.
+values::Lines lines_of(const FieldDescriptor& field) {
+  constexpr int longest_line = 255;
+  return key_of(field).maximum_length() > longest_line ? values::Lines::several
+                                                       : values::Lines::one;
+}
+
+/// Of a text [bytes].
+std::size_t maximum_length(const FieldDescriptor& field) {
+  const int stated = key_of(field).maximum_length();
+  return stated > 0 ? static_cast<std::size_t>(stated) : 1000;
+}
+
+/// Of the entries of a table or the points of a curve.
+std::size_t maximum_count(const FieldDescriptor& field) {
+  const int stated = key_of(field).maximum_count();
+  return stated > 0 ? static_cast<std::size_t>(stated) : 10000;
+}
+
+}  // namespace
+
+std::string size_text(const FieldDescriptor& field) {
+  const auto at_most = [](std::size_t number, const char* of) {
+    return "at most " + std::to_string(number) + of;
+  };
+  if (is_curve(field)) return at_most(maximum_count(field), " points");
+  if (field.is_repeated()) return at_most(maximum_count(field), " entries");
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING)
+    return at_most(maximum_length(field), " bytes");
+  return {};
+}
+
+std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::string& text,
+                                    const std::string& path) {
+  if (text.size() > maximum_length(field))
+    return make_fault(path, quoted(values::shortened(text, maximum_length(field))),
+                      "a text of " + std::to_string(text.size()) + " bytes", size_text(field),
+                      key_of(field).attachment() ? "rename the file" : "shorten it");
+  const auto character = values::unprintable(text, lines_of(field));
+  if (!character) return std::nullopt;
+  return make_fault(path, quoted(values::escaped(values::shortened(text))),
+                    "contains " + *character, "characters that can be shown",
+                    "leave that character out");
+}
+
+std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,
+                                     const std::string& path) {
+  if (count <= maximum_count(field)) return std::nullopt;
+  const bool curve = is_curve(field);
+  return make_fault(path, "", std::to_string(count) + (curve ? " points" : " entries"),
+                    size_text(field),
+                    curve ? "thin the table out; it is interpolated linearly between points"
+                          : "leave some of them out");
+}
+
+v1::Fault missing_fault(const FieldDescriptor& field, const std::string& path) {
+  return make_fault(path, "", "required key is missing", range_text(field),
+                    "e.g. " + toml_key(field) + " = " + example_text(field));
 }
 
 v1::Fault make_fault(std::string path, const std::string& value, std::string message,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,8 +13,8 @@
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/options.pb.h"
 
-/// Access to the (key) options of a field. Shared by the reader, the checks, the writer and the
-/// reference; not included outside this room.
+/// Access to the (key) options of a field, and what they ask of a value. Shared by the reader, the
+/// checks, the writer and the reference.
 namespace dccast::case_file {
 
 using google::protobuf::Descriptor;
@@ -31,6 +32,9 @@ const v1::Key& key_of(const FieldDescriptor& field);
 /// Throws std::logic_error if the field's name does not end in it (an error in the schema).
 std::string toml_key(const FieldDescriptor& field);
 
+/// All fields of a message, in the order of the schema.
+std::vector<const FieldDescriptor*> fields_of(const Descriptor& descriptor);
+
 /// The field of `descriptor` with this key in a case file, or null.
 const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key);
 
@@ -40,7 +44,6 @@ const google::protobuf::EnumValueDescriptor* enum_value_of(const FieldDescriptor
 std::vector<std::string> enum_texts(const FieldDescriptor& field);
 std::string lower(std::string text);
 
-bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor);
 bool is_curve(const FieldDescriptor& field);
 bool is_alloy(const FieldDescriptor& field);
 /// A nested message that is a table of the file (not a Curve).
@@ -52,6 +55,12 @@ bool is_ranges(const FieldDescriptor& field);
 /// Whether the field has a value: it is set, or not empty (text), or not unspecified (enums).
 bool is_present(const Message& message, const FieldDescriptor& field);
 
+/// The number of a field that holds one and is present [unit of the schema].
+std::optional<double> number_of(const Message& message, const FieldDescriptor& field);
+
+/// The table of a field that is_curve(); empty if the field is absent.
+v1::Curve curve_of(const Message& message, const FieldDescriptor& field);
+
 /// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
 std::string abscissa_unit(v1::Abscissa abscissa);
 std::string abscissa_name(v1::Abscissa abscissa);
@@ -59,6 +68,12 @@ std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field);
 
 /// "schedule" + "hold" -> "schedule.hold"; no dot at the root.
 std::string join_path(const std::string& parent, const std::string& key);
+
+/// "monitor" and 1 -> "monitor[1]".
+std::string element_path(const std::string& list, std::size_t element);
+
+/// "a, b, c".
+std::string joined(const std::vector<std::string>& words);
 
 /// "0 to 0.1 m/s", "more than 0 Pa", "at least 1"; with `other_unit` also in that: "(0 to 6000
 /// mm/min)". Empty without a range.
@@ -69,6 +84,24 @@ std::string range_text(const FieldDescriptor& field, const std::string& other_un
 std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
                                      const std::string& path, const std::string& written,
                                      const std::string& unit_written);
+
+// A case is stored, listed and reported by a daemon that serves several users, so every text and
+// table has a limit; keys without one of their own have the general one.
+
+/// "at most 200 bytes", "at most 1000 entries", "at most 10000 points"; empty for other keys.
+std::string size_text(const FieldDescriptor& field);
+
+/// The fault of a text that is too long, or has a character that acts on a terminal or a log; empty
+/// if there is none. The fault contains only the beginning of the text.
+std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::string& text,
+                                    const std::string& path);
+
+/// The fault of too many entries or points; empty if there is none.
+std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,
+                                     const std::string& path);
+
+/// The fault of a required key that is absent.
+v1::Fault missing_fault(const FieldDescriptor& field, const std::string& path);
 
 /// Creates a fault. The value is shortened, so that no fault repeats a long text.
 v1::Fault make_fault(std::string path, const std::string& value, std::string message,

@@ -8,6 +8,9 @@
 
 namespace dccast::case_file {
 
+namespace {
+
+/// Line and column of a byte of the text.
 Position position_of(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, offset);
   const auto line_start = before.rfind('\n');
@@ -15,6 +18,8 @@ Position position_of(std::string_view text, std::size_t offset) {
   return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
           static_cast<int>(column) + 1};
 }
+
+}  // namespace
 
 std::optional<TextFault> check_text(std::string_view text) {
   if (text.size() > maximum_file_bytes)
@@ -62,10 +67,6 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   return best;
 }
 
-namespace {
-
-/// Where the string that begins at `at` ends: behind its last quote, or at the end of the line or
-/// text that it leaves open.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const std::string three(3, quote);
@@ -80,6 +81,8 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
   }
   return text.size();
 }
+
+namespace {
 
 /// Counts what is open at a place of the text.
 class Depth {

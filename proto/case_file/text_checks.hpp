@@ -16,11 +16,12 @@ struct TextFault {
   std::string remedy;
 };
 
-/// Line and column of a byte of the text.
-Position position_of(std::string_view text, std::size_t offset);
-
 /// Checks size, NUL bytes, UTF-8 and depth of nesting before the text is parsed.
 std::optional<TextFault> check_text(std::string_view text);
+
+/// Where the string that begins at `at` ends: behind its last quote, or at the end of the line or
+/// text that it leaves open.
+std::size_t end_of_string(std::string_view text, std::size_t at);
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words.
 int edit_distance(std::string_view a, std::string_view b);

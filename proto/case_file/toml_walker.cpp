@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <sstream>
+#include <utility>
 
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/printable.hpp"
@@ -19,75 +18,56 @@ constexpr std::size_t maximum_faults = 500;
 constexpr std::size_t longest_path_echo = 300;
 constexpr std::uintmax_t maximum_attachment_bytes = std::uintmax_t{1} << 30;
 
-std::vector<std::string> keys_of(const Descriptor& descriptor) {
-  std::vector<std::string> keys;
-  for (int i = 0; i < descriptor.field_count(); ++i) keys.push_back(toml_key(*descriptor.field(i)));
-  return keys;
+void read_enum(const Entry& entry, Message& message) {
+  const std::vector<std::string> choices = enum_texts(entry.field);
+  const auto text = entry.node.value<std::string>();
+  if (!text) return entry.refuse_type("one of the words " + joined(choices));
+  if (const auto* value = enum_value_of(entry.field, *text))
+    return message.GetReflection()->SetEnum(&message, &entry.field, value);
+  const std::string near = nearest(*text, choices);
+  entry.refuse("unknown choice", joined(choices),
+               near.empty() ? "" : "did you mean \"" + near + "\"?");
 }
 
-void add_wrong_type(Walk& walk, const toml::node& node, const FieldDescriptor& field,
-                    const std::string& path, const std::string& expected) {
-  walk.add(make_fault(path, written(node), type_name(node) + " where " + expected + " is expected",
-                      range_text(field), "e.g. " + toml_key(field) + " = " + example_text(field)),
-           node);
-}
-
-void read_enum(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-               const std::string& path) {
-  std::string choices;
-  for (const std::string& text : enum_texts(field)) choices += (choices.empty() ? "" : ", ") + text;
-  const auto text = node.value<std::string>();
-  if (!text) return add_wrong_type(walk, node, field, path, "one of the words " + choices);
-  if (const auto* value = enum_value_of(field, *text))
-    return message.GetReflection()->SetEnum(&message, &field, value);
-  const std::string near = nearest(*text, enum_texts(field));
-  walk.add(make_fault(path, written(node), "unknown choice", choices,
-                      near.empty() ? "" : "did you mean \"" + near + "\"?"),
-           node);
-}
-
-void read_integer(Walk& walk, const toml::node& node, const FieldDescriptor& field,
-                  Message& message, const std::string& path) {
-  if (!node.is_integer()) return add_wrong_type(walk, node, field, path, "a whole number");
-  const std::int64_t number = node.as_integer()->get();
-  if (auto fault = range_fault(field, static_cast<double>(number), path, written(node), ""))
-    return walk.add(std::move(*fault), node);
-  if (field.cpp_type() == FieldDescriptor::CPPTYPE_INT64)
-    return message.GetReflection()->SetInt64(&message, &field, number);
-  if (number < std::numeric_limits<std::int32_t>::min() ||
-      number > std::numeric_limits<std::int32_t>::max())
-    return walk.add(make_fault(path, written(node), "out of range", range_text(field)), node);
-  message.GetReflection()->SetInt32(&message, &field, static_cast<std::int32_t>(number));
+void read_integer(const Entry& entry, Message& message) {
+  if (!entry.node.is_integer()) return entry.refuse_type("a whole number");
+  const std::int64_t number = entry.node.as_integer()->get();
+  if (!entry.passes(range_fault(entry.field, static_cast<double>(number), entry.path,
+                                written(entry.node), "")))
+    return;
+  const Reflection& reflection = *message.GetReflection();
+  if (entry.field.cpp_type() == FieldDescriptor::CPPTYPE_INT64)
+    reflection.SetInt64(&message, &entry.field, number);
+  else if (std::in_range<std::int32_t>(number))
+    reflection.SetInt32(&message, &entry.field, static_cast<std::int32_t>(number));
+  else
+    entry.refuse("out of range", range_text(entry.field));
 }
 
 /// Of a file that stands elsewhere. Returns its base name.
-std::optional<std::string> list_file(Walk& walk, const toml::node& node, const std::string& name,
-                                     const std::string& path) {
+std::optional<std::string> list_file(const Entry& entry, const std::string& name) {
   const auto base_of = [](const std::string& file) {
     return std::filesystem::path(file).filename().string();
   };
-  std::vector<std::string>& files = walk.outcome.files;
+  std::vector<std::string>& files = entry.walk.outcome.files;
   for (const std::string& other : files)
     if (other != name && base_of(other) == base_of(name)) {
-      walk.add(make_fault(path, written(node), "another attachment is also called " + base_of(name),
-                          "files of different names"),
-               node);
+      entry.refuse("another attachment is also called " + base_of(name),
+                   "files of different names");
       return std::nullopt;
     }
-  if (std::find(files.begin(), files.end(), name) == files.end()) files.push_back(name);
+  if (std::ranges::count(files, name) == 0) files.push_back(name);
   return base_of(name);
 }
 
 /// Reads the file that `name` points to into the attachments; returns its base name.
-std::optional<std::string> attach(Walk& walk, const toml::node& node, const std::string& name,
-                                  const std::string& path) {
-  if (walk.folder == nullptr) return list_file(walk, node, name, path);
-  const std::filesystem::path file = *walk.folder / name;
+std::optional<std::string> attach(const Entry& entry, const std::string& name) {
+  if (entry.walk.folder == nullptr) return list_file(entry, name);
+  const std::filesystem::path file = *entry.walk.folder / name;
   std::error_code error;
   const auto refuse = [&](const std::string& why) {
-    walk.add(make_fault(path, written(node), values::shortened(why, longest_path_echo),
-                        "a readable file, relative to the folder of the case file"),
-             node);
+    entry.refuse(values::shortened(why, longest_path_echo),
+                 "a readable file, relative to the folder of the case file");
     return std::nullopt;
   };
   if (!std::filesystem::exists(file, error)) return refuse("no such file: " + file.string());
@@ -99,177 +79,170 @@ std::optional<std::string> attach(Walk& walk, const toml::node& node, const std:
   if (!(stream && content << stream.rdbuf()) && std::filesystem::file_size(file, error) > 0)
     return refuse("cannot be read: " + file.string());
   const std::string base = file.filename().string();
-  for (const v1::Attachment& other : walk.outcome.attachments)
+  for (const v1::Attachment& other : entry.walk.outcome.attachments)
     if (other.name() == base && other.content() != content.str())
       return refuse("another attachment is also called " + base);
-  v1::Attachment attachment;
+  v1::Attachment& attachment = entry.walk.outcome.attachments.emplace_back();
   attachment.set_name(base);
   attachment.set_content(content.str());
-  walk.outcome.attachments.push_back(std::move(attachment));
   return base;
 }
 
-void read_string(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                 const std::string& path) {
-  auto text = node.is_string() ? node.value<std::string>() : std::nullopt;
-  if (!text) return add_wrong_type(walk, node, field, path, "text");
-  if (text->empty() && key_of(field).required())
-    return walk.add(make_fault(path, "\"\"", "must not be empty"), node);
-  if (key_of(field).attachment() && !text->empty()) text = attach(walk, node, *text, path);
-  if (!text) return;
-  if (auto fault = text_fault(field, *text, path)) return walk.add(std::move(*fault), node);
-  message.GetReflection()->SetString(&message, &field, *text);
+void read_string(const Entry& entry, Message& message) {
+  const FieldDescriptor& field = entry.field;
+  auto text = entry.node.is_string() ? entry.node.value<std::string>() : std::nullopt;
+  if (!text) return entry.refuse_type("text");
+  if (text->empty() && key_of(field).required()) return entry.refuse("must not be empty");
+  if (key_of(field).attachment() && !text->empty()) text = attach(entry, *text);
+  if (text && entry.passes(text_fault(field, *text, entry.path)))
+    message.GetReflection()->SetString(&message, &field, *text);
 }
 
-void read_scalar(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                 const std::string& path) {
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return read_enum(walk, node, field, message, path);
-    case FieldDescriptor::CPPTYPE_STRING:
-      return read_string(walk, node, field, message, path);
-    case FieldDescriptor::CPPTYPE_INT32:
-    case FieldDescriptor::CPPTYPE_INT64:
-      return read_integer(walk, node, field, message, path);
-    case FieldDescriptor::CPPTYPE_BOOL:
-      if (!node.is_boolean()) return add_wrong_type(walk, node, field, path, "true or false");
-      return message.GetReflection()->SetBool(&message, &field, node.as_boolean()->get());
-    default:
-      break;
-  }
-  if (const auto number =
-          read_number(walk, node, key_of(field).unit(), example_text(field), &field, path))
-    message.GetReflection()->SetDouble(&message, &field, *number);
-}
-
-void read_array_of_tables(Walk& walk, const toml::node& node, const FieldDescriptor& field,
-                          Message& message, const std::string& path) {
+void read_array_of_tables(const Entry& entry, Message& message) {
+  const auto& [walk, node, field, path] = entry;
   const toml::array* const array = node.as_array();
-  if (array == nullptr)
-    return add_wrong_type(walk, node, field, path, "a list of tables, written [[" + path + "]],");
-  if (auto fault = count_fault(field, array->size(), path))
-    return walk.add(std::move(*fault), node);
+  if (array == nullptr) return entry.refuse_type("a list of tables, written [[" + path + "]],");
+  if (!entry.passes(count_fault(field, array->size(), path))) return;
   for (std::size_t i = 0; i < array->size(); ++i) {
-    const std::string item_path = path + "[" + std::to_string(i) + "]";
-    const toml::node& item = *array->get(i);
-    walk.mark(item_path, item);
+    const Entry item{walk, *array->get(i), field, element_path(path, i)};
+    walk.mark(item.path, item.node.source());
     Message& added = *message.GetReflection()->AddMessage(&message, &field);
-    if (const toml::table* const table = item.as_table())
-      read_table(walk, *table, added, item_path);
+    if (const toml::table* const table = item.node.as_table())
+      read_table(walk, *table, added, item.path);
     else
-      add_wrong_type(walk, item, field, item_path, "a table");
+      item.refuse_type("a table");
   }
 }
 
-void read_nested(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                 const std::string& path) {
-  if (const toml::table* const table = node.as_table())
-    return read_table(walk, *table, *message.GetReflection()->MutableMessage(&message, &field),
-                      path);
-  walk.add(make_fault(path, written(node), type_name(node) + " where a table is expected", "",
-                      "write [" + path + "] and its keys below it"),
-           node);
+void read_nested(const Entry& entry, Message& message) {
+  if (const toml::table* const table = entry.node.as_table())
+    return read_table(entry.walk, *table,
+                      *message.GetReflection()->MutableMessage(&message, &entry.field), entry.path);
+  entry.refuse(type_name(entry.node) + " where a table is expected", "",
+               "write [" + entry.path + "] and its keys below it");
 }
 
 /// The lines KEY = RANGE of a table; they are judged on the complete case.
-void read_ranges(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                 const std::string& path) {
+void read_ranges(const Entry& entry, Message& message) {
+  const auto& [walk, node, field, path] = entry;
   const toml::table* const table = node.as_table();
-  if (table == nullptr)
-    return add_wrong_type(walk, node, field, path, "a table of lines KEY = RANGE");
-  if (auto fault = count_fault(field, table->size(), path))
-    return walk.add(std::move(*fault), node);
-  for (const auto& [key, value] : *table) {
-    const std::string line = join_path(path, std::string(key.str()));
+  if (table == nullptr) return entry.refuse_type("a table of lines KEY = RANGE");
+  if (!entry.passes(count_fault(field, table->size(), path))) return;
+  const FieldDescriptor& key_field = *field.message_type()->FindFieldByName("key");
+  const FieldDescriptor& range_field = *field.message_type()->FindFieldByName("range");
+  for (const auto& [name, value] : *table) {
+    const std::string key(name.str());
+    const Entry line{walk, value, field, join_path(path, key)};
     const auto range = value.is_string() ? value.value<std::string>() : std::nullopt;
-    if (!range || !parse_range(*range)) {
-      const bool is_key_without_quotes = value.is_table();
-      walk.add(
-          make_fault(line, written(value),
-                     is_key_without_quotes ? "a table where a range is expected" : "is no range",
-                     range_forms,
-                     is_key_without_quotes ? "put the key in quotes, as it has points" : ""),
-          value);
-      continue;
+    if (value.is_table()) {
+      line.refuse("a table where a range is expected", range_forms,
+                  "put the key in quotes, as it has points");
+    } else if (!range || !parse_range(*range)) {
+      line.refuse("is no range", range_forms);
+    } else {
+      if (!line.passes(text_fault(key_field, key, line.path)) ||
+          !line.passes(text_fault(range_field, *range, line.path)))
+        return;
+      walk.mark(line.path, value.source());
+      Message& added = *message.GetReflection()->AddMessage(&message, &field);
+      added.GetReflection()->SetString(&added, &key_field, key);
+      added.GetReflection()->SetString(&added, &range_field, *range);
     }
-    const Descriptor& entry = *field.message_type();
-    for (const auto& [name, text] : {std::pair("key", std::string(key.str())), {"range", *range}})
-      if (auto fault = text_fault(*entry.FindFieldByName(name), text, line))
-        return walk.add(std::move(*fault), value);
-    walk.mark(line, value);
-    Message& added = *message.GetReflection()->AddMessage(&message, &field);
-    added.GetReflection()->SetString(&added, entry.FindFieldByName("key"), std::string(key.str()));
-    added.GetReflection()->SetString(&added, entry.FindFieldByName("range"), *range);
   }
 }
 
-/// Paths of all keys of the schema that end in `key`, for a key that stands in the wrong table.
-std::string elsewhere(const Message& message, const std::string& path, const std::string& key) {
-  if (path.empty() && message.GetDescriptor()->field_count() == 0) return {};
-  const Descriptor* const root =
-      google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName("dccast.v1.Case");
-  if (root == nullptr || message.GetDescriptor()->file() != root->file()) return {};
-  for (const KeyReference& known : reference(*root))
+/// A path of the schema that ends in `key`, for a key that stands in the wrong table.
+std::string elsewhere(const Message& message, const std::string& key) {
+  const Descriptor& root = *v1::Case::descriptor();
+  if (message.GetDescriptor()->file() != root.file()) return {};
+  for (const KeyReference& known : reference(root))
     if (known.path.ends_with("." + key)) return known.path;
   return {};
 }
 
-/// Required keys below a table that is absent altogether.
-void add_missing(Walk& walk, const toml::node& place, const Descriptor& descriptor,
-                 const toml::table& table, const std::string& path) {
+/// Required keys of a table, and those below a table that is absent altogether.
+void add_missing(Walk& walk, const Descriptor& descriptor, const toml::table& table,
+                 const std::string& path) {
   static const toml::table empty;
-  for (int i = 0; i < descriptor.field_count(); ++i) {
-    const FieldDescriptor& field = *descriptor.field(i);
-    const std::string key = toml_key(field);
+  for (const FieldDescriptor* const field : fields_of(descriptor)) {
+    const std::string key = toml_key(*field);
     if (table.contains(key)) continue;
-    if (key_of(field).required() &&
-        !(key_of(field).unless().size() > 0 && table.contains(key_of(field).unless())))
-      walk.outcome.faults.push_back(make_fault(join_path(path, key), "", "required key is missing",
-                                               range_text(field),
-                                               "e.g. " + key + " = " + example_text(field)));
-    else if (is_table(field) && !field.is_repeated())
-      add_missing(walk, place, *field.message_type(), empty, join_path(path, key));
+    const std::string& other = key_of(*field).unless();
+    const bool stands_in = !other.empty() && table.contains(other);
+    if (key_of(*field).required() && !stands_in)
+      walk.outcome.faults.push_back(missing_fault(*field, join_path(path, key)));
+    else if (is_table(*field) && !field->is_repeated())
+      add_missing(walk, *field->message_type(), empty, join_path(path, key));
   }
 }
 
 }  // namespace
 
-void read_field(Walk& walk, const toml::node& node, const FieldDescriptor& field, Message& message,
-                const std::string& path) {
-  if (is_ranges(field)) return read_ranges(walk, node, field, message, path);
-  if (field.is_repeated()) return read_array_of_tables(walk, node, field, message, path);
-  if (is_table(field)) return read_nested(walk, node, field, message, path);
-  if (!is_curve(field)) return read_scalar(walk, node, field, message, path);
-  v1::Curve curve;
-  read_curve(walk, node, field, curve, path);
-  if (curve.value_size() > 0)
-    message.GetReflection()->MutableMessage(&message, &field)->CopyFrom(curve);
+void read_field(const Entry& entry, Message& message) {
+  const FieldDescriptor& field = entry.field;
+  const Reflection& reflection = *message.GetReflection();
+  if (is_ranges(field)) return read_ranges(entry, message);
+  if (field.is_repeated()) return read_array_of_tables(entry, message);
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return read_enum(entry, message);
+    case FieldDescriptor::CPPTYPE_STRING:
+      return read_string(entry, message);
+    case FieldDescriptor::CPPTYPE_INT32:
+    case FieldDescriptor::CPPTYPE_INT64:
+      return read_integer(entry, message);
+    case FieldDescriptor::CPPTYPE_BOOL:
+      if (!entry.node.is_boolean()) return entry.refuse_type("true or false");
+      return reflection.SetBool(&message, &field, entry.node.as_boolean()->get());
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      if (const auto number = read_number(entry)) reflection.SetDouble(&message, &field, *number);
+      return;
+    default:
+      break;
+  }
+  if (is_table(field)) return read_nested(entry, message);
+  if (const v1::Curve curve = read_curve(entry); curve.value_size() > 0)
+    reflection.MutableMessage(&message, &field)->CopyFrom(curve);
 }
 
 void add_unknown(Walk& walk, const toml::node& node, const Message& message,
                  const std::string& path, const std::string& key) {
   if (walk.outcome.faults.size() >= maximum_faults) return;
-  const std::vector<std::string> keys = keys_of(*message.GetDescriptor());
-  std::string remedy;
+  std::vector<std::string> keys;
+  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor()))
+    keys.push_back(toml_key(*field));
+  std::string remedy = "see `dccast schema`";
   if (const std::string near = nearest(key, keys); !near.empty())
     remedy = "did you mean '" + near + "'?";
-  else if (const std::string place = elsewhere(message, path, key); !place.empty())
+  else if (const std::string place = elsewhere(message, key); !place.empty())
     remedy = "there is a key " + place;
-  else
-    remedy = "see `dccast schema`";
-  walk.add(
-      make_fault(join_path(path, values::shortened(key)), written(node), "unknown key", "", remedy),
-      node);
+  walk.refuse(node, join_path(path, values::shortened(key)), "unknown key", "", remedy);
 }
 
 void Walk::add(v1::Fault fault, const toml::node& node) {
-  mark(fault.field(), node);
+  mark(fault.field(), node.source());
   if (outcome.faults.size() < maximum_faults) outcome.faults.push_back(std::move(fault));
 }
 
-void Walk::mark(const std::string& path, const toml::node& node) {
-  const toml::source_position begin = node.source().begin;
-  outcome.source.set(path, {static_cast<int>(begin.line), static_cast<int>(begin.column)});
+void Walk::refuse(const toml::node& node, const std::string& path, std::string message,
+                  std::string permitted, std::string remedy) {
+  add(make_fault(path, written(node), std::move(message), std::move(permitted), std::move(remedy)),
+      node);
+}
+
+void Walk::mark(const std::string& path, const toml::source_region& source) {
+  outcome.source.set(path,
+                     {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)});
+}
+
+void Entry::refuse_type(const std::string& expected) const {
+  refuse(type_name(node) + " where " + expected + " is expected", range_text(field),
+         "e.g. " + toml_key(field) + " = " + example_text(field));
+}
+
+bool Entry::passes(std::optional<v1::Fault> fault) const {
+  if (fault) walk.add(std::move(*fault), node);
+  return !fault;
 }
 
 std::string written(const toml::node& node) {
@@ -307,10 +280,9 @@ std::string type_name(const toml::node& node) {
 std::optional<double> read_number(Walk& walk, const toml::node& node, const std::string& unit,
                                   const std::string& example, const FieldDescriptor* limits,
                                   const std::string& path) {
-  const std::string permitted = limits == nullptr ? "" : range_text(*limits);
   const bool dimensionless = unit == "1" || unit.empty();
   const auto refuse = [&](const std::string& message, const std::string& remedy) {
-    walk.add(make_fault(path, written(node), message, permitted, remedy), node);
+    walk.refuse(node, path, message, limits == nullptr ? "" : range_text(*limits), remedy);
     return std::nullopt;
   };
   Quantity quantity;
@@ -328,34 +300,34 @@ std::optional<double> read_number(Walk& walk, const toml::node& node, const std:
                   (dimensionless ? "write a number, e.g. "
                                  : "expected " + unit + " or a unit of the same kind, e.g. ") +
                       example);
-  if (limits != nullptr) {
-    if (auto fault = range_fault(*limits, *quantity.value, path, written(node), quantity.unit)) {
-      walk.add(std::move(*fault), node);
-      return std::nullopt;
-    }
-  } else if (!std::isfinite(*quantity.value)) {
+  if (limits == nullptr && !std::isfinite(*quantity.value))
     return refuse("not a finite number", "e.g. " + example);
-  }
+  if (limits != nullptr && !Entry{walk, node, *limits, path}.passes(range_fault(
+                               *limits, *quantity.value, path, written(node), quantity.unit)))
+    return std::nullopt;
   return quantity.value;
+}
+
+std::optional<double> read_number(const Entry& entry) {
+  return read_number(entry.walk, entry.node, key_of(entry.field).unit(), example_text(entry.field),
+                     &entry.field, entry.path);
 }
 
 void read_table(Walk& walk, const toml::table& table, Message& message, const std::string& path) {
   const Descriptor& descriptor = *message.GetDescriptor();
   for (const auto& [key, node] : table) {
-    const FieldDescriptor* const field = field_of_key(descriptor, key.str());
     const std::string name(key.str());
     const std::string key_path = join_path(path, name);
-    if (field == nullptr) {
-      add_unknown(walk, node, message, path, name);
+    if (const FieldDescriptor* const field = field_of_key(descriptor, name)) {
+      walk.mark(key_path, node.source());
+      read_field({walk, node, *field, key_path}, message);
     } else {
-      walk.mark(key_path, node);
-      read_field(walk, node, *field, message, key_path);
+      add_unknown(walk, node, message, path, name);
     }
     // The key says better than its value where to look; a list's points keep their own places.
-    walk.outcome.source.set(key_path, {static_cast<int>(key.source().begin.line),
-                                       static_cast<int>(key.source().begin.column)});
+    walk.mark(key_path, key.source());
   }
-  add_missing(walk, table, descriptor, table, path);
+  add_missing(walk, descriptor, table, path);
 }
 
 }  // namespace dccast::case_file

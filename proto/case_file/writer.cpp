@@ -1,7 +1,5 @@
-#include "dccast/v1/case.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/schema.hpp"
 
 namespace dccast::case_file {
@@ -42,9 +40,7 @@ std::string value_text(const Message& message, const FieldDescriptor& field) {
     default:
       break;
   }
-  v1::Curve curve;
-  curve.ParseFromString(reflection.GetMessage(message, &field).SerializeAsString());
-  return curve_text(curve, key_of(field).unit());
+  return curve_text(curve_of(message, field), key_of(field).unit());
 }
 
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
@@ -60,60 +56,54 @@ KeyValues range_lines(const Message& message, const FieldDescriptor& field) {
   return lines;
 }
 
-/// "[a.b]" or "[[a.b]]"; keys of the schema are bare keys.
-void write_table(const Message& message, const std::string& path, std::string& text);
-
-void write_tables(const Message& message, const FieldDescriptor& field, const std::string& path,
-                  std::string& text) {
+/// Calls visit(table, path) for each table of a field.
+template <typename Visit>
+void for_each_table(const Message& message, const FieldDescriptor& field, const std::string& path,
+                    const Visit& visit) {
   const Reflection& reflection = *message.GetReflection();
-  if (is_ranges(field)) {
-    text += "\n[" + path + "]\n";
-    for (const auto& [key, range] : range_lines(message, field))
-      text += quoted(key) + " = " + quoted(range) + "\n";
-    return;
-  }
-  if (!field.is_repeated()) {
-    text += "\n[" + path + "]\n";
-    return write_table(reflection.GetMessage(message, &field), path, text);
-  }
-  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) {
-    text += "\n[[" + path + "]]\n";
-    write_table(reflection.GetRepeatedMessage(message, &field, i), path, text);
-  }
+  if (!field.is_repeated()) return visit(reflection.GetMessage(message, &field), path);
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+    visit(reflection.GetRepeatedMessage(message, &field, i),
+          element_path(path, static_cast<std::size_t>(i)));
 }
 
-/// Keys before tables: a key after a table's header would belong to that table.
+/// Keys before tables: a key after a table's header would belong to that table. Keys of the schema
+/// are bare keys.
 void write_table(const Message& message, const std::string& path, std::string& text) {
-  const Descriptor& descriptor = *message.GetDescriptor();
-  for (const bool tables : {false, true})
-    for (int i = 0; i < descriptor.field_count(); ++i) {
-      const FieldDescriptor& field = *descriptor.field(i);
-      if (is_table(field) != tables || !is_present(message, field)) continue;
-      if (tables)
-        write_tables(message, field, join_path(path, toml_key(field)), text);
-      else
-        text += toml_key(field) + " = " + value_text(message, field) + "\n";
+  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor()))
+    if (!is_table(*field) && is_present(message, *field))
+      text += toml_key(*field) + " = " + value_text(message, *field) + "\n";
+  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor())) {
+    if (!is_table(*field) || !is_present(message, *field)) continue;
+    const std::string name = join_path(path, toml_key(*field));
+    const bool list = field->is_repeated() && !is_ranges(*field);
+    const std::string header = list ? "\n[[" + name + "]]\n" : "\n[" + name + "]\n";
+    if (is_ranges(*field)) {
+      text += header;
+      for (const auto& [key, range] : range_lines(message, *field))
+        text += quoted(key) + " = " + quoted(range) + "\n";
+    } else {
+      for_each_table(message, *field, name, [&](const Message& table, const std::string&) {
+        text += header;
+        write_table(table, name, text);
+      });
     }
+  }
 }
 
 void collect(const Message& message, const std::string& path, KeyValues& values) {
-  const Descriptor& descriptor = *message.GetDescriptor();
-  const Reflection& reflection = *message.GetReflection();
-  for (int i = 0; i < descriptor.field_count(); ++i) {
-    const FieldDescriptor& field = *descriptor.field(i);
-    const std::string key = join_path(path, toml_key(field));
-    if (!is_present(message, field)) continue;
-    if (!is_table(field))
-      values.emplace_back(key, value_text(message, field));
-    else if (is_ranges(field))
-      for (const auto& [line, range] : range_lines(message, field))
+  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor())) {
+    const std::string key = join_path(path, toml_key(*field));
+    if (!is_present(message, *field)) continue;
+    if (!is_table(*field))
+      values.emplace_back(key, value_text(message, *field));
+    else if (is_ranges(*field))
+      for (const auto& [line, range] : range_lines(message, *field))
         values.emplace_back(join_path(key, line), quoted(range));
-    else if (!field.is_repeated())
-      collect(reflection.GetMessage(message, &field), key, values);
     else
-      for (int j = 0; j < reflection.FieldSize(message, &field); ++j)
-        collect(reflection.GetRepeatedMessage(message, &field, j),
-                key + "[" + std::to_string(j) + "]", values);
+      for_each_table(message, *field, key, [&](const Message& table, const std::string& place) {
+        collect(table, place, values);
+      });
   }
 }
 
@@ -134,8 +124,6 @@ std::string to_toml(const Message& message) {
 namespace {
 
 std::string type_of(const FieldDescriptor& field) {
-  if (is_table(field)) return "table";
-  if (is_curve(field)) return key_of(field).unit() == "1" ? "number" : "quantity";
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return "choice";
@@ -143,49 +131,41 @@ std::string type_of(const FieldDescriptor& field) {
       return "flag";
     case FieldDescriptor::CPPTYPE_STRING:
       return key_of(field).attachment() ? "file" : "text";
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-      return key_of(field).unit() == "1" ? "number" : "quantity";
-    default:
+    case FieldDescriptor::CPPTYPE_INT32:
+    case FieldDescriptor::CPPTYPE_INT64:
       return "integer";
+    default:
+      if (is_table(field)) return "table";
+      return key_of(field).unit() == "1" ? "number" : "quantity";
   }
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 KeyReference describe_field(const FieldDescriptor& field, const std::string& path) {
   const v1::Key& key = key_of(field);
-  KeyReference row{path,
-                   type_of(field),
-                   key.unit(),
-                   range_text(field),
-                   "",
-                   key.default_text(),
-                   key.doc(),
-                   is_curve(field),
-                   key.required(),
-                   "",
-                   key.uncertainty()};
-  if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) row.permitted = joined(enum_texts(field));
+  const bool is_choice = field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM;
   std::vector<std::string> against;
   for (const v1::Abscissa abscissa : abscissae_of(field))
     against.push_back(abscissa_name(abscissa));
-  row.against = joined(against);
-  row.size = size_text(field);
-  return row;
+  return {.path = path,
+          .type = type_of(field),
+          .unit = key.unit(),
+          .permitted = is_choice ? joined(enum_texts(field)) : range_text(field),
+          .against = joined(against),
+          .default_text = key.default_text(),
+          .doc = key.doc(),
+          .curve = is_curve(field),
+          .required = key.required(),
+          .size = size_text(field),
+          .uncertainty = key.uncertainty()};
 }
 
 void append(const Descriptor& descriptor, const std::string& parent,
             std::vector<KeyReference>& rows) {
-  for (int i = 0; i < descriptor.field_count(); ++i) {
-    const FieldDescriptor& field = *descriptor.field(i);
-    const bool list = field.is_repeated() && !is_ranges(field);
-    const std::string path = join_path(parent, toml_key(field)) + (list ? "[]" : "");
-    rows.push_back(describe_field(field, path));
-    if (is_table(field) && !is_ranges(field)) append(*field.message_type(), path, rows);
+  for (const FieldDescriptor* const field : fields_of(descriptor)) {
+    const bool list = field->is_repeated() && !is_ranges(*field);
+    const std::string path = join_path(parent, toml_key(*field)) + (list ? "[]" : "");
+    rows.push_back(describe_field(*field, path));
+    if (is_table(*field) && !is_ranges(*field)) append(*field->message_type(), path, rows);
   }
 }
 

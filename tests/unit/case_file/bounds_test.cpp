@@ -6,7 +6,6 @@
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/ranges.hpp"
 #include "proto/case_file/schema.hpp"
 
 namespace dccast::case_file {

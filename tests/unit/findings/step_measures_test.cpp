@@ -6,7 +6,6 @@
 
 #include "core/findings/motion.hpp"
 #include "core/findings/shell.hpp"
-#include "core/findings/slice.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/print_kinds.hpp"
 
@@ -52,18 +51,18 @@ TEST_P(In2D, TheShellIsAsThickAsALinearFieldSays) {
     });
     const auto slice = slice_at(mesh, field, height, isotherm);
     ASSERT_TRUE(slice);
-    EXPECT_NEAR(slice->shell, shell, 1e-12);
-    EXPECT_NEAR(slice->thinnest_at[0], 0.28 - shell, 1e-12);
-    EXPECT_NEAR(slice->hottest_surface, isotherm - 3000.0 * shell, 1e-9);
-    EXPECT_EQ(hottest_side_at(mesh, field, height)->value, slice->hottest_surface);
+    EXPECT_NEAR(slice->shell.value, shell, 1e-12);
+    EXPECT_NEAR(slice->shell.place[0], 0.28 - shell, 1e-12);
+    EXPECT_NEAR(slice->surface.value, isotherm - 3000.0 * shell, 1e-9);
+    EXPECT_EQ(hottest_side_at(mesh, field, height)->value, slice->surface.value);
   }
 }
 
 TEST_P(In2D, WhereTheSideIsHotThereIsNoShellAndWhereNothingIsTheSlabIsTheShell) {
   const std::vector<double> hot(std::size_t(mesh.nodes()), isotherm);
-  EXPECT_EQ(slice_at(mesh, hot, 0.05, isotherm)->shell, 0.0);
+  EXPECT_EQ(slice_at(mesh, hot, 0.05, isotherm)->shell.value, 0.0);
   const std::vector<double> cold(std::size_t(mesh.nodes()), 20.0);
-  EXPECT_NEAR(slice_at(mesh, cold, 0.05, isotherm)->shell, 0.28, 1e-12);
+  EXPECT_NEAR(slice_at(mesh, cold, 0.05, isotherm)->shell.value, 0.28, 1e-12);
   EXPECT_FALSE(slice_at(mesh, cold, 0.2, isotherm)) << "no slab there";
   EXPECT_FALSE(hottest_side_at(mesh, cold, 0.2)) << "no slab there";
 }
@@ -96,11 +95,11 @@ TEST_P(In3D, TheShellIsTheLeastOverBothFaces) {
       at_nodes(mesh, [](const double* p) { return isotherm + 3000.0 * (0.28 - p[0] - 0.03); });
   const auto slice = slice_at(mesh, narrow, 0.04, isotherm);
   ASSERT_TRUE(slice);
-  EXPECT_EQ(slice->shell, 0.0) << "the wide face is hot from its middle to the corner";
+  EXPECT_EQ(slice->shell.value, 0.0) << "the wide face is hot from its middle to the corner";
   const auto both = at_nodes(mesh, [](const double* p) {
     return isotherm + 3000.0 * std::min(0.28 - p[0] - 0.05, 0.2 - p[1] - 0.04);
   });
-  EXPECT_NEAR(slice_at(mesh, both, 0.04, isotherm)->shell, 0.04, 2e-3);
+  EXPECT_NEAR(slice_at(mesh, both, 0.04, isotherm)->shell.value, 0.04, 2e-3);
 }
 
 TEST_P(In3D, TheBottomShellIsTheLeastHeightOfTheIsotherm) {

@@ -1,4 +1,4 @@
-#include "core/findings/slice.hpp"
+#include "core/findings/shell.hpp"
 
 #include <gtest/gtest.h>
 
