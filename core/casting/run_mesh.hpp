@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
+#include "core/base/errors.hpp"
 #include "core/case/case.hpp"
 #include "core/case/casting_schedule.hpp"
+#include "core/mesh/gmsh_reader.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
@@ -32,7 +36,26 @@ private:
   mesh::Mesh<Dim> imported_;
 };
 
-extern template class RunMesh<2>;
-extern template class RunMesh<3>;
+template <int Dim>
+RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
+  if (c.section.file.empty()) {
+    slab_.emplace(c.section);
+    initial_level_ = slab_->level();
+    if (c.schedule.filling > 0.0) slab_->start_filling();
+    first_level_ = slab_->level();
+    return;
+  }
+  Faults faults;
+  auto mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, faults);
+  if (!mesh) throw InvalidCase(faults);
+  imported_ = std::move(*mesh);
+  first_level_ = initial_level_ = imported_.largest(Dim - 1);
+}
+
+template <int Dim>
+double RunMesh<Dim>::level_at(const CastingSchedule& schedule, double time, double length) const {
+  if (!grows()) return initial_level_;
+  return std::max(first_level_, initial_level_ * schedule.filled_share(time)) + length;
+}
 
 }  // namespace dccast::casting

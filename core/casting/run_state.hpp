@@ -20,15 +20,15 @@ namespace dccast::casting {
 /// a checkpoint stores it. Anything else must follow from it, or a resumed run would differ.
 template <int Dim>
 struct RunState {
-  std::int64_t step = 0;            ///< number of accepted steps
-  double time = 0.0;                ///< [s]
-  double cast_length = 0.0;         ///< [m]
-  double next_frame = 0.0;          ///< [s]
-  double step_limit = 0.0;          ///< of the step control [s], see StepControl::limit()
-  double solver_seconds = 0.0;      ///< [s] computing time of the run so far
-  double process_seconds = 0.0;     ///< [s] processor time of all threads so far
-  /// [J/m]; billet [J/rad], quarter slab [J]: heat above the liquidus of the metal poured so far, and
-  /// heat in through the metal level.
+  std::int64_t step = 0;         ///< number of accepted steps
+  double time = 0.0;             ///< [s]
+  double cast_length = 0.0;      ///< [m]
+  double next_frame = 0.0;       ///< [s]
+  double step_limit = 0.0;       ///< of the step control [s], see StepControl::limit()
+  double solver_seconds = 0.0;   ///< [s] computing time of the run so far
+  double process_seconds = 0.0;  ///< [s] processor time of all threads so far
+  /// [J/m]; billet [J/rad], quarter slab [J]: heat above the liquidus of the metal poured so far,
+  /// and heat in through the metal level.
   double superheat = 0.0, level_heat = 0.0;
   RunFailures failures;             ///< those so far that did not end the run
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
@@ -45,18 +45,13 @@ results::Sections to_sections(const RunState<Dim>& state);
 template <int Dim>
 RunState<Dim> state_of(const results::Sections& sections);
 
-extern template results::Sections to_sections(const RunState<2>&);
-extern template results::Sections to_sections(const RunState<3>&);
-extern template RunState<2> state_of<2>(const results::Sections&);
-extern template RunState<3> state_of<3>(const results::Sections&);
-
 /// The run against which a state read from a checkpoint is checked.
 template <int Dim>
 struct RunShape {
   const Case& casting_case;
   const CastingSchedule& schedule;
   const RunMesh<Dim>& mesh;
-  std::size_t points = 0;      ///< integration points per element
+  std::size_t points = 0;  ///< integration points per element
   std::size_t bottom_nodes = 0;
 };
 
@@ -65,8 +60,5 @@ struct RunShape {
 /// wrong length from being read out of bounds.
 template <int Dim>
 std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run);
-
-extern template std::string misfit(const RunState<2>&, const RunShape<2>&);
-extern template std::string misfit(const RunState<3>&, const RunShape<3>&);
 
 }  // namespace dccast::casting

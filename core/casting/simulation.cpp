@@ -172,7 +172,7 @@ private:
   void begin_anew() {
     if (!directory_.keeps_nothing) {
       std::filesystem::remove(checkpoint());  // it would not belong to the same run as the journal
-      writer_.emplace(results::ResultWriter::create(files_, header_));
+      writer_ = std::make_unique<results::ResultWriter>(files_, header_);
     }
     store_frame();
     report_new_findings();
@@ -206,7 +206,7 @@ private:
         results::ResultWriter::resume(files_, std::move(history), stored.journal_records);
     if (!resumed.writer) return resumed.reason;
     if (std::string reason = run_->restore(*stored.content); !reason.empty()) return reason;
-    writer_.emplace(std::move(*resumed.writer));
+    writer_ = std::move(resumed.writer);
     observer_.on_resumed(stored.step, run_->time());
     if (run_->validity_lost()) observer_.on_validity_lost(*run_->validity_lost());
     report_new_findings();
@@ -311,8 +311,8 @@ private:
   CheckpointClock clock_;
   results::RunHeader header_;
   results::RunFiles files_;
-  std::optional<results::ResultWriter> writer_;  ///< none where nothing is kept
-  std::vector<results::Finding> reported_;       ///< findings as the observer has them
+  std::unique_ptr<results::ResultWriter> writer_;  ///< none where nothing is kept
+  std::vector<results::Finding> reported_;         ///< findings as the observer has them
 };
 
 }  // namespace

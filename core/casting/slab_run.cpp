@@ -7,9 +7,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
-#include "core/casting/casting_run.hpp"
-#include "core/casting/run_report.hpp"
-#include "core/casting/run_state.hpp"
+#include "core/findings/motion.hpp"
 
 namespace dccast::casting {
 
@@ -129,19 +127,6 @@ double SlabRun<Dim>::mould_level() const {
   return mesh_.initial_level() + (mesh_.grows() ? state_.cast_length : 0.0);
 }
 
-/// Mean surface temperature of the block [°C].
-template <int Dim>
-double SlabRun<Dim>::block_temperature() const {
-  const std::vector<double>& columns = state_.heat.block_temperature;
-  if (columns.empty()) return case_.cooling.bottom_block.temperature(state_.time);
-  double sum = 0.0, area = 0.0;
-  for (std::size_t i = 0; i < mechanics_.bottom_area().size(); ++i) {
-    sum += mechanics_.bottom_area()[i] * columns[i * thermal::BlockColumns::points];
-    area += mechanics_.bottom_area()[i];
-  }
-  return sum / area;
-}
-
 template <int Dim>
 int SlabRun<Dim>::growth_row() const {
   return mesh_.built_in() ? mesh_.built_in()->nodes_per_row() : 0;
@@ -150,15 +135,6 @@ int SlabRun<Dim>::growth_row() const {
 template <int Dim>
 bool SlabRun<Dim>::frame_is_due() const {
   return state_.time >= state_.next_frame - same_time || finished();
-}
-
-template <int Dim>
-results::Frame SlabRun<Dim>::take_frame() {
-  state_.next_frame = schedule_.next_frame(state_.time);
-  const std::vector<double> gap = bottom_gap();
-  return frame_of<Dim>({mesh(), state_, metal_level(), mechanics_.bottom_nodes(), gap,
-                        mechanics_.bottom_area(), mechanics_.properties(),
-                        case_.output.stresses && case_.mechanics.enabled});
 }
 
 template <int Dim>
@@ -178,7 +154,7 @@ results::StepReport SlabRun<Dim>::advance() {
       state_.level_heat += tried.heat.balance.top;
       state_.solver_seconds += processor_seconds() - start;
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
-      MonitorReadings monitors = readings_of<Dim>(case_.monitors, mesh(), state_);
+      MonitorReadings monitors = read_monitors();
       const StepFigures figures = measure(tried, monitors);
       judge(figures);
       return report(tried, failed, figures, std::move(monitors));
@@ -227,6 +203,42 @@ Attempt SlabRun<Dim>::attempt(double dt) {
     if (moves && !step_mechanics(tried)) return tried;
   }
   return tried;
+}
+
+template <int Dim>
+bool SlabRun<Dim>::grow(double level, double temperature,
+                        std::optional<thermal::MetalEntry>& entry) {
+  if (!mesh_.grows() || level <= mesh_.slab().level()) return false;
+  mesh::SlabMesh<Dim>& slab = mesh_.slab();
+  const int first_moved = slab.elements_per_row() * (slab.rows() - 1);
+  slab.grow_to(level);
+  {
+    const Stopwatch watch(heat_seconds_);
+    entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
+  }
+  mechanics_.follow_growth(state_.slab, slab.mesh(), slab.nodes_per_row(), first_moved);
+  state_.row_heights = slab.row_heights();
+  return true;
+}
+
+template <int Dim>
+MergeOutcome SlabRun<Dim>::merge_rows() {
+  MergeOutcome outcome;
+  if (!mesh_.grows()) return outcome;
+  const mesh::MergedRows merged = mesh_.slab().rows_to_merge();
+  if (merged.empty()) return outcome;
+  outcome.rows = static_cast<int>(merged.taken_out.size());
+  auto projected = mechanics_.projected(state_.slab, merged, state_.heat.temperature);
+  mesh_.slab().merge(merged);
+  {
+    const Stopwatch watch(heat_seconds_);
+    outcome.energy_error = heat_.follow_merging(state_.heat, merged);
+  }
+  outcome.mechanics = mechanics_.follow_merging(state_.slab, std::move(projected), mesh_.mesh(),
+                                                state_.heat.temperature);
+  merge_turns<Dim>(merged, state_.findings.history.when_liquid);
+  state_.row_heights = mesh_.slab().row_heights();
+  return outcome;
 }
 
 template <int Dim>
@@ -287,55 +299,8 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
 }
 
 template <int Dim>
-StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
-  const StepView<Dim> view{.time = state_.time,
-                           .time_step = accepted.time_step,
-                           .cast_length = state_.cast_length,
-                           .metal_level = metal_level(),
-                           .last = finished(),
-                           .mesh = mesh(),
-                           .heat = accepted.heat,
-                           .temperature = state_.heat.temperature,
-                           .slab = state_.slab,
-                           .checks = mechanics_.checks(),
-                           .superheat = state_.superheat,
-                           .level_heat = state_.level_heat,
-                           .growing = mesh().elements() - growing_elements(),
-                           .face_length = face_length_,
-                           .monitor_displacement = monitors.displacement};
-  return meter_.measure(view, state_.findings.history);
-}
-
-template <int Dim>
 void SlabRun<Dim>::judge(const StepFigures& step) {
   for (RunFailure& failure : casting::judge(case_, step, state_.findings)) fail(std::move(failure));
-}
-
-template <int Dim>
-results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts,
-                                         const StepFigures& step, MonitorReadings monitors) const {
-  results::StepReport r = report_of<Dim>({case_, mesh(), state_, accepted, step, face_length_,
-                                          schedule_, block_temperature(), std::move(monitors)},
-                                         failed_attempts);
-  if (!state_.slab.started) return r;
-  const mechanics::SlabChecks& checks = mechanics_.checks();
-  r.equilibrium_residual = checks.equilibrium_residual;
-  r.complementarity_error = checks.complementarity_error;
-  r.bottom_reaction = step.bottom_reaction;
-  r.weight = step.weight;
-  (Dim == 2 ? r.contact_length : r.contact_area) = checks.contact_length;
-  r.liquid_pressure_error = checks.liquid_pressure_error;
-  r.maximum_rotation = step.rotation.value;
-  r.bottom_slip = step.slip.value;
-  r.beyond_validity = state_.findings.lost.has_value();
-  return r;
-}
-
-/// Number of elements in the row that stretches with the metal level; zero if the level no longer
-/// rises.
-template <int Dim>
-int SlabRun<Dim>::growing_elements() const {
-  return mesh_.grows() ? mesh_.built_in()->elements_per_row() : 0;
 }
 
 template class SlabRun<2>;

@@ -11,7 +11,6 @@
 #include "core/casting/casting_run.hpp"
 #include "core/casting/heat_source.hpp"
 #include "core/casting/run_mesh.hpp"
-#include "core/casting/run_report.hpp"
 #include "core/casting/run_state.hpp"
 #include "core/casting/step_control.hpp"
 #include "core/findings/figures.hpp"
@@ -27,6 +26,14 @@ template <int Dim>
 struct StepStart {
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
+};
+
+/// What the monitors show at the end of a step. A monitor above the metal level is not in the metal
+/// yet: it has neither displacement nor temperature.
+struct MonitorReadings {
+  /// (monitor, coordinate) [m]; NaN above the level
+  std::vector<std::vector<double>> displacement;
+  std::vector<double> temperature;  ///< (monitor) [°C]; NaN above the level
 };
 
 /// A casting in the dimension of its section. Each step grows the mesh, solves heat, then
@@ -77,9 +84,11 @@ private:
   double metal_level() const;              ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
+  MonitorReadings read_monitors() const;
   /// Figures of the accepted step. @param monitors  at its end
   StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
   void judge(const StepFigures& step);
+  /// Decides nothing. @param failed_attempts  before the accepted one
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
   int growing_elements() const;
@@ -99,8 +108,5 @@ private:
   RunState<Dim> state_;
   double heat_seconds_ = 0.0;  ///< [s] processor time of heat steps and growth
 };
-
-extern template class SlabRun<2>;
-extern template class SlabRun<3>;
 
 }  // namespace dccast::casting

@@ -37,30 +37,6 @@ CornerArc corner_arc(const SectionSpec& spec) {
           std::atan2(normal_y, normal_x)};
 }
 
-void round_corner(const CornerArc& arc, const CornerPatch& patch, PlanGrid& grid) {
-  const int i0 = patch.column, j0 = patch.layer;
-  const int m = grid.columns - 1 - i0, n = grid.layers - 1 - j0;
-  const auto put = [&](int i, int j, const CornerArc::Point& p) {
-    grid.at(i0 + i, j0 + j)[0] = p[0];
-    grid.at(i0 + i, j0 + j)[1] = p[1];
-  };
-  const double middle = 0.5 * arc.angle;
-  for (int i = 0; i <= m; ++i) put(i, n, arc.point(arc.angle + (middle - arc.angle) * i / m));
-  for (int j = 0; j <= n; ++j) put(m, j, arc.point(middle * j / n));
-  const auto at = [&](int i, int j, int d) { return grid.at(i0 + i, j0 + j)[d]; };
-  for (int i = 1; i < m; ++i)
-    for (int j = 1; j < n; ++j) {
-      const double u = double(i) / m, v = double(j) / n;
-      CornerArc::Point p;
-      for (int d = 0; d < 2; ++d)
-        p[std::size_t(d)] = (1 - u) * at(0, j, d) + u * at(m, j, d) + (1 - v) * at(i, 0, d) +
-                            v * at(i, n, d) - (1 - u) * (1 - v) * at(0, 0, d) -
-                            u * (1 - v) * at(m, 0, d) - (1 - u) * v * at(0, n, d) -
-                            u * v * at(m, n, d);
-      put(i, j, p);
-    }
-}
-
 namespace {
 
 /// Positions from zero to `length`, the last cell of width `last` [m].
@@ -70,19 +46,20 @@ std::vector<double> graded_towards_end(double length, int cells, double last) {
   return ends_of_cells(widths, length);
 }
 
+template <class Iterator>
+Iterator nearest_to(double place, Iterator first, Iterator end) {
+  return std::min_element(
+      first, end, [&](double a, double b) { return std::abs(a - place) < std::abs(b - place); });
+}
+
 /// Moves the nearest inner position to a given one, so that there is a row of nodes.
 void snap(double place, std::vector<double>& at) {
   if (at.size() < 3 || place <= at.front() || place >= at.back()) return;
-  *std::min_element(at.begin() + 1, at.end() - 1, [&](double a, double b) {
-    return std::abs(a - place) < std::abs(b - place);
-  }) = place;
+  *nearest_to(place, at.begin() + 1, at.end() - 1) = place;
 }
 
 int index_nearest_to(double place, const std::vector<double>& at) {
-  const auto nearest = std::min_element(at.begin(), at.end(), [&](double a, double b) {
-    return std::abs(a - place) < std::abs(b - place);
-  });
-  return static_cast<int>(nearest - at.begin());
+  return static_cast<int>(nearest_to(place, at.begin(), at.end()) - at.begin());
 }
 
 /// The plan of a quarter slab under construction: a grid of columns along x and layers along y.
@@ -93,18 +70,17 @@ public:
         x_(columns(spec)),
         share_(layers(spec)),
         column_(static_cast<int>(share_.size())),
-        patch_{cells_x(), cells_y()} {
-    grid_.columns = static_cast<int>(x_.size());
-    grid_.layers = column_;
+        patch_column_(cells_x()),
+        patch_layer_(cells_y()) {
     for (const double x : x_)
       for (const double share : share_)
-        grid_.place.insert(grid_.place.end(), {x, share * spec.half_thickness(x)});
+        place_.insert(place_.end(), {x, share * spec.half_thickness(x)});
     if (spec.corner_radius > 0.0) round();
   }
 
   Base<3> build() const {
     Base<3> base;
-    base.node = grid_.place;
+    base.node = place_;
     for (int i = 0; i < cells_x(); ++i)
       for (int j = 0; j < cells_y(); ++j)
         for (const int n : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
@@ -116,7 +92,7 @@ public:
   }
 
   std::array<int, 2> corner_cells() const {
-    return {cells_x() - patch_.column, cells_y() - patch_.layer};
+    return {cells_x() - patch_column_, cells_y() - patch_layer_};
   }
 
 private:
@@ -138,9 +114,35 @@ private:
   void round() {
     const CornerArc arc = corner_arc(spec_);
     const double end = spec_.half_thickness(spec_.half_width);
-    patch_ = {index_nearest_to(arc.on_wide_face()[0], x_),
-              index_nearest_to(arc.on_narrow_face()[1] / end, share_)};
-    if (patch_.column < cells_x() && patch_.layer < cells_y()) round_corner(arc, patch_, grid_);
+    patch_column_ = index_nearest_to(arc.on_wide_face()[0], x_);
+    patch_layer_ = index_nearest_to(arc.on_narrow_face()[1] / end, share_);
+    if (patch_column_ < cells_x() && patch_layer_ < cells_y()) bend_patch(arc);
+  }
+
+  /// Moves the points of the corner patch: those on its two outer sides to the arc, at equal angles
+  /// on half the arc each; those inside by transfinite interpolation between its four sides.
+  void bend_patch(const CornerArc& arc) {
+    const int m = cells_x() - patch_column_, n = cells_y() - patch_layer_;
+    const auto point = [&](int i, int j) {
+      return &place_[2 * std::size_t(at(patch_column_ + i, patch_layer_ + j))];
+    };
+    const auto put = [&](int i, int j, const CornerArc::Point& p) {
+      std::copy(p.begin(), p.end(), point(i, j));
+    };
+    const double middle = 0.5 * arc.angle;
+    for (int i = 0; i <= m; ++i) put(i, n, arc.point(arc.angle + (middle - arc.angle) * i / m));
+    for (int j = 0; j <= n; ++j) put(m, j, arc.point(middle * j / n));
+    for (int i = 1; i < m; ++i)
+      for (int j = 1; j < n; ++j) {
+        const double u = double(i) / m, v = double(j) / n;
+        CornerArc::Point p;
+        for (std::size_t d = 0; d < 2; ++d)
+          p[d] = (1 - u) * point(0, j)[d] + u * point(m, j)[d] + (1 - v) * point(i, 0)[d] +
+                 v * point(i, n)[d] - (1 - u) * (1 - v) * point(0, 0)[d] -
+                 u * (1 - v) * point(m, 0)[d] - (1 - u) * v * point(0, n)[d] -
+                 u * v * point(m, n)[d];
+        put(i, j, p);
+      }
   }
 
   int cells_x() const { return static_cast<int>(x_.size()) - 1; }
@@ -153,7 +155,7 @@ private:
     Base<3>::Wall plane_y{"symmetry_y", PatchKind::symmetry, {0, -1, 0}, {}};
     Base<3>::Wall narrow{"side_x", PatchKind::side, {1, 0, 0}, {}};
     for (int j = 0; j < cells_y(); ++j) plane_x.pieces.push_back({cell(0, j), 3});
-    for (int j = 0; j < patch_.layer; ++j) narrow.pieces.push_back({cell(cells_x() - 1, j), 1});
+    for (int j = 0; j < patch_layer_; ++j) narrow.pieces.push_back({cell(cells_x() - 1, j), 1});
     for (int i = 0; i < cells_x(); ++i) plane_y.pieces.push_back({cell(i, 0), 0});
     for (auto* wall : {&plane_x, &plane_y, &narrow})
       if (!wall->pieces.empty()) base.walls.push_back(std::move(*wall));
@@ -162,7 +164,7 @@ private:
   /// One wall for each straight piece of the opening: side_y, side_y_2, side_y_3.
   void add_wide_faces(Base<3>& base) const {
     const std::size_t first = base.walls.size();
-    for (int i = 0; i < patch_.column; ++i)
+    for (int i = 0; i < patch_column_; ++i)
       add_piece(base, first, "side_y", {cell(i, cells_y() - 1), 2},
                 {at(i, cells_y()), at(i + 1, cells_y())});
   }
@@ -170,10 +172,10 @@ private:
   /// One wall for each chord of a rounded corner, from the wide to the narrow face.
   void add_corner(Base<3>& base) const {
     const std::size_t first = base.walls.size();
-    for (int i = patch_.column; i < cells_x(); ++i)
+    for (int i = patch_column_; i < cells_x(); ++i)
       add_piece(base, first, "side_corner", {cell(i, cells_y() - 1), 2},
                 {at(i, cells_y()), at(i + 1, cells_y())});
-    for (int j = cells_y() - 1; j >= patch_.layer; --j)
+    for (int j = cells_y() - 1; j >= patch_layer_; --j)
       add_piece(base, first, "side_corner", {cell(cells_x() - 1, j), 1},
                 {at(cells_x(), j + 1), at(cells_x(), j)});
   }
@@ -194,8 +196,7 @@ private:
   }
 
   std::array<double, 3> normal_of(const std::array<int, 2>& ends) const {
-    const double *from = &grid_.place[2 * std::size_t(ends[0])],
-                 *to = &grid_.place[2 * std::size_t(ends[1])];
+    const double *from = &place_[2 * std::size_t(ends[0])], *to = &place_[2 * std::size_t(ends[1])];
     const double along = to[0] - from[0], rise = to[1] - from[1];
     const double length = std::hypot(along, rise);
     return {-rise / length, along / length, 0.0};
@@ -205,8 +206,9 @@ private:
   std::vector<double> x_;      ///< [m] of the columns of nodes
   std::vector<double> share_;  ///< of the opening, by layer of nodes [1]
   int column_;                 ///< nodes in one
-  CornerPatch patch_;          ///< of a square corner the last column and layer
-  PlanGrid grid_;
+  /// Where the arc ends on the wide and on the narrow face; of a square corner the last ones.
+  int patch_column_, patch_layer_;
+  std::vector<double> place_;  ///< (column, layer, 2) [m]
 };
 
 }  // namespace

@@ -27,33 +27,6 @@ struct CornerArc {
 /// The arc of a section with a corner radius. @pre its opening is given at the half width
 CornerArc corner_arc(const SectionSpec& spec);
 
-/// A grid of points of a plan, columns along x and layers along y; (column, layer, 2) [m].
-struct PlanGrid {
-  int columns = 0;  ///< of points
-  int layers = 0;
-  std::vector<double> place;  ///< (column, layer, 2) [m]
-
-  /// The two coordinates of a point [m].
-  double* at(int column, int layer) {
-    return place.data() + 2 * (std::size_t(column) * std::size_t(layers) + std::size_t(layer));
-  }
-  /// The two coordinates of a point [m].
-  const double* at(int column, int layer) const {
-    return const_cast<PlanGrid*>(this)->at(column, layer);
-  }
-};
-
-/// Position of the arc in a grid: the column at its end on the wide face, the layer at its end on
-/// the narrow face.
-struct CornerPatch {
-  int column = 0;
-  int layer = 0;
-};
-
-/// Moves the points of the corner patch: those on its two outer sides to the arc, at equal angles
-/// on half the arc each; those inside by transfinite interpolation between its four sides.
-void round_corner(const CornerArc& arc, const CornerPatch& patch, PlanGrid& grid);
-
 /// Smallest number of cells of a corner along each face. With two, neighbouring chords differ by
 /// less than 30 degrees, so that the mould holds each node along one normal.
 inline constexpr int fewest_corner_cells = 2;

@@ -1,314 +1,345 @@
 #include "core/mesh/gmsh_reader.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
 
-#include "core/mesh/gmsh_import.hpp"
-
-namespace dccast::mesh::gmsh {
-
-namespace {
-
-bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
-/// Words and numbers, one after the other, of one section at a time.
-class Scanner {
-public:
-  explicit Scanner(std::string_view text) : left_(text) {}
-
-  void enter(std::string_view section) { section_ = section; }
-
-  /// The next word; empty at the end of the text.
-  std::string_view word_or_end() {
-    std::size_t begin = 0;
-    while (begin < left_.size() && is_space(left_[begin])) ++begin;
-    std::size_t end = begin;
-    while (end < left_.size() && !is_space(left_[end])) ++end;
-    const std::string_view word = left_.substr(begin, end - begin);
-    left_.remove_prefix(end);
-    return word;
-  }
-
-  std::string_view word() {
-    const std::string_view word = word_or_end();
-    if (word.empty()) throw FormatError("ends in the middle of $" + section_);
-    return word;
-  }
-
-  template <class Number>
-  Number number() {
-    const std::string_view text = word();
-    Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size())
-      throw FormatError("has '" + std::string(text.substr(0, 40)) + "' in $" + section_ +
-                        " where a number belongs");
-    return value;
-  }
-
-  /// Number of items that follow; each takes at least two bytes of the remaining text.
-  std::size_t count() {
-    const auto value = number<long>();
-    if (value < 0 || static_cast<std::size_t>(value) > left_.size() / 2 + 1)
-      throw FormatError("ends in the middle of $" + section_ + ": it announces " +
-                        std::to_string(value) + " entries");
-    return static_cast<std::size_t>(value);
-  }
-
-  double coordinate() {
-    const auto value = number<double>();
-    if (!std::isfinite(value)) throw FormatError("has a coordinate that is not finite");
-    return value;
-  }
-
-  /// The text between the next two quotation marks.
-  std::string quoted() {
-    const auto open = left_.find('"');
-    const auto close = open == std::string_view::npos ? open : left_.find('"', open + 1);
-    if (close == std::string_view::npos) throw FormatError("ends in the middle of $" + section_);
-    std::string text(left_.substr(open + 1, close - open - 1));
-    left_.remove_prefix(close + 1);
-    return text;
-  }
-
-  void skip(std::size_t words) {
-    for (std::size_t i = 0; i < words; ++i) word();
-  }
-
-  void leave() {
-    const std::string_view last = word();
-    if (last != "$End" + section_)
-      throw FormatError("has '" + std::string(last.substr(0, 40)) + "' where $End" + section_ +
-                        " belongs");
-  }
-
-  /// Skips a section that is not needed.
-  void skip_section() {
-    while (word() != "$End" + section_) {
-    }
-  }
-
-private:
-  std::string_view left_;
-  std::string section_ = "MeshFormat";
-};
-
-/// Of one entity. Each of its elements has them all, so that without a bound a file of a megabyte
-/// could ask for gigabytes.
-constexpr std::size_t most_groups = 100;
-
-/// Physical groups of the geometrical entities, by dimension and tag (4.1 only).
-using EntityGroups = std::map<std::pair<int, int>, std::vector<int>>;
-
-void read_group_names(Scanner& scan, File& file) {
-  for (std::size_t left = scan.count(); left > 0; --left) {
-    const int dimension = scan.number<int>();
-    const int tag = scan.number<int>();
-    file.group_name[{dimension, tag}] = scan.quoted();
-  }
-}
-
-void read_entities(Scanner& scan, EntityGroups& groups) {
-  std::array<std::size_t, 4> counts{};
-  for (std::size_t& count : counts) count = scan.count();
-  for (int dimension = 0; dimension < 4; ++dimension) {
-    for (std::size_t left = counts[static_cast<std::size_t>(dimension)]; left > 0; --left) {
-      const int tag = scan.number<int>();
-      scan.skip(dimension == 0 ? 3 : 6);  // position or bounding box
-      auto& of_entity = groups[{dimension, tag}];
-      const std::size_t added = scan.count();
-      if (of_entity.size() + added > most_groups)
-        throw FormatError("has an entity in more than " + std::to_string(most_groups) +
-                          " physical groups");
-      for (std::size_t i = added; i > 0; --i) of_entity.push_back(scan.number<int>());
-      if (dimension > 0) scan.skip(scan.count());  // entities that bound it
-    }
-  }
-}
-
-void read_node(Scanner& scan, File& file) {
-  std::array<double, 3> position{};
-  for (double& x : position) x = scan.coordinate();
-  file.node.push_back(position);
-}
-
-void read_nodes_2(Scanner& scan, File& file) {
-  for (std::size_t left = scan.count(); left > 0; --left) {
-    file.node_tag.push_back(scan.number<long>());
-    read_node(scan, file);
-  }
-}
-
-void read_nodes_4(Scanner& scan, File& file) {
-  const std::size_t blocks = scan.count();
-  scan.skip(3);  // number of nodes, smallest and largest tag
-  for (std::size_t block = 0; block < blocks; ++block) {
-    const int dimension = scan.number<int>();
-    scan.skip(1);
-    const bool parametric = scan.number<int>() != 0;
-    const std::size_t count = scan.count();
-    for (std::size_t i = 0; i < count; ++i) file.node_tag.push_back(scan.number<long>());
-    for (std::size_t i = 0; i < count; ++i) {
-      read_node(scan, file);
-      if (parametric) scan.skip(static_cast<std::size_t>(std::clamp(dimension, 0, 3)));
-    }
-  }
-}
-
-Element element_of(int shape) {
-  if (nodes_of(shape) == 0)
-    throw FormatError("has elements of Gmsh's type " + std::to_string(shape) +
-                      "; only linear ones are read (Mesh.ElementOrder = 1)");
-  Element element;
-  element.shape = shape;
-  return element;
-}
-
-void read_element_nodes(Scanner& scan, Element& element) {
-  for (int i = 0; i < nodes_of(element.shape); ++i)
-    element.node[static_cast<std::size_t>(i)] = scan.number<long>();
-}
-
-void read_elements_2(Scanner& scan, File& file) {
-  for (std::size_t left = scan.count(); left > 0; --left) {
-    scan.skip(1);
-    Element element = element_of(scan.number<int>());
-    const std::size_t tags = scan.count();
-    // The first tag is the physical group, zero for none; the others are Gmsh's own.
-    if (tags > 0)
-      if (const int group = scan.number<int>(); group != 0) element.groups = {group};
-    if (tags > 1) scan.skip(tags - 1);
-    read_element_nodes(scan, element);
-    file.elements.push_back(std::move(element));
-  }
-}
-
-void read_elements_4(Scanner& scan, const EntityGroups& groups, File& file) {
-  const std::size_t blocks = scan.count();
-  scan.skip(3);  // number of elements, smallest and largest tag
-  for (std::size_t block = 0; block < blocks; ++block) {
-    const int dimension = scan.number<int>();
-    const int entity = scan.number<int>();
-    Element element = element_of(scan.number<int>());
-    if (const auto found = groups.find({dimension, entity}); found != groups.end())
-      element.groups = found->second;
-    for (std::size_t left = scan.count(); left > 0; --left) {
-      scan.skip(1);
-      read_element_nodes(scan, element);
-      file.elements.push_back(element);
-    }
-  }
-}
-
-/// @return  2 or 4
-int read_format(Scanner& scan) {
-  if (scan.word_or_end() != "$MeshFormat")
-    throw FormatError("does not begin with $MeshFormat: not a Gmsh mesh");
-  const std::string version(scan.word());
-  if (version != "2.2" && version != "4.1")
-    throw FormatError("has the format version " + version.substr(0, 20) +
-                      "; 2.2 and 4.1 are read (Mesh.MshFileVersion)");
-  if (scan.number<int>() != 0) throw FormatError("is binary; save it as ASCII (Mesh.Binary = 0)");
-  scan.skip(1);
-  scan.leave();
-  return version == "2.2" ? 2 : 4;
-}
-
-}  // namespace
-
-int nodes_of(int shape) {
-  switch (shape) {
-    case line:
-      return 2;
-    case triangle:
-      return 3;
-    case quadrilateral:
-    case tetrahedron:
-      return 4;
-    case hexahedron:
-      return 8;
-    case point:
-      return 1;
-    default:
-      return 0;
-  }
-}
-
-int dimension_of(int shape) {
-  switch (shape) {
-    case point:
-      return 0;
-    case line:
-      return 1;
-    case triangle:
-    case quadrilateral:
-      return 2;
-    case tetrahedron:
-    case hexahedron:
-      return 3;
-    default:
-      return -1;
-  }
-}
-
-File parse(std::string_view text) {
-  Scanner scan(text);
-  const int version = read_format(scan);
-  File file;
-  EntityGroups groups;
-  bool complete = false;
-  for (std::string_view head = scan.word_or_end(); !head.empty(); head = scan.word_or_end()) {
-    if (head.front() != '$')
-      throw FormatError("has '" + std::string(head.substr(0, 40)) + "' between two sections");
-    const std::string_view section = head.substr(1);
-    scan.enter(section);
-    if (section == "PhysicalNames") {
-      read_group_names(scan, file);
-    } else if (section == "Entities" && version == 4) {
-      read_entities(scan, groups);
-    } else if (section == "Nodes") {
-      version == 2 ? read_nodes_2(scan, file) : read_nodes_4(scan, file);
-    } else if (section == "Elements") {
-      version == 2 ? read_elements_2(scan, file) : read_elements_4(scan, groups, file);
-      complete = true;
-    } else {
-      scan.skip_section();
-      continue;
-    }
-    scan.leave();
-  }
-  if (!complete) throw FormatError("ends before $Elements");
-  return file;
-}
-
-}  // namespace dccast::mesh::gmsh
+#include "core/mesh/gmsh_file.hpp"
 
 namespace dccast::mesh {
 
 namespace {
+
+constexpr const char* shape_name[] = {"",           "lines",    "triangles", "quadrilaterals",
+                                      "tetrahedra", "hexahedra"};
 
 int shape_for(int dimension, ElementKind kind) {
   if (dimension == 2) return kind == ElementKind::p1 ? gmsh::triangle : gmsh::quadrilateral;
   return kind == ElementKind::p1 ? gmsh::tetrahedron : gmsh::hexahedron;
 }
 
-/// The mesh in a file; empty if there is a fault.
-template <int Dim>
-std::optional<Mesh<Dim>> mesh_of(const gmsh::File& file, const std::string& name, ElementKind kind,
-                                 Faults& faults) {
-  const std::size_t before = faults.list().size();
-  const auto sound = [&] { return faults.list().size() == before; };
-  GmshImport<Dim> imported{file, name, shape_for(Dim, kind), faults};
-  import_elements(imported);
-  if (sound()) import_patches(imported);
-  if (!sound()) return std::nullopt;
-  return std::move(imported.mesh);
+/// Corners of the facets of each shape, in the order in which the domain lies to the left of an
+/// edge and the normal of a face points outwards.
+using FacetCorners = std::vector<std::vector<int>>;
+
+const FacetCorners& facets_of(int shape) {
+  static const FacetCorners triangle{{0, 1}, {1, 2}, {2, 0}};
+  static const FacetCorners quadrilateral{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+  static const FacetCorners tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  static const FacetCorners hexahedron{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  if (shape == gmsh::triangle) return triangle;
+  if (shape == gmsh::quadrilateral) return quadrilateral;
+  return shape == gmsh::tetrahedron ? tetrahedron : hexahedron;
 }
+
+/// Mean of the outward normals of facets, by area [1].
+std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3>>& facets) {
+  std::array<double, 3> sum{};
+  for (const Facet<3>& facet : facets) {
+    // Half the cross product of the diagonals, in a triangle of two edges.
+    const double* a = mesh.point(facet.node[0]);
+    const double* b = mesh.point(facet.node[1]);
+    const double* c = mesh.point(facet.node[2]);
+    const double* d = facet.nodes == 4 ? mesh.point(facet.node[3]) : a;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      sum[i] += 0.5 * ((c[j] - a[j]) * (d[k] - b[k]) - (c[k] - a[k]) * (d[j] - b[j]));
+    }
+  }
+  const double length = std::hypot(sum[0], sum[1], sum[2]);
+  for (double& component : sum) component /= length > 0.0 ? length : 1.0;
+  return sum;
+}
+
+/// A mesh under construction from a Gmsh file.
+template <int Dim>
+class GmshImport {
+public:
+  /// @param name  of the file, for faults
+  GmshImport(const gmsh::File& file, const std::string& name, ElementKind kind, Faults& faults)
+      : file_(file),
+        name_(name),
+        shape_(shape_for(Dim, kind)),
+        faults_(faults),
+        faults_before_(faults.list().size()) {}
+
+  /// The mesh; empty if there is a fault.
+  std::optional<Mesh<Dim>> take() {
+    number_nodes();
+    check_shapes();
+    if (sound()) add_elements();
+    if (sound()) find_boundary();
+    if (sound()) add_patches();
+    if (!sound()) return std::nullopt;
+    sort_patches();
+    find_normals();
+    return std::move(mesh_);
+  }
+
+private:
+  using Key = std::array<int, 4>;  ///< sorted nodes of a facet, -1 where it has fewer than four
+
+  struct Boundary {
+    Facet<Dim> facet;
+    int elements = 0;  ///< that share it
+    int patch = -1;
+  };
+
+  bool sound() const { return faults_.list().size() == faults_before_; }
+
+  void fault(const std::string& message,
+             const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
+             const std::string& remedy = "correct the mesh and export it again") {
+    faults_.add("mesh.file", name_, message, permitted, remedy);
+  }
+
+  /// Finds the node numbers of an element; false, with a fault, if it refers to a missing node.
+  bool look_up(const gmsh::Element& element, std::vector<int>& nodes) {
+    nodes.clear();
+    for (int i = 0; i < gmsh::nodes_of(element.shape); ++i) {
+      const long tag = element.node[static_cast<std::size_t>(i)];
+      const auto found = number_.find(tag);
+      if (found == number_.end()) {
+        fault("has an element with the unknown node " + std::to_string(tag));
+        return false;
+      }
+      nodes.push_back(found->second);
+    }
+    return true;
+  }
+
+  void number_nodes() {
+    for (std::size_t i = 0; i < file_.node_tag.size(); ++i)
+      if (!number_.emplace(file_.node_tag[i], static_cast<int>(i)).second)
+        return fault("has node " + std::to_string(file_.node_tag[i]) + " twice");
+    for (const auto& position : file_.node) {
+      if (Dim == 2 && position[2] != 0.0)
+        return fault("has nodes with z other than 0", "a section in the x-y plane, in m");
+      mesh_.node.insert(mesh_.node.end(), position.begin(), position.begin() + Dim);
+    }
+  }
+
+  void check_shapes() {
+    std::set<int> found;
+    for (const gmsh::Element& element : file_.elements)
+      if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
+    if (found.size() == 1 && *found.begin() == shape_) return;
+    std::string names;
+    for (const int shape : found)
+      names += (names.empty() ? "" : " and ") + std::string(shape_name[shape]);
+    fault("has " + (names.empty() ? "no elements" : names),
+          std::string("only ") + shape_name[shape_] + " with this mesh.element",
+          Dim == 2
+              ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
+              : "");
+  }
+
+  void add_elements() {
+    mesh_.nodes_per_element = gmsh::nodes_of(shape_);
+    std::vector<char> used(file_.node.size(), 0);
+    std::vector<int> nodes;
+    for (const gmsh::Element& element : file_.elements) {
+      if (element.shape != shape_) continue;
+      if (!look_up(element, nodes) || !orient(nodes)) return;
+      for (const int n : nodes) used[static_cast<std::size_t>(n)] = 1;
+      mesh_.element_node.insert(mesh_.element_node.end(), nodes.begin(), nodes.end());
+    }
+    if (const auto orphans = std::count(used.begin(), used.end(), 0); orphans > 0)
+      fault(
+          "has " + std::to_string(orphans) + " nodes that belong to no element", "none",
+          "save only the nodes of physical groups (Mesh.SaveAll = 0), without construction points");
+  }
+
+  /// Twice the signed area, or six times the signed volume, at the corner of an element.
+  double corner_measure(int corner, int a, int b, int c) const {
+    double edge[3][Dim];
+    const int ends[3] = {a, b, c};
+    for (int i = 0; i < Dim; ++i)
+      for (int d = 0; d < Dim; ++d) edge[i][d] = mesh_.point(ends[i])[d] - mesh_.point(corner)[d];
+    if constexpr (Dim == 2) {
+      return edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0];
+    } else {
+      return edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1]) -
+             edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0]) +
+             edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+    }
+  }
+
+  /// Smallest and largest measure over the corners: both have the same sign in a valid element.
+  std::pair<double, double> measures(const std::vector<int>& n) const {
+    std::vector<double> values;
+    if (shape_ == gmsh::triangle) {
+      values = {corner_measure(n[0], n[1], n[2], 0)};
+    } else if (shape_ == gmsh::tetrahedron) {
+      values = {corner_measure(n[0], n[1], n[2], n[3])};
+    } else {
+      const std::size_t layers = Dim == 2 ? 1 : 2;
+      for (std::size_t layer = 0; layer < layers; ++layer) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          const int next = n[4 * layer + (i + 1) % 4];
+          const int previous = n[4 * layer + (i + 3) % 4];
+          const int across = Dim == 2 ? 0 : n[4 * (1 - layer) + i];
+          const double measure = corner_measure(n[4 * layer + i], next, previous, across);
+          values.push_back(layer == 0 ? measure : -measure);
+        }
+      }
+    }
+    const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+    return {*smallest, *largest};
+  }
+
+  /// Reverses a negative element; returns false, with a fault, if it is folded or degenerate.
+  bool orient(std::vector<int>& nodes) {
+    const auto [smallest, largest] = measures(nodes);
+    if (smallest > 0.0) return true;
+    if (largest < 0.0) {
+      turn_round(nodes);
+      return true;
+    }
+    fault("has a folded or flat element at (" + std::to_string(mesh_.point(nodes[0])[0]) + ", " +
+              std::to_string(mesh_.point(nodes[0])[1]) + ") m",
+          "elements with all corners below 180 degrees");
+    return false;
+  }
+
+  void turn_round(std::vector<int>& nodes) const {
+    if (shape_ == gmsh::triangle || shape_ == gmsh::tetrahedron)
+      return std::swap(nodes[1], nodes[2]);
+    for (std::size_t layer = 0; layer < nodes.size() / 4; ++layer)
+      std::swap(nodes[4 * layer + 1], nodes[4 * layer + 3]);
+  }
+
+  template <class Nodes>
+  static Key key_of(const Nodes& nodes, std::size_t count) {
+    Key key;
+    key.fill(-1);
+    std::copy_n(nodes.begin(), count, key.begin());
+    std::sort(key.begin(), key.end());
+    return key;
+  }
+
+  void find_boundary() {
+    const FacetCorners& corners_of_facets = facets_of(shape_);
+    for (int e = 0; e < mesh_.elements(); ++e) {
+      for (const auto& corners : corners_of_facets) {
+        Facet<Dim> facet;
+        facet.nodes = static_cast<int>(corners.size());
+        facet.element = e;
+        for (std::size_t i = 0; i < corners.size(); ++i)
+          facet.node[i] = mesh_.nodes_of(e)[corners[i]];
+        Boundary& boundary = boundary_[key_of(facet.node, corners.size())];
+        if (boundary.elements++ == 0) boundary.facet = facet;
+        if (boundary.elements > 2) return fault("has elements that overlap: three share a facet");
+      }
+    }
+  }
+
+  /// In 3D there may be several planes of symmetry and several sides: symmetry_x, side_2.
+  static std::optional<PatchKind> kind_of(const std::string& name) {
+    for (std::size_t k = 0; k < patch_kinds; ++k) {
+      const PatchKind kind = PatchKind(k);
+      const std::string plain = name_of(kind);
+      const bool several = kind == PatchKind::symmetry || kind == PatchKind::side;
+      if (name == plain || (Dim == 3 && several && name.starts_with(plain + "_"))) return kind;
+    }
+    return std::nullopt;
+  }
+
+  /// The number of the patch of a physical group; -1 (and a fault, once) when it is none of ours.
+  int patch_of(int group) {
+    const auto found = file_.group_name.find({Dim - 1, group});
+    const std::string name =
+        found == file_.group_name.end() ? std::to_string(group) : found->second;
+    auto& patches = mesh_.patches;
+    const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
+    if (known != patches.end()) return static_cast<int>(known - patches.begin());
+    if (const auto kind = kind_of(name)) {
+      patches.push_back({name, *kind, usual_normal<Dim>(*kind), {}});
+      return static_cast<int>(patches.size()) - 1;
+    }
+    if (unknown_.insert(name).second)
+      fault("has the unknown physical group '" + name.substr(0, 60) + "'",
+            Dim == 2
+                ? "symmetry, bottom, side, top"
+                : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
+    return -1;
+  }
+
+  const std::string& name_of_patch(int patch) const {
+    return mesh_.patches[std::size_t(patch)].name;
+  }
+
+  void add_facet(const std::vector<int>& nodes, int patch) {
+    const auto found = boundary_.find(key_of(nodes, nodes.size()));
+    if (found == boundary_.end() || found->second.elements != 1)
+      return fault("has a facet of group " + name_of_patch(patch) +
+                   " that is not on the boundary of the mesh");
+    Boundary& boundary = found->second;
+    if (boundary.patch == patch) return;  // Gmsh repeats a facet for each of its groups
+    if (boundary.patch >= 0)
+      return fault("has a facet in two groups, " + name_of_patch(boundary.patch) + " and " +
+                   name_of_patch(patch));
+    boundary.patch = patch;
+    mesh_.patches[std::size_t(patch)].facets.push_back(boundary.facet);
+  }
+
+  void add_patches() {
+    std::vector<int> nodes;
+    for (const gmsh::Element& element : file_.elements) {
+      if (gmsh::dimension_of(element.shape) != Dim - 1) continue;
+      for (const int group : element.groups) {
+        const int patch = patch_of(group);
+        if (patch < 0) continue;
+        if (!look_up(element, nodes)) return;
+        const std::size_t faults_before = faults_.list().size();
+        add_facet(nodes, patch);
+        if (faults_.list().size() != faults_before) return;  // the next ones would say the same
+      }
+    }
+    if (mesh_.facets(PatchKind::bottom).empty())
+      fault("has no physical group 'bottom'", "the part of the boundary that stands on the block");
+  }
+
+  /// Along the bottom and the top from the symmetry plane, along the others upwards.
+  void sort_patches() {
+    for (Patch<Dim>& patch : mesh_.patches) {
+      const bool level = patch.kind == PatchKind::bottom || patch.kind == PatchKind::top;
+      const int axis = level ? 0 : Dim - 1;
+      const auto place = [&](const Facet<Dim>& facet) {
+        double sum = 0.0;
+        for (int i = 0; i < facet.nodes; ++i) sum += mesh_.point(facet.node[std::size_t(i)])[axis];
+        return sum / facet.nodes;
+      };
+      std::stable_sort(patch.facets.begin(), patch.facets.end(),
+                       [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    }
+  }
+
+  /// In 3D a wall stands where its facets do.
+  void find_normals() {
+    if constexpr (Dim == 3) {
+      for (Patch<3>& patch : mesh_.patches) patch.normal = mean_normal(mesh_, patch.facets);
+    }
+  }
+
+  const gmsh::File& file_;
+  const std::string& name_;
+  int shape_;  ///< required of the elements
+  Faults& faults_;
+  std::size_t faults_before_;
+  Mesh<Dim> mesh_;
+  std::unordered_map<long, int> number_;  ///< of a node by its Gmsh tag
+  std::map<Key, Boundary> boundary_;
+  std::set<std::string> unknown_;
+};
 
 }  // namespace
 
@@ -317,7 +348,7 @@ std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& na
                                     ElementKind kind, Faults& faults) {
   try {
     const gmsh::File file = gmsh::parse(text);
-    return mesh_of<Dim>(file, name, kind, faults);
+    return GmshImport<Dim>(file, name, kind, faults).take();
   } catch (const gmsh::FormatError& error) {
     faults.add("mesh.file", name, error.what(), "MSH 2.2 or 4.1, ASCII",
                "export it from Gmsh as MSH 4.1 or 2.2 in ASCII");

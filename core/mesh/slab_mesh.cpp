@@ -11,7 +11,7 @@ namespace dccast::mesh {
 
 namespace {
 
-constexpr double divide_above = 1.5;  // growth cells
+constexpr double divide_above = 1.5;   // growth cells
 constexpr std::size_t first_rows = 2;  // of cells, when the mould begins to be filled
 
 /// The nodes of a cell, below and above, as the corners of its division.
@@ -38,6 +38,16 @@ Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
   return facet;
 }
 
+std::vector<double> initial_rows(const SectionSpec& spec) {
+  return refined(ends_of_cells(graded_cells(spec.initial_depth, spec.rows, spec.bottom_cell),
+                               spec.initial_depth),
+                 spec.refinement);
+}
+
+RowMerging merging_of(const SectionSpec& spec) {
+  return {spec.merging.below, spec.merging.largest_cell / spec.refinement};
+}
+
 /// The topmost initial row of cells becomes a growth cell when the first row is inserted.
 int first_grown(const std::vector<double>& row_heights) {
   return static_cast<int>(row_heights.size()) - 2;
@@ -46,31 +56,30 @@ int first_grown(const std::vector<double>& row_heights) {
 }  // namespace
 
 template <int Dim>
-ExtrudedMesh<Dim>::ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
-                                double growth_cell, RowMerging merging)
-    : base_(std::move(base)),
-      kind_(kind),
-      growth_cell_(growth_cell),
-      merging_(merging),
-      first_grown_(first_grown(row_heights)),
-      plan_(std::move(row_heights)),
+SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
+    : base_(base_of<Dim>(spec)),
+      kind_(spec.element),
+      growth_cell_(growth_cell(spec)),
+      merging_(merging_of(spec)),
+      plan_(initial_rows(spec)),
+      first_grown_(first_grown(plan_)),
       heights_(plan_) {
   build();
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::start_filling() {
+void SlabMesh<Dim>::start_filling() {
   heights_.resize(std::min(heights_.size(), first_rows + 1));
   build();
 }
 
 template <int Dim>
-int ExtrudedMesh<Dim>::elements_per_row() const {
+int SlabMesh<Dim>::elements_per_row() const {
   return base_.cells() * static_cast<int>(division_of<Dim>(kind_).elements.size());
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::build() {
+void SlabMesh<Dim>::build() {
   mesh_ = Mesh<Dim>{};
   mesh_.nodes_per_element = static_cast<int>(division_of<Dim>(kind_).elements.front().size());
   for (const auto& wall : base_.walls)
@@ -82,7 +91,7 @@ void ExtrudedMesh<Dim>::build() {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::place_row_of_nodes(int row) {
+void SlabMesh<Dim>::place_row_of_nodes(int row) {
   const std::size_t nodes = std::size_t(base_.nodes()), first = std::size_t(row) * nodes;
   if (mesh_.node.size() < Dim * (first + nodes)) mesh_.node.resize(Dim * (first + nodes));
   for (std::size_t i = 0; i < nodes; ++i) {
@@ -93,7 +102,7 @@ void ExtrudedMesh<Dim>::place_row_of_nodes(int row) {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::add_row_of_cells(int row) {
+void SlabMesh<Dim>::add_row_of_cells(int row) {
   for (int cell = 0; cell < base_.cells(); ++cell) {
     const auto node = corners_of(base_, cell, row);
     for (const auto& element : division_of<Dim>(kind_).elements)
@@ -103,7 +112,7 @@ void ExtrudedMesh<Dim>::add_row_of_cells(int row) {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::add_walls(int row) {
+void SlabMesh<Dim>::add_walls(int row) {
   const auto& division = division_of<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size());
   const int first_element = row * elements_per_row();
@@ -118,7 +127,7 @@ void ExtrudedMesh<Dim>::add_walls(int row) {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::set_bottom() {
+void SlabMesh<Dim>::set_bottom() {
   const auto& division = division_of<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size());
   auto& facets = mesh_.facets(PatchKind::bottom);
@@ -128,7 +137,7 @@ void ExtrudedMesh<Dim>::set_bottom() {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::set_top() {
+void SlabMesh<Dim>::set_top() {
   const auto& division = division_of<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size()), row = rows() - 1;
   auto& facets = mesh_.facets(PatchKind::top);
@@ -140,7 +149,7 @@ void ExtrudedMesh<Dim>::set_top() {
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::divide_top_row(double height, std::vector<double>& between) {
+void SlabMesh<Dim>::divide_top_row(double height, std::vector<double>& between) {
   const double level = heights_.back();
   heights_.back() = height;
   heights_.push_back(level);
@@ -148,8 +157,8 @@ void ExtrudedMesh<Dim>::divide_top_row(double height, std::vector<double>& betwe
 }
 
 template <int Dim>
-std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
-  if (level < heights_.back()) throw std::logic_error("ExtrudedMesh: the metal level cannot sink");
+std::vector<double> SlabMesh<Dim>::grow_to(double level) {
+  if (level < heights_.back()) throw std::logic_error("SlabMesh: the metal level cannot sink");
   std::vector<double> between;
   const bool filling = heights_.back() < plan_.back();
   heights_.back() = level;
@@ -171,68 +180,43 @@ std::vector<double> ExtrudedMesh<Dim>::grow_to(double level) {
 }
 
 template <int Dim>
-MergedRows ExtrudedMesh<Dim>::rows_to_merge() const {
+MergedRows SlabMesh<Dim>::rows_to_merge() const {
   return {heights_, mesh::rows_to_merge(heights_, first_grown_, merging_),
           std::size_t(nodes_per_row()), std::size_t(elements_per_row())};
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::merge(const MergedRows& rows) {
+void SlabMesh<Dim>::merge(const MergedRows& rows) {
   take_out_rows(rows, 1, heights_);
   build();
 }
 
 template <int Dim>
-void ExtrudedMesh<Dim>::restore(const std::vector<double>& row_heights) {
+void SlabMesh<Dim>::restore(const std::vector<double>& row_heights) {
   heights_ = row_heights;
   build();
 }
 
-int rows_at_level(std::vector<double> heights, double growth_cell, const RowMerging& merging,
-                  double level) {
+int rows_at(const SectionSpec& spec, double level) {
+  std::vector<double> heights = initial_rows(spec);
   const int first = first_grown(heights);
-  while (level - heights[heights.size() - 2] > divide_above * growth_cell * (1.0 + 1e-9)) {
-    heights.back() = heights[heights.size() - 2] + growth_cell;
-    heights.push_back(heights.back() + growth_cell);
-    const MergedRows merged{heights, rows_to_merge(heights, first, merging), 1, 1};
+  const double grown = growth_cell(spec);
+  while (level - heights[heights.size() - 2] > divide_above * grown * (1.0 + 1e-9)) {
+    heights.back() = heights[heights.size() - 2] + grown;
+    heights.push_back(heights.back() + grown);
+    const MergedRows merged{heights, rows_to_merge(heights, first, merging_of(spec)), 1, 1};
     if (!merged.empty()) take_out_rows(merged, 1, heights);
   }
   return static_cast<int>(heights.size()) - 1;
 }
 
-template class ExtrudedMesh<2>;
-template class ExtrudedMesh<3>;
-
-namespace {
-
-std::vector<double> initial_rows(const SectionSpec& spec) {
-  return refined(ends_of_cells(graded_cells(spec.initial_depth, spec.rows, spec.bottom_cell),
-                               spec.initial_depth),
-                 spec.refinement);
-}
-
-RowMerging merging_of(const SectionSpec& spec) {
-  return {spec.merging.below, spec.merging.largest_cell / spec.refinement};
-}
-
-}  // namespace
+template class SlabMesh<2>;
+template class SlabMesh<3>;
 
 double growth_cell(const SectionSpec& spec) {
   if (spec.growth_cell) return *spec.growth_cell / spec.refinement;
   const std::vector<double> rows = initial_rows(spec);
   return rows.back() - rows[rows.size() - 2];
 }
-
-template <int Dim>
-SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
-    : ExtrudedMesh<Dim>(base_of<Dim>(spec), spec.element, initial_rows(spec), growth_cell(spec),
-                        merging_of(spec)) {}
-
-int rows_at(const SectionSpec& spec, double level) {
-  return rows_at_level(initial_rows(spec), growth_cell(spec), merging_of(spec), level);
-}
-
-template class SlabMesh<2>;
-template class SlabMesh<3>;
 
 }  // namespace dccast::mesh

@@ -9,7 +9,8 @@
 
 namespace dccast::mesh {
 
-/// A mesh of rows of cells over a base, which grows upwards.
+/// The built-in mesh of a section: rows of cells over its base, graded from the bottom block, which
+/// grow upwards.
 ///
 /// Nodes are numbered row by row from the bottom, in the order of the base, so that growth only
 /// appends: existing nodes and elements keep their numbers, and the connectivity follows from the
@@ -20,22 +21,20 @@ namespace dccast::mesh {
 /// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
 /// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
 /// can be merged in pairs once they are deep below the metal level; nodes and elements above them
-/// are then renumbered. While the mould is filled, rows are divided off at the planned heights of the
-/// initial rows instead.
+/// are then renumbered. While the mould is filled, rows are divided off at the planned heights
+/// of the initial rows instead.
 template <int Dim>
-class ExtrudedMesh {
+class SlabMesh {
 public:
-  /// @param row_heights  [m] of the rows of nodes, ascending from zero
-  /// @param growth_cell  [m] height of an added row
-  ExtrudedMesh(Base<Dim> base, ElementKind kind, std::vector<double> row_heights,
-               double growth_cell, RowMerging merging = {});
+  /// @param spec  section and division; `file` must be empty
+  explicit SlabMesh(const SectionSpec& spec);
 
   const Mesh<Dim>& mesh() const { return mesh_; }
   int cells_per_row() const { return base_.cells(); }
   int rows() const { return static_cast<int>(heights_.size()) - 1; }
   int nodes_per_row() const { return base_.nodes(); }
   int elements_per_row() const;
-  double level() const { return heights_.back(); }                     ///< [m] metal level
+  double level() const { return heights_.back(); }       ///< [m] metal level
   double planned_level() const { return plan_.back(); }  ///< [m] once the mould is filled
   const std::vector<double>& row_heights() const { return heights_; }  ///< [m] of the rows of nodes
 
@@ -69,26 +68,10 @@ private:
   ElementKind kind_;
   double growth_cell_;  ///< [m]
   RowMerging merging_;
-  int first_grown_;              ///< row of nodes below the rows added by growth
   std::vector<double> plan_;     ///< [m] heights of the initial rows
+  int first_grown_;              ///< row of nodes below the rows added by growth
   std::vector<double> heights_;  ///< [m] of the rows of nodes
   Mesh<Dim> mesh_;
-};
-
-/// Number of rows of a mesh with these initial rows when the metal level is at `level` [m].
-/// @param row_heights  [m] @param growth_cell  [m]
-int rows_at_level(std::vector<double> row_heights, double growth_cell, const RowMerging& merging,
-                  double level);
-
-extern template class ExtrudedMesh<2>;
-extern template class ExtrudedMesh<3>;
-
-/// The built-in mesh of a section: its base extruded in rows that are graded from the bottom block.
-template <int Dim>
-class SlabMesh : public ExtrudedMesh<Dim> {
-public:
-  /// @param spec  section and division; `file` must be empty
-  explicit SlabMesh(const SectionSpec& spec);
 };
 
 using SlabMesh2D = SlabMesh<2>;
@@ -99,8 +82,5 @@ double growth_cell(const SectionSpec& spec);
 
 /// Number of rows of the built-in mesh when the metal level is at `level` [m].
 int rows_at(const SectionSpec& spec, double level);
-
-extern template class SlabMesh<2>;
-extern template class SlabMesh<3>;
 
 }  // namespace dccast::mesh

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -15,18 +14,6 @@ namespace dccast::results {
 
 static_assert(std::endian::native == std::endian::little, "the files are little-endian");
 static_assert(std::numeric_limits<double>::is_iec559, "the files hold IEEE 754 doubles");
-
-template <class T>
-const T& Sections::get(std::string_view name) const {
-  const auto found = values_.find(name);
-  if (found == values_.end() || !std::holds_alternative<T>(found->second))
-    throw std::out_of_range("no section '" + std::string(name) + "' of that type");
-  return std::get<T>(found->second);
-}
-
-template const Sections::Reals& Sections::get(std::string_view) const;
-template const Sections::Integers& Sections::get(std::string_view) const;
-template const std::string& Sections::get(std::string_view) const;
 
 namespace {
 

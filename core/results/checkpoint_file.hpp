@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -37,7 +38,12 @@ public:
 
 private:
   template <class T>
-  const T& get(std::string_view name) const;
+  const T& get(std::string_view name) const {
+    const auto found = values_.find(name);
+    if (found == values_.end() || !std::holds_alternative<T>(found->second))
+      throw std::out_of_range("no section '" + std::string(name) + "' of that type");
+    return std::get<T>(found->second);
+  }
 
   std::map<std::string, Value, std::less<>> values_;
 };
@@ -51,8 +57,8 @@ struct [[nodiscard]] CheckpointRead {
   std::optional<Sections> content;
   /// "", "missing", "truncated", "checksum", "not a checkpoint", or the format it has
   std::string reason;
-  bool other_format =
-      false;  ///< the file follows another version of CHECKPOINT.md and was not checked
+  /// the file follows another version of CHECKPOINT.md and was not checked
+  bool other_format = false;
 };
 
 /// Writes a checkpoint atomically: after a crash either the previous one or the complete new one

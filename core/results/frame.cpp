@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <tuple>
+#include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace dccast::results {
@@ -62,23 +62,18 @@ std::array<double, 3> principal(std::span<const double> s) {
   return {values[2], values[1], values[0]};
 }
 
-/// A number for each element from its tensor.
+/// Numbers for each element from its tensor. @param invariant  gives an array or one number
 template <class Invariant>
 std::vector<double> of_elements(const Frame& frame, const std::vector<double>& tensors,
                                 Invariant&& invariant) {
   const auto components = static_cast<std::size_t>(tensor_components(frame.dimension));
   std::vector<double> values;
-  for (std::size_t i = 0; i < tensors.size(); i += components)
-    values.push_back(invariant(std::span(tensors.data() + i, components)));
-  return values;
-}
-
-std::vector<double> principal_stresses(const Frame& frame) {
-  const auto components = static_cast<std::size_t>(tensor_components(frame.dimension));
-  std::vector<double> values;
-  for (std::size_t i = 0; i < frame.stress.size(); i += components) {
-    const auto three = principal({frame.stress.data() + i, components});
-    values.insert(values.end(), three.begin(), three.end());
+  for (std::size_t i = 0; i < tensors.size(); i += components) {
+    const auto numbers = invariant(std::span(tensors.data() + i, components));
+    if constexpr (std::is_same_v<decltype(numbers), const double>)
+      values.push_back(numbers);
+    else
+      values.insert(values.end(), numbers.begin(), numbers.end());
   }
   return values;
 }
@@ -98,31 +93,75 @@ bool in_range(const std::vector<std::int32_t>& nodes, std::int64_t count) {
 
 }  // namespace
 
+std::span<const FrameArray> frame_arrays() {
+  using On = FrameArray::On;
+  using Rank = FrameArray::Rank;
+  static constexpr std::array arrays{
+      FrameArray{"temperature", "temperature_c", "degC", "temperature", On::nodes, Rank::scalar,
+                 &Frame::temperature},
+      FrameArray{"liquid_fraction", "liquid_fraction", "1", "0 solid, 1 liquid", On::nodes,
+                 Rank::scalar, &Frame::liquid_fraction},
+      FrameArray{"displacement", "displacement_m", "m", "displacement", On::nodes, Rank::vector,
+                 &Frame::displacement},
+      FrameArray{"stress", "stress_pa", "Pa",
+                 "stress, tension positive: xx, yy, zz, xy (then yz, xz)", On::elements,
+                 Rank::tensor, &Frame::stress},
+      FrameArray{"viscoplastic_strain", "viscoplastic_strain", "1",
+                 "viscoplastic strain: xx, yy, zz, xy (then yz, xz)", On::elements, Rank::tensor,
+                 &Frame::viscoplastic_strain},
+      FrameArray{"thermal_strain", "thermal_strain", "1",
+                 "free linear strain since the liquidus, contraction negative", On::nodes,
+                 Rank::scalar, &Frame::thermal_strain},
+      FrameArray{"bottom_gap", "bottom_gap_m", "m", "gap to the bottom block, open positive",
+                 On::bottom, Rank::scalar, &Frame::bottom_gap},
+      FrameArray{"bottom_pressure", "bottom_pressure_pa", "Pa", "contact pressure", On::bottom,
+                 Rank::scalar, &Frame::bottom_pressure},
+  };
+  return arrays;
+}
+
+std::size_t FrameArray::rows(const Frame& frame) const {
+  if (on == On::bottom) return frame.bottom_node.size();
+  return static_cast<std::size_t>(on == On::nodes ? frame.nodes() : frame.elements());
+}
+
+int FrameArray::components(int dimension) const {
+  if (rank == Rank::scalar) return 1;
+  return rank == Rank::vector ? dimension : tensor_components(dimension);
+}
+
 const char* misfit_of(const Frame& frame) {
   if (frame.dimension != 2 && frame.dimension != 3) return "node";
   if (frame.nodes_per_element <= 0) return "element_node";
-  const auto nodes = static_cast<std::size_t>(frame.nodes());
-  const auto dimension = static_cast<std::size_t>(frame.dimension);
-  const auto tensors =
-      static_cast<std::size_t>(frame.elements() * tensor_components(frame.dimension));
-  const auto rows = static_cast<std::size_t>(frame.nodes_per_element);
-  if (frame.node.size() != nodes * dimension) return "node";
-  if (frame.element_node.size() % rows != 0 || !in_range(frame.element_node, frame.nodes()))
+  if (frame.node.size() % static_cast<std::size_t>(frame.dimension) != 0) return "node";
+  if (frame.element_node.size() % static_cast<std::size_t>(frame.nodes_per_element) != 0 ||
+      !in_range(frame.element_node, frame.nodes()))
     return "element_node";
   if (!in_range(frame.bottom_node, frame.nodes())) return "bottom_node";
-  const std::size_t bottom = frame.bottom_node.size();
-  using Field = std::tuple<const char*, const std::vector<double>&, std::size_t>;
-  for (const auto& [name, values, size] :
-       std::initializer_list<Field>{{"temperature", frame.temperature, nodes},
-                                    {"liquid_fraction", frame.liquid_fraction, nodes},
-                                    {"displacement", frame.displacement, nodes * dimension},
-                                    {"stress", frame.stress, tensors},
-                                    {"viscoplastic_strain", frame.viscoplastic_strain, tensors},
-                                    {"thermal_strain", frame.thermal_strain, nodes},
-                                    {"bottom_gap", frame.bottom_gap, bottom},
-                                    {"bottom_pressure", frame.bottom_pressure, bottom}})
-    if (!values.empty() && values.size() != size) return name;
+  for (const FrameArray& array : frame_arrays()) {
+    const std::size_t size = (frame.*array.values).size();
+    const auto components = static_cast<std::size_t>(array.components(frame.dimension));
+    if (size != 0 && size != array.rows(frame) * components) return array.name;
+  }
   return nullptr;
+}
+
+std::vector<double> flat(const std::vector<std::vector<double>>& points) {
+  std::vector<double> values;
+  for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
+  return values;
+}
+
+std::vector<std::vector<double>> points_of(const std::vector<double>& flat, std::size_t count) {
+  if (count == 0 ? !flat.empty() : flat.size() % count != 0)
+    throw std::out_of_range("incomplete coordinates of a point");
+  std::vector<std::vector<double>> points(count);
+  auto from = flat.begin();
+  for (auto& point : points) {
+    const auto end = from + static_cast<std::ptrdiff_t>(flat.size() / count);
+    point.assign(std::exchange(from, end), end);
+  }
+  return points;
 }
 
 std::vector<DerivedField> derived_fields(const Frame& frame) {
@@ -139,7 +178,7 @@ std::vector<DerivedField> derived_fields(const Frame& frame) {
   add({"mean_stress_pa", "Pa", "mean normal stress, tension positive", false, 1,
        of_elements(frame, frame.stress, mean)});
   add({"principal_stress_pa", "Pa", "principal stresses, the largest first", false, 3,
-       principal_stresses(frame)});
+       of_elements(frame, frame.stress, principal)});
   add({"equivalent_viscoplastic_strain", "1", "of viscoplastic_strain: sqrt(2/3 e : e)", false, 1,
        of_elements(frame, frame.viscoplastic_strain, equivalent)});
   add({"contact_pressure_pa", "Pa", "bottom_pressure_pa on all nodes, zero away from the bottom",

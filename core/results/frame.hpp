@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,10 +45,6 @@ struct Frame {
   bool operator==(const Frame&) const = default;
 };
 
-/// The array of a frame that does not fit its mesh, by its size or by a node that is not there;
-/// null where all fit. Fields that were not computed are empty.
-const char* misfit_of(const Frame& frame);
-
 /// Number of components of a symmetric tensor in a frame: xx, yy, zz, xy in 2D (zz is the
 /// out-of-plane direction, in an axisymmetric section the hoop direction), xx, yy, zz, xy, yz, xz
 /// in 3D.
@@ -54,23 +52,30 @@ constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }
 
-/// A field that the XDMF sidecar shows.
-struct ShownField {
-  std::string name;      ///< name in ParaView
-  std::string dataset;   ///< in the frame's group
-  bool on_nodes = true;  ///< else on elements
-  int components = 1;
+/// An array of results in a frame, which is empty where a run does not compute it. Journal, writer,
+/// reader and sidecar all use the table of these.
+struct FrameArray {
+  enum class On { nodes, elements, bottom };
+  enum class Rank { scalar, vector, tensor };
+
+  const char* name;     ///< in the journal
+  const char* dataset;  ///< in the frame's group
+  const char* unit;
+  const char* meaning;
+  On on;
+  Rank rank;
+  std::vector<double> Frame::*values;  ///< [`unit`]
+
+  /// Number of nodes or elements.
+  std::size_t rows(const Frame& frame) const;
+  int components(int dimension) const;
 };
 
-/// The part of a frame that the sidecar needs: sizes, not values.
-struct FrameOutline {
-  double time = 0.0;  ///< [s]
-  int dimension = 2;
-  int nodes_per_element = 3;
-  std::int64_t nodes = 0;
-  std::int64_t elements = 0;
-  std::vector<ShownField> fields;  ///< fields that exist in the frame
-};
+std::span<const FrameArray> frame_arrays();
+
+/// The array of a frame that does not fit its mesh, by its size or by a node that is not there;
+/// null where all fit.
+const char* misfit_of(const Frame& frame);
 
 /// Data stored once per run.
 struct RunHeader {
@@ -97,6 +102,11 @@ struct RunSummary {
   std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< absent: valid to the end
   std::vector<Finding> findings{};  ///< each code once, in the order in which they were raised
 };
+
+/// Coordinates of points one after the other [m].
+std::vector<double> flat(const std::vector<std::vector<double>>& points);
+/// The reverse for `count` points. @throws std::out_of_range  the values are not whole points
+std::vector<std::vector<double>> points_of(const std::vector<double>& flat, std::size_t count);
 
 /// A field of a frame that is derived from other fields and stored for visualisation programs.
 struct DerivedField {

@@ -69,6 +69,19 @@ Handle text_type() {
   return type;
 }
 
+/// How the file and this program store a number.
+std::pair<hid_t, hid_t> types_of(double) {
+  return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
+}
+
+std::pair<hid_t, hid_t> types_of(std::int32_t) {
+  return {H5T_STD_I32LE, H5T_NATIVE_INT32};
+}
+
+std::pair<hid_t, hid_t> types_of(std::int64_t) {
+  return {H5T_STD_I64LE, H5T_NATIVE_INT64};
+}
+
 Handle space_of(const Shape& shape) {
   if (shape.empty()) return {H5Screate(H5S_SCALAR), H5Sclose};
   return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose};
@@ -141,7 +154,7 @@ void File::write_array(const std::string& object, const Shape& shape, hid_t file
                        hid_t memory_type, const void* values, const char* unit,
                        const char* meaning) {
   const Handle space = space_of(shape);
-  const Handle layout = layout_of(shape);
+  const Handle layout = layout_of(unit == nullptr ? Shape{} : shape);  // texts are not chunked
   const Handle dataset(H5Dcreate2(id_.get(), object.c_str(), file_type, space.get(), H5P_DEFAULT,
                                   layout.get(), H5P_DEFAULT),
                        H5Dclose);
@@ -149,55 +162,30 @@ void File::write_array(const std::string& object, const Shape& shape, hid_t file
   if (count_of(shape) > 0)
     checked(H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
             "cannot be written");
-  put_attribute(dataset, object, "unit", unit);
+  if (unit != nullptr) put_attribute(dataset, object, "unit", unit);
   put_attribute(dataset, object, "meaning", meaning);
 }
 
-void File::write(const std::string& object, const Shape& shape, const double* values,
+template <class Number>
+void File::write(const std::string& object, const Shape& shape, const std::vector<Number>& values,
                  const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, unit, meaning);
+  const auto [in_file, in_memory] = types_of(Number{});
+  write_array(object, shape, in_file, in_memory, values.data(), unit, meaning);
 }
 
-void File::write(const std::string& object, const Shape& shape, const std::int32_t* values,
-                 const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_STD_I32LE, H5T_NATIVE_INT32, values, unit, meaning);
-}
-
-void File::write(const std::string& object, const Shape& shape, const std::int64_t* values,
-                 const char* unit, const char* meaning) {
-  write_array(object, shape, H5T_STD_I64LE, H5T_NATIVE_INT64, values, unit, meaning);
-}
-
-void File::write_strings(const std::string& object, const Handle& space, const char* const* texts,
-                         const char* meaning) {
-  const Handle type = text_type();
-  const Handle layout = layout_of({});
-  const Handle dataset(H5Dcreate2(id_.get(), object.c_str(), type.get(), space.get(), H5P_DEFAULT,
-                                  layout.get(), H5P_DEFAULT),
-                       H5Dclose);
-  checked(dataset.get(), object, "cannot be created");
-  if (H5Sget_simple_extent_npoints(space.get()) > 0)
-    checked(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts), object,
-            "cannot be written");
-  put_attribute(dataset, object, "meaning", meaning);
-}
-
-void File::write_texts(const std::string& object, const std::vector<std::string>& texts,
-                       const char* meaning) {
-  write_texts(object, {texts.size()}, texts, meaning);
-}
+template void File::write(const std::string&, const Shape&, const std::vector<double>&, const char*,
+                          const char*);
+template void File::write(const std::string&, const Shape&, const std::vector<std::int32_t>&,
+                          const char*, const char*);
+template void File::write(const std::string&, const Shape&, const std::vector<std::int64_t>&,
+                          const char*, const char*);
 
 void File::write_texts(const std::string& object, const Shape& shape,
                        const std::vector<std::string>& texts, const char* meaning) {
   std::vector<const char*> pointers;
-  pointers.reserve(texts.size());
   for (const std::string& text : texts) pointers.push_back(text.c_str());
-  write_strings(object, space_of(shape), pointers.data(), meaning);
-}
-
-void File::write_text(const std::string& object, const std::string& text, const char* meaning) {
-  const char* pointer = text.c_str();
-  write_strings(object, space_of({}), &pointer, meaning);
+  const Handle type = text_type();
+  write_array(object, shape, type.get(), type.get(), pointers.data(), nullptr, meaning);
 }
 
 void File::put_attribute(const Handle& target, const std::string& object, const char* name,

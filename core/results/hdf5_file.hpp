@@ -56,21 +56,25 @@ public:
   void create_group(const std::string& object);
   /// Writes a dataset.
   /// @param shape          row-major; large arrays are chunked, compressed and get a checksum
-  /// @param values         [`unit`]
+  /// @tparam Number        double, std::int32_t or std::int64_t
+  /// @param values         [`unit`] flat with the last index fastest
   /// @param unit, meaning  stored as the attributes `unit` and `meaning`
-  void write(const std::string& object, const Shape& shape, const double* values, const char* unit,
-             const char* meaning);
-  void write(const std::string& object, const Shape& shape, const std::int32_t* values,
+  template <class Number>
+  void write(const std::string& object, const Shape& shape, const std::vector<Number>& values,
              const char* unit, const char* meaning);
-  void write(const std::string& object, const Shape& shape, const std::int64_t* values,
-             const char* unit, const char* meaning);
-  /// A one-dimensional dataset of UTF-8 strings, or a scalar one.
-  void write_texts(const std::string& object, const std::vector<std::string>& texts,
-                   const char* meaning);
-  /// An array of UTF-8 strings. @param texts  flat with the last index fastest
+  /// A one-dimensional one.
+  template <class Number>
+  void write(const std::string& object, const std::vector<Number>& values, const char* unit,
+             const char* meaning) {
+    write(object, {values.size()}, values, unit, meaning);
+  }
+  /// An array of UTF-8 strings, flat with the last index fastest.
   void write_texts(const std::string& object, const Shape& shape,
                    const std::vector<std::string>& texts, const char* meaning);
-  void write_text(const std::string& object, const std::string& text, const char* meaning);
+  void write_texts(const std::string& object, const std::vector<std::string>& texts,
+                   const char* meaning) {
+    write_texts(object, {texts.size()}, texts, meaning);
+  }
   /// Attributes have no unit of their own; their names end in it, e.g. `time_s` [s].
   void write_attribute(const std::string& object, const char* name, double value);
   void write_attribute(const std::string& object, const char* name, std::int64_t value);
@@ -98,10 +102,9 @@ public:
 
 private:
   File(std::filesystem::path path, Handle id) : path_(std::move(path)), id_(std::move(id)) {}
+  /// @param unit  null for texts
   void write_array(const std::string& object, const Shape& shape, hid_t file_type,
                    hid_t memory_type, const void* values, const char* unit, const char* meaning);
-  void write_strings(const std::string& object, const Handle& space, const char* const* texts,
-                     const char* meaning);
   /// @param target  the open object @param object  its path, for messages
   void put_attribute(const Handle& target, const std::string& object, const char* name, hid_t type,
                      const void* value);

@@ -27,19 +27,13 @@ std::optional<Record> record_at(storage::FileWindow& file, std::int64_t offset) 
 
 }  // namespace
 
-Journal::Journal(storage::File file)
-    : log_(std::make_unique<storage::RecordLog>(std::move(file))) {}
+Journal::Journal(const std::filesystem::path& path)
+    : log_(storage::File(path, O_WRONLY | O_CREAT | O_TRUNC, storage::readable_by_all)),
+      pending_(magic) {}
 
-Journal Journal::create(const std::filesystem::path& path) {
-  Journal journal(storage::File(path, O_WRONLY | O_CREAT | O_TRUNC, storage::readable_by_all));
-  journal.pending_ = magic;
-  return journal;
-}
-
-Journal Journal::reopen(const std::filesystem::path& path, std::int64_t size) {
-  Journal journal(storage::File(path, O_WRONLY));
-  journal.log_->cut(size);
-  return journal;
+Journal::Journal(const std::filesystem::path& path, std::int64_t size)
+    : log_(storage::File(path, O_WRONLY)) {
+  log_.cut(size);
 }
 
 void Journal::append(RecordKind kind, const Sections& content) {
@@ -48,7 +42,7 @@ void Journal::append(RecordKind kind, const Sections& content) {
 
 void Journal::write() {
   if (pending_.empty()) return;
-  log_->append(pending_);
+  log_.append(pending_);
   pending_.clear();
 }
 
@@ -64,56 +58,6 @@ bool visit_journal(const std::filesystem::path& path,
   }
   return true;
 }
-
-namespace {
-
-using Points = std::vector<std::vector<double>>;
-
-Sections::Reals flat(const Points& points) {
-  Sections::Reals values;
-  for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
-  return values;
-}
-
-/// @throws std::out_of_range  the values are not whole points
-Points points_of(const Sections::Reals& values, std::size_t count) {
-  if (count == 0 ? !values.empty() : values.size() % count != 0)
-    throw std::out_of_range("incomplete coordinates of a point");
-  Points points(count);
-  auto from = values.begin();
-  for (auto& point : points) {
-    point.assign(from, from + static_cast<std::ptrdiff_t>(values.size() / count));
-    from += static_cast<std::ptrdiff_t>(values.size() / count);
-  }
-  return points;
-}
-
-std::vector<std::int32_t> narrow(const Sections::Integers& values) {
-  std::vector<std::int32_t> narrowed(values.size());
-  std::transform(values.begin(), values.end(), narrowed.begin(),
-                 [](std::int64_t value) { return static_cast<std::int32_t>(value); });
-  return narrowed;
-}
-
-Sections::Integers wide(const std::vector<std::int32_t>& values) {
-  return {values.begin(), values.end()};
-}
-
-/// Calls visit(name, member of Frame) for every array of doubles of a frame.
-template <class Visit>
-void for_real_arrays(Visit&& visit) {
-  visit("node", &Frame::node);
-  visit("temperature", &Frame::temperature);
-  visit("liquid_fraction", &Frame::liquid_fraction);
-  visit("displacement", &Frame::displacement);
-  visit("stress", &Frame::stress);
-  visit("viscoplastic_strain", &Frame::viscoplastic_strain);
-  visit("thermal_strain", &Frame::thermal_strain);
-  visit("bottom_gap", &Frame::bottom_gap);
-  visit("bottom_pressure", &Frame::bottom_pressure);
-}
-
-}  // namespace
 
 Sections to_sections(const RunHeader& header) {
   Sections content;
@@ -155,14 +99,22 @@ RunHeader header_of(const Sections& content) {
   return header;
 }
 
+namespace {
+
+constexpr std::pair<const char*, std::vector<std::int32_t> Frame::*> node_numbers[] = {
+    {"element_node", &Frame::element_node}, {"bottom_node", &Frame::bottom_node}};
+
+}  // namespace
+
 Sections to_sections(const Frame& frame) {
   Sections content;
   content.set_integer("step", frame.step);
   content.set("instant", Sections::Reals{frame.time, frame.cast_length, frame.metal_level});
   content.set("shape", Sections::Integers{frame.dimension, frame.nodes_per_element});
-  for_real_arrays([&](const char* name, auto member) { content.set(name, frame.*member); });
-  content.set("element_node", wide(frame.element_node));
-  content.set("bottom_node", wide(frame.bottom_node));
+  content.set("node", frame.node);
+  for (const FrameArray& array : frame_arrays()) content.set(array.name, frame.*array.values);
+  for (const auto& [name, nodes] : node_numbers)
+    content.set(name, Sections::Integers{(frame.*nodes).begin(), (frame.*nodes).end()});
   return content;
 }
 
@@ -175,11 +127,13 @@ Frame frame_of(const Sections& content) {
   frame.metal_level = instant.at(2);
   frame.dimension = static_cast<int>(content.integers("shape").at(0));
   frame.nodes_per_element = static_cast<int>(content.integers("shape").at(1));
-  for_real_arrays([&](const char* name, auto member) {
-    if (content.has(name)) frame.*member = content.reals(name);
-  });
-  frame.element_node = narrow(content.integers("element_node"));
-  frame.bottom_node = narrow(content.integers("bottom_node"));
+  frame.node = content.reals("node");
+  for (const FrameArray& array : frame_arrays())
+    if (content.has(array.name)) frame.*array.values = content.reals(array.name);
+  for (const auto& [name, nodes] : node_numbers) {
+    const auto& values = content.integers(name);
+    (frame.*nodes).assign(values.begin(), values.end());
+  }
   return frame;
 }
 

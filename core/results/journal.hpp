@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <string>
 
 #include "core/results/checkpoint_file.hpp"
@@ -12,7 +11,8 @@
 
 namespace dccast::results {
 
-/// Kind of a journal record; the numbers are part of the file format. 2 was a step; readers skip it.
+/// Kind of a journal record; the numbers are part of the file format. 2 was a step; readers skip
+/// it.
 enum class RecordKind : std::uint8_t { header = 1, frame = 3 };
 
 /// The records of a running casting, appended to one file; CHECKPOINT.md has the format. All calls
@@ -20,22 +20,19 @@ enum class RecordKind : std::uint8_t { header = 1, frame = 3 };
 class Journal {
 public:
   /// Creates a new file; an existing one is overwritten.
-  static Journal create(const std::filesystem::path& path);
+  explicit Journal(const std::filesystem::path& path);
   /// Opens a file for appending, truncated to `size` bytes.
-  static Journal reopen(const std::filesystem::path& path, std::int64_t size);
+  Journal(const std::filesystem::path& path, std::int64_t size);
 
   /// Appends a record; it stays in memory until write().
   void append(RecordKind kind, const Sections& content);
   /// Hands the records to the operating system: they survive the end of this process.
   void write();
   /// Waits until everything passed to write() is on disk; may be called from another thread.
-  void sync() { log_->sync(); }
+  void sync() { log_.sync(); }
 
 private:
-  explicit Journal(storage::File file);
-
-  /// On the heap: the thread that calls sync() needs a fixed address
-  std::unique_ptr<storage::RecordLog> log_;
+  storage::RecordLog log_;
   std::string pending_;
 };
 
@@ -53,8 +50,7 @@ struct Record {
 bool visit_journal(const std::filesystem::path& path,
                    const std::function<bool(const Record&)>& visit, std::int64_t after = 0);
 
-/// Conversion of the header and a frame of a run to the sections of a journal record, and
-/// back.
+/// Conversion of the header and a frame of a run to the sections of a journal record, and back.
 Sections to_sections(const RunHeader& header);
 Sections to_sections(const Frame& frame);
 /// @throws std::out_of_range  a section is missing: the record was written by other software

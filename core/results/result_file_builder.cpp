@@ -13,7 +13,6 @@
 #include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/step_report.hpp"
-#include "core/results/xdmf.hpp"
 #include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
@@ -67,7 +66,7 @@ void write_places(File& file, const char* dataset, const std::vector<std::vector
   for (std::size_t i = 0; i < place.size(); ++i)
     std::copy_n(place[i].begin(), std::min(place[i].size(), coordinates),
                 rows.begin() + static_cast<std::ptrdiff_t>(i * coordinates));
-  file.write(dataset, {place.size(), coordinates}, rows.data(), "m", meaning);
+  file.write(dataset, {place.size(), coordinates}, rows, "m", meaning);
 }
 
 std::vector<std::vector<double>> read_places(const File& file, const char* dataset,
@@ -88,10 +87,9 @@ void write_worst(File& file, const std::vector<Finding>& findings) {
     value.push_back(worst.value);
     place.push_back(worst.place);
   }
-  file.write("/findings/worst_time_s", {time.size()}, time.data(), "s",
+  file.write("/findings/worst_time_s", time, "s",
              "of the figure farthest beyond the limit; NaN if there is none");
-  file.write("/findings/worst_value", {value.size()}, value.data(), "1",
-             "in the unit of the finding");
+  file.write("/findings/worst_value", value, "1", "in the unit of the finding");
   write_places(file, "/findings/worst_place_m", place, "as place_m");
 }
 
@@ -128,7 +126,7 @@ void write_findings(File& file, const std::vector<Finding>& findings) {
   for (const RealField& field : reals) {
     std::vector<double> values;
     for (const Finding& f : findings) values.push_back((f.*field.member).value_or(absent));
-    file.write(field.dataset, {values.size()}, values.data(), field.unit, field.meaning);
+    file.write(field.dataset, values, field.unit, field.meaning);
   }
   std::vector<std::vector<double>> place;
   for (const Finding& finding : findings) place.push_back(finding.place);
@@ -179,97 +177,83 @@ void write_header(File& file, const RunHeader& header) {
   file.write_attribute("/", "shell_c", header.shell);
   if (header.relative_curl_error)
     file.write_attribute("/", "relative_curl_error", *header.relative_curl_error);
-  file.write_text("/case", header.case_json, "the case as it was submitted, JSON");
+  file.write_texts("/case", Shape{}, {header.case_json}, "the case as it was submitted, JSON");
   file.create_group("/frames");
   file.create_group("/history");
   file.create_group("/monitors");
   file.write_texts("/monitors/name", header.monitor_name, "names of the monitors");
-  std::vector<double> position;
-  for (const auto& point : header.monitor_position)
-    position.insert(position.end(), point.begin(), point.end());
   file.write("/monitors/position_m",
              {header.monitor_position.size(), static_cast<hsize_t>(header.dimension)},
-             position.data(), "m",
+             flat(header.monitor_position), "m",
              "first position: from the symmetry planes, above the bottom block");
 }
 
+/// Of a matrix with one row of components each, or of a vector.
+Shape shape_of(std::size_t rows, int components) {
+  if (components == 1) return {rows};
+  return {rows, static_cast<hsize_t>(components)};
+}
+
 /// Arrays that a run does not compute are left out of the file.
-void write_if_any(File& file, const std::string& object, const Shape& shape,
-                  const std::vector<double>& values, const char* unit, const char* meaning) {
-  if (!values.empty()) file.write(object, shape, values.data(), unit, meaning);
+void write_array(File& file, const std::string& group, const Frame& frame,
+                 const FrameArray& array) {
+  const std::vector<double>& values = frame.*array.values;
+  if (!values.empty())
+    file.write(group + "/" + array.dataset,
+               shape_of(array.rows(frame), array.components(frame.dimension)), values, array.unit,
+               array.meaning);
 }
 
 void write_frame(File& file, std::size_t index, const Frame& frame) {
   const std::string group = frame_group(index);
-  const auto nodes = static_cast<hsize_t>(frame.nodes());
-  const auto elements = static_cast<hsize_t>(frame.elements());
-  const auto dimension = static_cast<hsize_t>(frame.dimension);
-  const auto components = static_cast<hsize_t>(tensor_components(frame.dimension));
-  const Shape bottom{frame.bottom_node.size()};
   file.create_group(group);
   file.write_attribute(group, "step", frame.step);
   file.write_attribute(group, "time_s", frame.time);
   file.write_attribute(group, "cast_length_m", frame.cast_length);
   file.write_attribute(group, "metal_level_m", frame.metal_level);
-  file.write(group + "/node_m", {nodes, dimension}, frame.node.data(), "m",
-             "positions before deformation");
-  file.write(group + "/element_node", {elements, static_cast<hsize_t>(frame.nodes_per_element)},
-             frame.element_node.data(), "1", "nodes of each element, counter-clockwise, from 0");
-  write_if_any(file, group + "/temperature_c", {nodes}, frame.temperature, "degC", "temperature");
-  write_if_any(file, group + "/liquid_fraction", {nodes}, frame.liquid_fraction, "1",
-               "0 solid, 1 liquid");
-  write_if_any(file, group + "/displacement_m", {nodes, dimension}, frame.displacement, "m",
-               "displacement");
-  write_if_any(file, group + "/stress_pa", {elements, components}, frame.stress, "Pa",
-               "stress, tension positive: xx, yy, zz, xy (then yz, xz)");
-  write_if_any(file, group + "/viscoplastic_strain", {elements, components},
-               frame.viscoplastic_strain, "1", "viscoplastic strain: xx, yy, zz, xy (then yz, xz)");
-  write_if_any(file, group + "/thermal_strain", {nodes}, frame.thermal_strain, "1",
-               "free linear strain since the liquidus, contraction negative");
-  file.write(group + "/bottom_node", bottom, frame.bottom_node.data(), "1",
+  file.write(group + "/node_m", shape_of(std::size_t(frame.nodes()), frame.dimension), frame.node,
+             "m", "positions before deformation");
+  file.write(group + "/element_node",
+             shape_of(std::size_t(frame.elements()), frame.nodes_per_element), frame.element_node,
+             "1", "nodes of each element, counter-clockwise, from 0");
+  const auto is_of_bottom = [](const FrameArray& a) { return a.on == FrameArray::On::bottom; };
+  for (const FrameArray& array : frame_arrays())
+    if (!is_of_bottom(array)) write_array(file, group, frame, array);
+  file.write(group + "/bottom_node", frame.bottom_node, "1",
              "nodes along the bottom, from the symmetry plane");
-  write_if_any(file, group + "/bottom_gap_m", bottom, frame.bottom_gap, "m",
-               "gap to the bottom block, open positive");
-  write_if_any(file, group + "/bottom_pressure_pa", bottom, frame.bottom_pressure, "Pa",
-               "contact pressure");
-  for (const DerivedField& field : derived_fields(frame)) {
-    Shape shape{field.values.size() / static_cast<std::size_t>(field.components)};
-    if (field.components > 1) shape.push_back(static_cast<hsize_t>(field.components));
-    file.write(group + "/" + field.name, shape, field.values.data(), field.unit, field.meaning);
-  }
+  for (const FrameArray& array : frame_arrays())
+    if (is_of_bottom(array)) write_array(file, group, frame, array);
+  for (const DerivedField& field : derived_fields(frame))
+    file.write(group + "/" + field.name,
+               shape_of(field.values.size() / std::size_t(field.components), field.components),
+               field.values, field.unit, field.meaning);
 }
 
+template <class Number>
 void write_field(File& file, const HistoryField& field, const std::vector<StepReport>& steps,
                  int dimension) {
-  const std::string object = history_dataset(field.name_in(dimension));
-  const char* unit = field.unit_in(dimension);
-  if (field.real()) {
-    std::vector<double> values;
-    for (const StepReport& step : steps) values.push_back(real_value(field, step));
-    file.write(object, {steps.size()}, values.data(), unit, field.meaning);
-  } else {
-    std::vector<std::int64_t> values;
-    for (const StepReport& step : steps) values.push_back(integer_value(field, step));
-    file.write(object, {steps.size()}, values.data(), unit, field.meaning);
-  }
+  std::vector<Number> values;
+  for (const StepReport& step : steps) values.push_back(value_of<Number>(field, step));
+  file.write(history_dataset(field.name_in(dimension)), values, field.unit_in(dimension),
+             field.meaning);
 }
 
 void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_t monitors,
                     int dimension) {
   std::vector<double> displacement, temperature;
   for (const StepReport& step : steps) {
-    for (const auto& point : step.monitor_displacement)
-      displacement.insert(displacement.end(), point.begin(), point.end());
+    const auto points = flat(step.monitor_displacement);
+    displacement.insert(displacement.end(), points.begin(), points.end());
     temperature.insert(temperature.end(), step.monitor_temperature.begin(),
                        step.monitor_temperature.end());
   }
   const auto components = static_cast<hsize_t>(dimension);
   if (displacement.size() != steps.size() * monitors * components)
     throw std::logic_error("StepReport: as many monitor displacements as monitors");
-  file.write("/monitors/displacement_m", {steps.size(), monitors, components}, displacement.data(),
-             "m", "(step, monitor, coordinate)");
+  file.write("/monitors/displacement_m", {steps.size(), monitors, components}, displacement, "m",
+             "(step, monitor, coordinate)");
   if (temperature.size() == steps.size() * monitors)
-    file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature.data(), "degC",
+    file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature, "degC",
                "(step, monitor)");
 }
 
@@ -322,7 +306,10 @@ void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<Step
   follow();
   if (journal_end_ != static_cast<std::int64_t>(std::filesystem::file_size(journal_)))
     throw StorageError(EIO, journal_.string(), "is damaged");
-  for (const HistoryField& field : history_fields()) write_field(file_, field, history, dimension_);
+  for (const HistoryField& field : history_fields()) {
+    const auto write = field.real() ? write_field<double> : write_field<std::int64_t>;
+    write(file_, field, history, dimension_);
+  }
   write_monitors(file_, history, monitors_, dimension_);
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);

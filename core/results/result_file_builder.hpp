@@ -7,6 +7,7 @@
 #include "core/results/hdf5_file.hpp"
 #include "core/results/journal.hpp"
 #include "core/results/step_report.hpp"
+#include "core/results/xdmf.hpp"
 
 namespace dccast::results {
 

@@ -26,17 +26,7 @@ std::vector<double> reals_if_any(const File& file, const std::string& object) {
 }
 
 std::vector<std::int32_t> narrow(const std::vector<std::int64_t>& values) {
-  std::vector<std::int32_t> narrowed;
-  narrowed.reserve(values.size());
-  for (const std::int64_t value : values) narrowed.push_back(static_cast<std::int32_t>(value));
-  return narrowed;
-}
-
-/// Point `index` of values that hold `dimension` coordinates each.
-std::vector<double> point_of(const std::vector<double>& values, std::size_t index,
-                             std::size_t dimension) {
-  const auto from = values.begin() + static_cast<std::ptrdiff_t>(index * dimension);
-  return {from, from + static_cast<std::ptrdiff_t>(dimension)};
+  return {values.begin(), values.end()};
 }
 
 [[noreturn]] void throw_wrong_shape(const File& file, const std::string& object) {
@@ -59,10 +49,10 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   if (!file.has(object)) return;  // of a program that did not know it yet
   if (field.real()) {
     const auto values = file.read_reals(object, steps.size());
-    for (std::size_t i = 0; i < steps.size(); ++i) set_real(field, steps[i], values[i]);
+    for (std::size_t i = 0; i < steps.size(); ++i) set_value(field, steps[i], values[i]);
   } else {
     const auto values = file.read_integers(object, steps.size());
-    for (std::size_t i = 0; i < steps.size(); ++i) set_integer(field, steps[i], values[i]);
+    for (std::size_t i = 0; i < steps.size(); ++i) set_value(field, steps[i], values[i]);
   }
 }
 
@@ -113,8 +103,7 @@ RunHeader ResultReader::header() const {
   header.dimension = dimension_of(*file_);
   const auto position = file_->read_reals(
       "/monitors/position_m", header.monitor_name.size() * std::size_t(header.dimension));
-  for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
-    header.monitor_position.push_back(point_of(position, i, std::size_t(header.dimension)));
+  header.monitor_position = points_of(position, header.monitor_name.size());
   return header;
 }
 
@@ -132,14 +121,14 @@ std::vector<StepReport> ResultReader::history() const {
   std::vector<StepReport> steps(number.size());
   for (StepReport& step : steps) step.dimension = static_cast<int>(shape[2]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
-  const auto displacement = file_->read_reals(object);
-  const std::size_t points = displacement.size() / shape[2];
+  const auto flat_displacement = file_->read_reals(object);
+  auto displacement = points_of(flat_displacement, flat_displacement.size() / shape[2]);
   const auto temperature = reals_if_any(*file_, "/monitors/temperature_c");
-  if (!temperature.empty() && temperature.size() != points)
+  if (!temperature.empty() && temperature.size() != displacement.size())
     throw_wrong_shape(*file_, "/monitors/temperature_c");
-  for (std::size_t i = 0; i < points; ++i) {
+  for (std::size_t i = 0; i < displacement.size(); ++i) {
     StepReport& step = steps[i / shape[1]];
-    step.monitor_displacement.push_back(point_of(displacement, i, shape[2]));
+    step.monitor_displacement.push_back(std::move(displacement[i]));
     if (!temperature.empty()) step.monitor_temperature.push_back(temperature[i]);
   }
   return steps;
@@ -163,24 +152,13 @@ Frame ResultReader::frame(std::size_t index) const {
   frame.nodes_per_element = columns_of(*file_, group + "/element_node");
   frame.node = file_->read_reals(group + "/node_m");
   frame.element_node = narrow(file_->read_integers(group + "/element_node"));
-  frame.temperature = reals_if_any(*file_, group + "/temperature_c");
-  frame.liquid_fraction = reals_if_any(*file_, group + "/liquid_fraction");
-  frame.displacement = reals_if_any(*file_, group + "/displacement_m");
-  frame.stress = reals_if_any(*file_, group + "/stress_pa");
-  frame.viscoplastic_strain = reals_if_any(*file_, group + "/viscoplastic_strain");
-  frame.thermal_strain = reals_if_any(*file_, group + "/thermal_strain");
   frame.bottom_node = narrow(file_->read_integers(group + "/bottom_node"));
-  frame.bottom_gap = reals_if_any(*file_, group + "/bottom_gap_m");
-  frame.bottom_pressure = reals_if_any(*file_, group + "/bottom_pressure_pa");
+  for (const FrameArray& array : frame_arrays())
+    frame.*array.values = reals_if_any(*file_, group + "/" + array.dataset);
   if (const char* array = misfit_of(frame))
     throw storage::StorageError(EINVAL, file_->path().string() + ":" + group,
                                 std::string("does not fit its mesh: ") + array);
   return frame;
-}
-
-std::optional<Frame> ResultReader::last_frame() const {
-  if (frames_ == 0) return std::nullopt;
-  return frame(frames_ - 1);
 }
 
 }  // namespace dccast::results

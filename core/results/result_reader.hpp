@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,8 +46,6 @@ public:
   std::vector<double> frame_times() const;
   /// @pre index < frames()
   Frame frame(std::size_t index) const;
-  /// Empty if the run stored no frame.
-  std::optional<Frame> last_frame() const;
 
 private:
   std::unique_ptr<hdf5::File> file_;

@@ -3,11 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/results/checkpoint_file.hpp"
-#include "core/results/journal.hpp"
 #include "core/results/result_file_builder.hpp"
 #include "core/results/xdmf.hpp"
-#include "core/storage/background.hpp"
 #include "core/storage/file.hpp"
 
 namespace dccast::results {
@@ -46,91 +43,71 @@ fs::path unfinished(const fs::path& path) {
 
 }  // namespace
 
-/// On the heap: the thread needs a fixed address.
-struct ResultWriter::Parts {
-  Parts(RunFiles of_run, Journal of_files)
-      : files(std::move(of_run)), journal(std::move(of_files)) {}
-  Parts(const Parts&) = delete;
-  ~Parts();
-
-  // Used by the thread.
-  void follow();
-  void finish(const RunSummary& summary);
-  ResultFileBuilder take_builder();
-
-  RunFiles files;
-  Journal journal;
-  std::int64_t records = 0;         ///< appended to the journal
-  std::vector<StepReport> history;  ///< read by the thread in finish(), when no step follows
-  std::optional<ResultFileBuilder> builder;  ///< the thread's
-  storage::Background background;            ///< last: its thread ends before what it works with
-};
-
-ResultWriter::Parts::~Parts() {
-  try {
-    background.wait();
-  } catch (const std::exception&) {
-    // The run has ended without publishing; the caller knows why.
-  }
-  builder.reset();
-  std::error_code ignored;
-  fs::remove(unfinished(files.results), ignored);
+ResultWriter::ResultWriter(RunFiles files, const RunHeader& header)
+    : files_(std::move(files)), journal_(files_.journal) {
+  append_record(RecordKind::header, to_sections(header));
+  journal_.write();
 }
 
-ResultFileBuilder ResultWriter::Parts::take_builder() {
-  // Where it throws it is lost, and the next one starts over.
-  if (auto begun = std::exchange(builder, std::nullopt)) return std::move(*begun);
-  return {files.journal, unfinished(files.results)};
-}
-
-void ResultWriter::Parts::follow() {
-  ResultFileBuilder result_file = take_builder();
-  result_file.follow();
-  builder = std::move(result_file);
-}
-
-void ResultWriter::Parts::finish(const RunSummary& summary) {
-  ResultFileBuilder result_file = take_builder();
-  result_file.finish(summary, history);
-  const fs::path sidecar = fs::path(files.results).replace_extension(".xdmf");
-  storage::write_file(unfinished(sidecar),
-                      xdmf_of(result_file.frames(), files.results.filename().string()),
-                      storage::readable_by_all);
-  // The sidecar is published first: whenever results.h5 exists, it exists too.
-  storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files.results), files.results}});
-}
-
-ResultWriter::ResultWriter(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-ResultWriter::ResultWriter(ResultWriter&&) noexcept = default;
-ResultWriter& ResultWriter::operator=(ResultWriter&&) noexcept = default;
-ResultWriter::~ResultWriter() = default;
-
-ResultWriter ResultWriter::create(const RunFiles& files, const RunHeader& header) {
-  ResultWriter writer(std::make_unique<Parts>(files, Journal::create(files.journal)));
-  writer.append_record(RecordKind::header, to_sections(header));
-  writer.parts_->journal.write();
-  return writer;
-}
+ResultWriter::ResultWriter(RunFiles files, std::int64_t journal_size, std::int64_t records,
+                           std::vector<StepReport> history)
+    : files_(std::move(files)),
+      journal_(files_.journal, journal_size),
+      records_(records),
+      history_(std::move(history)) {}
 
 ResumedWriter ResultWriter::resume(const RunFiles& files, std::vector<StepReport> history,
                                    std::int64_t records) {
-  if (!fs::exists(files.journal)) return {std::nullopt, "the journal is missing"};
+  if (!fs::exists(files.journal)) return {nullptr, "the journal is missing"};
   const auto cut = find_cut(files.journal, history.empty() ? 0 : history.back().step);
-  if (!cut || !cut->begins_with_header) return {std::nullopt, "the journal is damaged"};
-  if (cut->records < records) return {std::nullopt, "the journal has lost a record"};
-  ResultWriter writer(std::make_unique<Parts>(files, Journal::reopen(files.journal, cut->size)));
-  writer.parts_->records = cut->records;
-  writer.parts_->history = std::move(history);
-  return {std::move(writer), ""};
+  if (!cut || !cut->begins_with_header) return {nullptr, "the journal is damaged"};
+  if (cut->records < records) return {nullptr, "the journal has lost a record"};
+  return {std::unique_ptr<ResultWriter>(
+              new ResultWriter(files, cut->size, cut->records, std::move(history))),
+          ""};
+}
+
+ResultWriter::~ResultWriter() {
+  try {
+    background_.wait();
+  } catch (const std::exception&) {
+    // The run has ended without publishing; the caller knows why.
+  }
+  builder_.reset();
+  std::error_code ignored;
+  fs::remove(unfinished(files_.results), ignored);
+}
+
+std::unique_ptr<ResultFileBuilder> ResultWriter::take_builder() {
+  // Where it throws it is lost, and the next one starts over.
+  if (builder_) return std::move(builder_);
+  return std::make_unique<ResultFileBuilder>(files_.journal, unfinished(files_.results));
+}
+
+void ResultWriter::follow() {
+  auto result_file = take_builder();
+  result_file->follow();
+  builder_ = std::move(result_file);
+}
+
+void ResultWriter::finish(const RunSummary& summary) {
+  const auto result_file = take_builder();
+  result_file->finish(summary, history_);
+  const fs::path sidecar = fs::path(files_.results).replace_extension(".xdmf");
+  storage::write_file(unfinished(sidecar),
+                      xdmf_of(result_file->frames(), files_.results.filename().string()),
+                      storage::readable_by_all);
+  // The sidecar is published first: whenever results.h5 exists, it exists too.
+  storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files_.results), files_.results}});
 }
 
 void ResultWriter::append_record(RecordKind kind, const Sections& content) {
-  parts_->journal.append(kind, content);
-  ++parts_->records;
+  journal_.append(kind, content);
+  ++records_;
 }
 
 void ResultWriter::append(const StepReport& report) {
-  parts_->history.push_back(report);
+  history_.push_back(report);
 }
 
 void ResultWriter::append(const Frame& frame) {
@@ -140,34 +117,29 @@ void ResultWriter::append(const Frame& frame) {
 }
 
 void ResultWriter::flush() {
-  parts_->journal.write();
-  parts_->background.post([parts = parts_.get()] { parts->follow(); });
+  journal_.write();
+  background_.post([this] { follow(); });
 }
 
 void ResultWriter::checkpoint(const fs::path& path, Sections content,
                               std::function<void()> sync_steps) {
-  parts_->journal.write();
-  content.set_integer(journal_records, parts_->records);
-  parts_->background.post([parts = parts_.get(), path, content = std::move(content),
-                           sync_steps = std::move(sync_steps)] {
-    parts->journal.sync();
+  journal_.write();
+  content.set_integer(journal_records, records_);
+  background_.post([this, path, content = std::move(content), sync_steps = std::move(sync_steps)] {
+    journal_.sync();
     if (sync_steps) sync_steps();
     write_checkpoint(path, content);
   });
 }
 
 void ResultWriter::wait() {
-  parts_->background.wait();
+  background_.wait();
 }
 
 void ResultWriter::publish(const RunSummary& summary) {
-  parts_->journal.write();
-  parts_->background.post([parts = parts_.get(), summary] { parts->finish(summary); });
-  parts_->background.wait();
-}
-
-void ResultWriter::remove_journal() {
-  fs::remove(parts_->files.journal);
+  journal_.write();
+  background_.post([this, summary] { finish(summary); });
+  background_.wait();
 }
 
 }  // namespace dccast::results

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/results/frame.hpp"
 #include "core/results/journal.hpp"
 #include "core/results/step_report.hpp"
+#include "core/storage/background.hpp"
 
 namespace dccast::results {
 
@@ -25,13 +25,14 @@ struct RunFiles {
 inline constexpr const char* journal_records = "journal_records";
 
 struct ResumedWriter;
+class ResultFileBuilder;
 
 /// Collects the steps and frames of a run and makes its result file.
 ///
 /// Frames are appended to a journal (CHECKPOINT.md), from which a background thread writes HDF5
 /// (SCHEMA.md) during the run. Steps stay in memory until the end: the observer of
-/// the run keeps them (StepObserver) and gives them back to a run that is resumed. A run is resumed from the
-/// journal, not from the HDF5 file: a run that is killed at any time and resumed from its
+/// the run keeps them (StepObserver) and gives them back to a run that is resumed. A run is resumed
+/// from the journal, not from the HDF5 file: a run that is killed at any time and resumed from its
 /// checkpoint gives the same file, byte for byte, as an uninterrupted one.
 ///
 /// All calls may throw storage::StorageError, also for a failure of the background thread since the
@@ -39,7 +40,7 @@ struct ResumedWriter;
 class ResultWriter {
 public:
   /// Starts the results of a run; existing ones are overwritten.
-  static ResultWriter create(const RunFiles& files, const RunHeader& header);
+  ResultWriter(RunFiles files, const RunHeader& header);
 
   /// Continues after the last step of `history`, at which there is a checkpoint; later frames are
   /// discarded. Returns a reason instead of a writer if the journal is missing, damaged or has
@@ -50,8 +51,8 @@ public:
   static ResumedWriter resume(const RunFiles& files, std::vector<StepReport> history,
                               std::int64_t records);
 
-  ResultWriter(ResultWriter&&) noexcept;
-  ResultWriter& operator=(ResultWriter&&) noexcept;
+  /// Its thread needs a fixed address.
+  ResultWriter(const ResultWriter&) = delete;
   /// Finishes pending work. Of unpublished results only the journal remains.
   ~ResultWriter();
 
@@ -71,20 +72,29 @@ public:
   void wait();
 
   /// Completes `results`.part and renames it to its final name; does the same with the XDMF
-  /// sidecar, `results` with extension .xdmf. The journal remains until remove_journal().
+  /// sidecar, `results` with extension .xdmf. The journal remains.
   void publish(const RunSummary& summary);
-  void remove_journal();
 
 private:
-  struct Parts;
-  explicit ResultWriter(std::unique_ptr<Parts> parts);
+  ResultWriter(RunFiles files, std::int64_t journal_size, std::int64_t records,
+               std::vector<StepReport> history);
   void append_record(RecordKind kind, const Sections& content);
 
-  std::unique_ptr<Parts> parts_;
+  // Used by the thread.
+  void follow();
+  void finish(const RunSummary& summary);
+  std::unique_ptr<ResultFileBuilder> take_builder();
+
+  RunFiles files_;
+  Journal journal_;
+  std::int64_t records_ = 0;         ///< appended to the journal
+  std::vector<StepReport> history_;  ///< read by the thread in finish(), when no step follows
+  std::unique_ptr<ResultFileBuilder> builder_;  ///< the thread's
+  storage::Background background_;              ///< last: its thread ends before what it works with
 };
 
 struct ResumedWriter {
-  std::optional<ResultWriter> writer;
+  std::unique_ptr<ResultWriter> writer;
   std::string reason;  ///< why there is no writer
 };
 

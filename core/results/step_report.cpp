@@ -61,7 +61,8 @@ const std::array fields{
                  &R::shell_at_exit},
     HistoryField{"bottom_shell_m", "m", "smallest shell thickness over the bottom",
                  &R::bottom_shell},
-    HistoryField{"mush_strain", "1", "largest tensile strain of metal that is coherent, not yet tough",
+    HistoryField{"mush_strain", "1",
+                 "largest tensile strain of metal that is coherent, not yet tough",
                  &R::mush_strain},
     HistoryField{"merged_rows", "1", "rows of cells removed by merging in this step",
                  &R::merged_rows},
@@ -80,10 +81,11 @@ const std::array fields{
     HistoryField{"level_heat_w_per_m", "W/m",
                  "heat in through the metal level; negative: lost to the air", &R::level_heat, "W"},
     HistoryField{"stored_heat_w_per_m", "W/m", "heat gained by the slab", &R::stored_heat, "W"},
-    HistoryField{"water_share", "1",
-                 "heat taken by the water of the side, of a quarter slab its wide face, relative to "
-                 "all that heating and evaporating it would take",
-                 &R::water_share},
+    HistoryField{
+        "water_share", "1",
+        "heat taken by the water of the side, of a quarter slab its wide face, relative to "
+        "all that heating and evaporating it would take",
+        &R::water_share},
     HistoryField{"narrow_water_share", "1", "the same for the narrow face of a quarter slab",
                  &R::narrow_water_share},
     HistoryField{"wetted_share", "1",
@@ -111,30 +113,6 @@ std::string HistoryField::name_in(int dimension) const {
   const std::string_view full = name;
   const bool shorter = dimension == 3 && solid_unit != nullptr && full.ends_with(per_metre);
   return std::string(shorter ? full.substr(0, full.size() - per_metre.size()) : full);
-}
-
-double real_value(const HistoryField& field, const StepReport& report) {
-  return report.*std::get<double StepReport::*>(field.member);
-}
-
-void set_real(const HistoryField& field, StepReport& report, double value) {
-  report.*std::get<double StepReport::*>(field.member) = value;
-}
-
-std::int64_t integer_value(const HistoryField& field, const StepReport& report) {
-  if (const auto* member = std::get_if<int StepReport::*>(&field.member)) return report.**member;
-  if (const auto* flag = std::get_if<bool StepReport::*>(&field.member))
-    return report.**flag ? 1 : 0;
-  return report.*std::get<std::int64_t StepReport::*>(field.member);
-}
-
-void set_integer(const HistoryField& field, StepReport& report, std::int64_t value) {
-  if (const auto* member = std::get_if<int StepReport::*>(&field.member))
-    report.** member = static_cast<int>(value);
-  else if (const auto* flag = std::get_if<bool StepReport::*>(&field.member))
-    report.** flag = value != 0;
-  else
-    report.*std::get<std::int64_t StepReport::*>(field.member) = value;
 }
 
 }  // namespace dccast::results

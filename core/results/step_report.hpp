@@ -100,19 +100,20 @@ struct StepReport {
   int conjugate_gradient_iterations = 0;
   double shell_at_exit = 0.0;  ///< [m] smallest shell thickness at the mould exit, or at the butt
   double bottom_shell = 0.0;   ///< [m] smallest shell thickness over the bottom
-  double mush_strain = 0.0;    ///< [1] largest tensile strain of metal that is coherent, not yet tough
-  int merged_rows = 0;         ///< rows of cells removed by merging in this step
+  double mush_strain =
+      0.0;              ///< [1] largest tensile strain of metal that is coherent, not yet tough
+  int merged_rows = 0;  ///< rows of cells removed by merging in this step
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging
   double merge_equilibrium_error = 0.0;  ///< [1] forces unbalanced by merging / acting forces
   // Heat by where it came from and went, mean over the step: metal_heat + level_heat =
   // stored_heat + side_heat + narrow_heat + bottom_heat. [W/m], quarter slab [W]
-  double metal_heat = 0.0;         ///< [W/m] of the metal that entered, above 0 °C
-  double level_heat = 0.0;         ///< [W/m] in through the metal level; negative: lost to the air
-  double stored_heat = 0.0;        ///< [W/m] gained by the slab
-  double water_share = 0.0;        ///< [1] taken by the side's water, of all it could take
-  double narrow_water_share = 0.0; ///< [1] the same of a quarter slab's narrow face
-  double wetted_share = 0.0;       ///< [1] of the side under water that is not under vapour
+  double metal_heat = 0.0;          ///< [W/m] of the metal that entered, above 0 °C
+  double level_heat = 0.0;          ///< [W/m] in through the metal level; negative: lost to the air
+  double stored_heat = 0.0;         ///< [W/m] gained by the slab
+  double water_share = 0.0;         ///< [1] taken by the side's water, of all it could take
+  double narrow_water_share = 0.0;  ///< [1] the same of a quarter slab's narrow face
+  double wetted_share = 0.0;        ///< [1] of the side under water that is not under vapour
   double narrow_wetted_share = 0.0;  ///< [1] the same of a quarter slab's narrow face
   bool water_boiled_away = false;    ///< on some face less is left than covers it
   bool water_thrown_off = false;     ///< vapour has thrown the water off some face
@@ -147,11 +148,20 @@ struct HistoryField {
 /// file.
 std::span<const HistoryField> history_fields();
 
-/// The value of a real field [its unit]. @pre field.real()
-double real_value(const HistoryField& field, const StepReport& report);
-void set_real(const HistoryField& field, StepReport& report, double value);
-/// The value of an integer field; 0 or 1 for a flag. @pre !field.real()
-std::int64_t integer_value(const HistoryField& field, const StepReport& report);
-void set_integer(const HistoryField& field, StepReport& report, std::int64_t value);
+/// The value of a field [its unit]; 0 or 1 for a flag.
+/// @tparam Number  double for a real field, else an integer type
+template <class Number>
+Number value_of(const HistoryField& field, const StepReport& report) {
+  return std::visit([&](auto member) { return static_cast<Number>(report.*member); }, field.member);
+}
+template <class Number>
+void set_value(const HistoryField& field, StepReport& report, Number value) {
+  std::visit(
+      [&](auto member) {
+        auto& into = report.*member;
+        into = static_cast<std::remove_reference_t<decltype(into)>>(value);
+      },
+      field.member);
+}
 
 }  // namespace dccast::results

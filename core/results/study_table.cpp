@@ -22,41 +22,39 @@ void write_root(File& file, const StudyTable& table) {
 }
 
 void write_runs(File& file, const StudyTable& table) {
-  const hdf5::Shape run{table.runs()}, by_key{table.runs(), table.key.size()},
-      by_monitor{table.runs(), table.monitor.size()};
+  const hdf5::Shape by_key{table.runs(), table.key.size()};
+  const hdf5::Shape by_monitor{table.runs(), table.monitor.size()};
   file.create_group("/runs");
   file.write_texts("/runs/job", table.job, "UUID of the job of each run");
   file.write_texts("/runs/state", table.run_state, "state of each run");
   file.write_texts("/runs/value", by_key, table.value, "value of each key, as written");
-  file.write("/runs/number", by_key, table.number.data(), "SI", "the same as numbers");
-  file.write("/runs/end_curl_m", by_monitor, table.end_curl.data(), "m", "curl at the end");
-  file.write("/runs/relative_curl_error", run, table.relative_curl_error.data(), "1",
+  file.write("/runs/number", by_key, table.number, "SI", "the same as numbers");
+  file.write("/runs/end_curl_m", by_monitor, table.end_curl, "m", "curl at the end");
+  file.write("/runs/relative_curl_error", table.relative_curl_error, "1",
              "what mesh and time steps leave uncertain of a curl, over the curl");
-  file.write("/runs/solver_s", run, table.solver_seconds.data(), "s", "processor of the solver");
-  file.write("/runs/refinement", run, table.refinement.data(), "1", "of a refinement study");
-  file.write("/runs/beyond_validity", run, table.beyond_validity.data(), "1",
+  file.write("/runs/solver_s", table.solver_seconds, "s", "processor of the solver");
+  file.write("/runs/refinement", table.refinement, "1", "of a refinement study");
+  file.write("/runs/beyond_validity", table.beyond_validity, "1",
              "1: beyond validity, the curl is not valid");
   file.write_texts("/runs/failure", table.failure, "why a run failed");
 }
 
 void write_curves(File& file, const StudyTable& table) {
-  const hdf5::Shape sample{table.time.size()};
   file.create_group("/curves");
-  file.write("/curves/start", {table.curve_start.size()}, table.curve_start.data(), "1",
+  file.write("/curves/start", table.curve_start, "1",
              "first sample of each run, and the number of samples");
-  file.write("/curves/time_s", sample, table.time.data(), "s", "of each sample");
-  file.write("/curves/cast_length_m", sample, table.cast_length.data(), "m", "of each sample");
-  file.write("/curves/curl_m", {table.time.size(), table.monitor.size()}, table.curl.data(), "m",
+  file.write("/curves/time_s", table.time, "s", "of each sample");
+  file.write("/curves/cast_length_m", table.cast_length, "m", "of each sample");
+  file.write("/curves/curl_m", {table.time.size(), table.monitor.size()}, table.curl, "m",
              "curl of each monitor");
 }
 
 void write_findings(File& file, const StudyTable& table) {
-  const hdf5::Shape finding{table.finding_run.size()};
   file.create_group("/findings");
-  file.write("/findings/run", finding, table.finding_run.data(), "1", "number of its run, from 0");
+  file.write("/findings/run", table.finding_run, "1", "number of its run, from 0");
   file.write_texts("/findings/code", table.finding_code, "docs/findings.md");
   file.write_texts("/findings/severity", table.finding_severity, "note, warning or danger");
-  file.write("/findings/time_s", finding, table.finding_time.data(), "s", "when first seen");
+  file.write("/findings/time_s", table.finding_time, "s", "when first seen");
 }
 
 }  // namespace

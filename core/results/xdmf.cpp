@@ -2,7 +2,6 @@
 
 #include <cstdio>
 
-#include "core/results/frame.hpp"
 #include "core/results/result_reader.hpp"
 
 namespace dccast::results {
@@ -84,17 +83,14 @@ std::string grid(const FrameOutline& frame, const std::string& group) {
 FrameOutline outline_of(const Frame& frame) {
   FrameOutline outline{frame.time,    frame.dimension,  frame.nodes_per_element,
                        frame.nodes(), frame.elements(), {}};
-  const auto add = [&](const char* name, bool on_nodes, int components,
-                       const std::vector<double>& values) {
-    if (!values.empty()) outline.fields.push_back({name, name, on_nodes, components});
-  };
-  const int tensor = tensor_components(frame.dimension);
-  add("temperature_c", true, 1, frame.temperature);
-  add("liquid_fraction", true, 1, frame.liquid_fraction);
-  if (frame.dimension == 3) add("displacement_m", true, 3, frame.displacement);
-  add("thermal_strain", true, 1, frame.thermal_strain);
-  add("stress_pa", false, tensor, frame.stress);
-  add("viscoplastic_strain", false, tensor, frame.viscoplastic_strain);
+  for (const auto on : {FrameArray::On::nodes, FrameArray::On::elements})
+    for (const FrameArray& array : frame_arrays()) {
+      if (array.on != on || (frame.*array.values).empty()) continue;
+      // Of a plane displacement the one with three components is shown.
+      if (frame.dimension == 2 && array.rank == FrameArray::Rank::vector) continue;
+      outline.fields.push_back({array.dataset, array.dataset, on == FrameArray::On::nodes,
+                                array.components(frame.dimension)});
+    }
   for (const DerivedField& field : derived_fields(frame)) {
     // What ParaView warps by has one name in two and in three dimensions.
     const std::string dataset = field.name;

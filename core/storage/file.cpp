@@ -11,7 +11,6 @@
 #include <cstdio>
 
 #include "core/storage/storage_error.hpp"
-#include "core/storage/sync_totals.hpp"
 
 namespace dccast::storage {
 

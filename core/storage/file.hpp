@@ -66,6 +66,13 @@ private:
   std::filesystem::path path_;
 };
 
+/// How often this process has synced files and directories, and how long it has waited for that.
+struct SyncTotals {
+  std::uint64_t count = 0;
+  double seconds = 0.0;
+};
+SyncTotals sync_totals();
+
 /// Reads a whole file. @throws StorageError
 std::string read_file(const std::filesystem::path& path);
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstdint>
 #include <string>
 #include <system_error>
@@ -20,13 +23,21 @@ public:
 // later.
 
 /// The disk is full, failing or mounted read-only, or a quota or a limit is reached.
-bool is_disk_fault(const std::error_code& code);
+inline bool is_disk_fault(const std::error_code& code) {
+  constexpr std::array causes{ENOSPC, EDQUOT, EROFS, EIO, EFBIG};
+  return std::ranges::find(causes, code.value()) != causes.end();
+}
 
 /// A lack of memory in this process or machine: threads and mappings need it, too.
-bool is_memory_fault(const std::error_code& code);
+inline bool is_memory_fault(const std::error_code& code) {
+  return code.value() == ENOMEM || code.value() == EAGAIN;
+}
 
 /// A disk fault, or a lack of file descriptors or memory in this process or machine.
-bool is_resource_fault(const std::error_code& code);
+inline bool is_resource_fault(const std::error_code& code) {
+  return is_disk_fault(code) || is_memory_fault(code) || code.value() == EMFILE ||
+         code.value() == ENFILE;
+}
 
 /// A size as text, e.g. "120 MB", rounded down. @param bytes  [bytes], not negative
 inline std::string megabytes(std::int64_t bytes) {

@@ -15,7 +15,7 @@ struct MetalEntry {
   double superheat = 0.0;      ///< [J/m], [J/rad], [J] part of it above the liquidus
 };
 
-/// Nodal data of a mesh of rows that has grown (mesh::ExtrudedMesh::grow_to).
+/// Nodal data of a mesh of rows that has grown (mesh::SlabMesh::grow_to).
 struct GrownRows {
   std::size_t nodes_per_row;
   std::span<const double> volume_before;  ///< (old node) [m^Dim], axisymmetric: [m3/rad]

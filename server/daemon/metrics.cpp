@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
-#include "core/storage/sync_totals.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"

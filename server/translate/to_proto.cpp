@@ -171,17 +171,16 @@ v1::StepReport to_proto(const results::StepReport& report,
     const Field* of_message = *next++;
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
-        reflection.SetDouble(&to, of_message, results::real_value(field, report));
+        reflection.SetDouble(&to, of_message, results::value_of<double>(field, report));
         break;
       case Field::CPPTYPE_BOOL:
-        reflection.SetBool(&to, of_message, results::integer_value(field, report) != 0);
+        reflection.SetBool(&to, of_message, results::value_of<bool>(field, report));
         break;
       case Field::CPPTYPE_INT32:
-        reflection.SetInt32(&to, of_message,
-                            static_cast<std::int32_t>(results::integer_value(field, report)));
+        reflection.SetInt32(&to, of_message, results::value_of<std::int32_t>(field, report));
         break;
       default:
-        reflection.SetInt64(&to, of_message, results::integer_value(field, report));
+        reflection.SetInt64(&to, of_message, results::value_of<std::int64_t>(field, report));
     }
   }
   add_monitors(report, monitors, to);
@@ -199,16 +198,16 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
     const Field* of_message = *next++;
     switch (of_message->cpp_type()) {
       case Field::CPPTYPE_DOUBLE:
-        results::set_real(field, to, reflection.GetDouble(report, of_message));
+        results::set_value(field, to, reflection.GetDouble(report, of_message));
         break;
       case Field::CPPTYPE_BOOL:
-        results::set_integer(field, to, reflection.GetBool(report, of_message) ? 1 : 0);
+        results::set_value(field, to, reflection.GetBool(report, of_message));
         break;
       case Field::CPPTYPE_INT32:
-        results::set_integer(field, to, reflection.GetInt32(report, of_message));
+        results::set_value(field, to, reflection.GetInt32(report, of_message));
         break;
       default:
-        results::set_integer(field, to, reflection.GetInt64(report, of_message));
+        results::set_value(field, to, reflection.GetInt64(report, of_message));
     }
   }
   for (const v1::MonitorValue& value : report.monitors()) {

@@ -123,11 +123,10 @@ void write_slab(const std::filesystem::path& folder, const Case& c, double per_m
   header.liquidus = 649.0;
   header.solidus = 620.0;
   header.dimension = 3;
-  auto writer =
-      results::ResultWriter::create({folder / "journal.bin", folder / "results.h5"}, header);
+  results::ResultWriter writer({folder / "journal.bin", folder / "results.h5"}, header);
   writer.append(cold_slab(c.section, per_mille));
   writer.publish({});
-  writer.remove_journal();
+  std::filesystem::remove(folder / "journal.bin");
 }
 
 results::StepReport report_of(const State& state, std::int64_t steps, double seconds) {

@@ -78,7 +78,8 @@ TEST_P(QuarterSlab, ARoundedCornerIsHeldByItsMouldAndLetGo) {
     EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-3 * r.weight) << "t = " << r.time;
     EXPECT_LE(r.equilibrium_residual, c.mechanics.options.tolerance);
   }
-  const results::Frame frame = results::ResultReader(folder / "results.h5").last_frame().value();
+  const results::ResultReader reader(folder / "results.h5");
+  const results::Frame frame = reader.frame(reader.frames() - 1);
   // Triangles share the area of two chords unevenly, so that the mean normal is not quite the
   // arc's.
   const double off_the_normal = GetParam() == mesh::ElementKind::p1 ? 2e-5 : 1e-12;
@@ -125,7 +126,7 @@ TEST_P(QuarterSlab, TheFileHoldsItsFramesAtTheTimesAskedFor) {
   ASSERT_EQ(reader.frames(), 9u) << "from -3 s, every 0.7 s, and the end";
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_NEAR(reader.frame(i).time, -3.0 + 0.7 * static_cast<double>(i), 1e-9);
-  const results::Frame last = *reader.last_frame();
+  const results::Frame last = reader.frame(reader.frames() - 1);
   EXPECT_EQ(last.dimension, 3);
   EXPECT_EQ(last.displacement.size(), last.node.size());
   EXPECT_EQ(last.stress.size(), std::size_t(6 * last.elements()));

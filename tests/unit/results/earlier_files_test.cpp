@@ -56,7 +56,7 @@ TEST(EarlierFiles, AJournalIsWrittenWithTheSameBytes) {
   header.set_real("liquidus", 649.0);
   step.set_integer("step", 7);
   step.set("reals", Sections::Reals{1.0 / 3.0, -0.0});
-  Journal written = Journal::create(folder / "j");
+  Journal written(folder / "j");
   written.append(RecordKind::header, header);
   written.append(RecordKind{2}, step);
   written.append(RecordKind::frame, step);

@@ -26,7 +26,7 @@ std::vector<Record> records_of(const std::filesystem::path& path) {
 
 TEST(Journal, ReturnsWhatWasAppended) {
   const TemporaryFolder folder;
-  Journal journal = Journal::create(folder / "j");
+  Journal journal(folder / "j");
   journal.append(RecordKind::header, {});
   journal.append(RecordKind::frame, content_of(3));
   journal.append(RecordKind::frame, content_of(4));
@@ -44,12 +44,12 @@ TEST(Journal, ReturnsWhatWasAppended) {
 TEST(Journal, GoesOnBehindTheByteItIsCutAt) {
   const TemporaryFolder folder;
   {
-    Journal journal = Journal::create(folder / "j");
+    Journal journal(folder / "j");
     for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::frame, content_of(step));
     journal.write();
   }
   {
-    Journal journal = Journal::reopen(folder / "j", records_of(folder / "j")[1].end);
+    Journal journal(folder / "j", records_of(folder / "j")[1].end);
     journal.append(RecordKind::frame, content_of(2));
     journal.write();
   }
@@ -61,7 +61,7 @@ TEST(Journal, GoesOnBehindTheByteItIsCutAt) {
 
 TEST(Journal, IsReadOnBehindARecordVisitedBefore) {
   const TemporaryFolder folder;
-  Journal journal = Journal::create(folder / "j");
+  Journal journal(folder / "j");
   for (const std::int64_t step : {1, 2, 3}) journal.append(RecordKind::frame, content_of(step));
   journal.write();
   std::vector<std::int64_t> steps;
@@ -77,7 +77,7 @@ TEST(Journal, IsReadOnBehindARecordVisitedBefore) {
 
 TEST(Journal, EndsBeforeARecordThatWasBeingWritten) {
   const TemporaryFolder folder;
-  Journal journal = Journal::create(folder / "j");
+  Journal journal(folder / "j");
   journal.append(RecordKind::frame, content_of(1));
   journal.write();
   const auto whole = std::filesystem::file_size(folder / "j");
@@ -92,7 +92,7 @@ TEST(Journal, EndsBeforeARecordThatWasBeingWritten) {
 
 TEST(Journal, EndsBeforeADamagedRecord) {
   const TemporaryFolder folder;
-  Journal journal = Journal::create(folder / "j");
+  Journal journal(folder / "j");
   for (const std::int64_t step : {1, 2}) journal.append(RecordKind::frame, content_of(step));
   journal.write();
   const auto first = static_cast<std::size_t>(records_of(folder / "j")[0].end);

@@ -14,7 +14,6 @@
 namespace dccast::results {
 namespace {
 
-
 constexpr int told = 17;    ///< the exit code of a process that was told of the fault
 constexpr int untold = 18;  ///< ... that was not
 
@@ -45,13 +44,12 @@ int outcome_with_limit(rlim_t bytes, const std::function<void()>& work) {
 TEST(FullDisk, IsReportedByTheJournal) {
   const TemporaryFolder folder;
   EXPECT_EQ(
-      outcome_with_limit(
-          4000,
-          [&] {
-            auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
-            writer.append(sample_frame(0, 3, 400));
-            writer.flush();
-          }),
+      outcome_with_limit(4000,
+                         [&] {
+                           ResultWriter writer({folder / "j", folder / "r.h5"}, sample_header());
+                           writer.append(sample_frame(0, 3, 400));
+                           writer.flush();
+                         }),
       told);
 }
 
@@ -59,7 +57,7 @@ TEST(FullDisk, IsReportedByTheResultFileWhichDoesNotAppear) {
   const TemporaryFolder folder;
   const RunFiles files{folder / "j", folder / "r.h5"};
   {
-    auto writer = ResultWriter::create(files, sample_header());
+    ResultWriter writer(files, sample_header());
     for (int i = 0; i < 20; ++i) writer.append(sample_frame(i, 3, 400));
     writer.flush();
   }
@@ -85,7 +83,7 @@ TEST(FullDisk, LeavesThePreviousCheckpoint) {
 TEST(MissingFolder, IsNamed) {
   const TemporaryFolder folder;
   try {
-    ResultWriter::create({folder / "none/j", folder / "none/r.h5"}, sample_header());
+    ResultWriter writer({folder / "none/j", folder / "none/r.h5"}, sample_header());
     FAIL() << "written to a folder that is not there";
   } catch (const storage::StorageError& error) {
     EXPECT_EQ(error.code().value(), ENOENT);

@@ -18,8 +18,8 @@ struct TemperatureFile {
 
   void write(const std::filesystem::path& path) const {
     auto file = hdf5::File::create(path);
-    file.write("/time_s", time_shape, time.data(), "s", "time");
-    file.write("/temperature_c", temperature_shape, temperature.data(), "degC", "temperature");
+    file.write("/time_s", time_shape, time, "s", "time");
+    file.write("/temperature_c", temperature_shape, temperature, "degC", "temperature");
     file.close();
   }
 };

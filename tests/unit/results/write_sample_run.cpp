@@ -13,8 +13,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   for (const int nodes_per_element : {3, 4}) {
     const std::string name = nodes_per_element == 3 ? "triangles" : "quadrilaterals";
-    auto writer = ResultWriter::create({folder / (name + ".journal"), folder / (name + ".h5")},
-                                       sample_header());
+    ResultWriter writer({folder / (name + ".journal"), folder / (name + ".h5")}, sample_header());
     writer.append(sample_frame(0, nodes_per_element, 4));
     for (std::int64_t step = 1; step <= 300; ++step) {
       writer.append(sample_step(step));
@@ -24,13 +23,13 @@ int main(int argc, char** argv) {
       }
     }
     writer.publish({});
-    writer.remove_journal();
+    std::filesystem::remove(folder / (name + ".journal"));
   }
-  auto writer = ResultWriter::create({folder / "hexahedra.journal", folder / "hexahedra.h5"},
-                                     sample_solid_header());
+  ResultWriter writer({folder / "hexahedra.journal", folder / "hexahedra.h5"},
+                      sample_solid_header());
   writer.append(sample_solid_frame(0, 5));
   writer.append(sample_solid_step(1));
   writer.append(sample_solid_frame(1, 1200));
   writer.publish({});
-  writer.remove_journal();
+  std::filesystem::remove(folder / "hexahedra.journal");
 }

@@ -14,7 +14,7 @@ using testing::Not;
 
 std::string sidecar_of(const Frame& frame) {
   const TemporaryFolder folder;
-  auto writer = ResultWriter::create({folder / "j", folder / "r.h5"}, sample_header());
+  ResultWriter writer({folder / "j", folder / "r.h5"}, sample_header());
   writer.append(frame);
   writer.publish({});
   return storage::read_file(folder / "r.xdmf");

@@ -71,9 +71,9 @@ TEST(StepToProto, IsReadBackExactly) {
     for (const results::HistoryField& field : results::history_fields()) {
       value += 1.0 / 3.0;
       if (field.real())
-        results::set_real(field, report, value);
+        results::set_value(field, report, value);
       else
-        results::set_integer(field, report, field.member.index() == 3 ? 1 : 7);  // 3: bool
+        results::set_value(field, report, field.member.index() == 3 ? 1 : 7);  // 3: bool
     }
     report.monitor_displacement = {{-0.0, 1.0 / 7.0}, {std::nan(""), std::nan("")}};
     report.monitor_temperature = {600.0 + 1.0 / 3.0, std::nan("")};

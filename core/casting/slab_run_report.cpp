@@ -1,0 +1,225 @@
+// What a run reports of a step, and its frames.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/casting/slab_run.hpp"
+#include "core/fem/point_location.hpp"
+
+namespace dccast::casting {
+
+namespace {
+
+void report_effort(const Attempt& accepted, results::StepReport& r) {
+  r.time_step = accepted.time_step;
+  r.iterations = accepted.mechanics.iterations;
+  r.heat_iterations = accepted.heat.iterations;
+  r.contact_changes = accepted.mechanics.contact_changes;
+  r.factorizations = accepted.mechanics.factorizations + accepted.heat.factorizations;
+  r.solves = accepted.mechanics.solves + accepted.heat.solves;
+  r.conjugate_gradient_iterations = accepted.mechanics.gradient_iterations;
+  r.constitutive_residual = accepted.mechanics.constitutive_residual;
+}
+
+void report_merging(const MergeOutcome& merge, results::StepReport& r) {
+  r.merged_rows = merge.rows;
+  r.merge_energy_error = merge.energy_error;
+  r.merge_mass_error = merge.mechanics.mass_error;
+  r.merge_equilibrium_error = merge.mechanics.equilibrium_error;
+}
+
+void report_water(const thermal::HeatStepOutcome& heat, results::StepReport& r) {
+  const auto& [wide, narrow] = heat.water;
+  r.water_share = wide.share();
+  r.narrow_water_share = narrow.share();
+  r.wetted_share = wide.wetted_share();
+  r.narrow_wetted_share = narrow.wetted_share();
+  r.water_boiled_away = wide.boiled_away || narrow.boiled_away;
+  r.water_thrown_off = wide.thrown_off || narrow.thrown_off;
+}
+
+/// @param length  by which heat is divided: [m], billet [m/rad], quarter slab [1]
+void report_heat(const Attempt& accepted, double length, results::StepReport& r) {
+  const thermal::HeatBalance& balance = accepted.heat.balance;
+  r.energy_balance_error = balance.error;
+  r.wall_heat_flux = (balance.side + balance.bottom) / (accepted.time_step * length);
+  r.side_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::wide)] / length;
+  r.narrow_heat = accepted.heat.face_heat_flux[std::size_t(thermal::Face::narrow)] / length;
+  r.bottom_heat = accepted.heat.bottom_heat_flux / length;
+  r.metal_heat = balance.entered / (accepted.time_step * length);
+  r.level_heat = balance.top / (accepted.time_step * length);
+  r.stored_heat = balance.stored / (accepted.time_step * length);
+  report_water(accepted.heat, r);
+}
+
+void report_figures(const StepFigures& figures, results::StepReport& r) {
+  r.sump_depth = figures.sump_depth;
+  r.mould_exit_temperature = figures.mould_exit_temperature;
+  r.shell_at_exit = figures.exit_shell.value;
+  r.bottom_shell = figures.bottom_shell.value;
+  r.mush_strain = figures.mush_strain.value;
+}
+
+/// Mean of a tensor over the points of each element, flat by element and component.
+template <int Dim, class PointTensor>
+std::vector<double> element_means(std::size_t elements, std::size_t points, PointTensor&& tensor) {
+  std::vector<double> means;
+  for (std::size_t e = 0; e < elements; ++e) {
+    SymmetricTensor<Dim> mean;
+    for (std::size_t q = 0; q < points; ++q) {
+      mean.add(1.0 / static_cast<double>(points), tensor(e * points + q));
+    }
+    means.insert(means.end(), mean.value.begin(), mean.value.end());
+  }
+  return means;
+}
+
+template <int Dim>
+void add_stresses(const mechanics::SlabState<Dim>& slab, std::size_t elements,
+                  results::Frame& frame) {
+  const std::size_t points = slab.deviator.size() / elements;
+  frame.stress = element_means<Dim>(elements, points, [&](std::size_t i) {
+    SymmetricTensor<Dim> stress = slab.deviator[i];
+    return stress.add_identity(slab.pressure[i]);
+  });
+  frame.viscoplastic_strain =
+      element_means<Dim>(elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
+}
+
+}  // namespace
+
+template <int Dim>
+MonitorReadings SlabRun<Dim>::read_monitors() const {
+  MonitorReadings readings;
+  for (const Monitor& monitor : case_.monitors) {
+    const auto place = fem::locate(mesh(), point_of<Dim>(monitor));
+    std::vector<double> displacement(Dim, std::nan(""));
+    for (int d = 0; place && d < Dim; ++d)
+      displacement[std::size_t(d)] =
+          fem::interpolate<Dim>(mesh(), *place, state_.slab.displacement, Dim, d);
+    readings.displacement.push_back(std::move(displacement));
+    readings.temperature.push_back(
+        place ? fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature) : std::nan(""));
+  }
+  return readings;
+}
+
+template <int Dim>
+StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
+  const StepView<Dim> view{.time = state_.time,
+                           .time_step = accepted.time_step,
+                           .cast_length = state_.cast_length,
+                           .metal_level = metal_level(),
+                           .last = finished(),
+                           .mesh = mesh(),
+                           .heat = accepted.heat,
+                           .temperature = state_.heat.temperature,
+                           .slab = state_.slab,
+                           .checks = mechanics_.checks(),
+                           .superheat = state_.superheat,
+                           .level_heat = state_.level_heat,
+                           .growing = mesh().elements() - growing_elements(),
+                           .face_length = face_length_,
+                           .monitor_displacement = monitors.displacement};
+  return meter_.measure(view, state_.findings.history);
+}
+
+/// Number of elements in the row that stretches with the metal level; zero if the level no longer
+/// rises.
+template <int Dim>
+int SlabRun<Dim>::growing_elements() const {
+  return mesh_.grows() ? mesh_.built_in()->elements_per_row() : 0;
+}
+
+/// Mean surface temperature of the block [°C].
+template <int Dim>
+double SlabRun<Dim>::block_temperature() const {
+  const std::vector<double>& columns = state_.heat.block_temperature;
+  if (columns.empty()) return case_.cooling.bottom_block.temperature(state_.time);
+  double sum = 0.0, area = 0.0;
+  for (std::size_t i = 0; i < mechanics_.bottom_area().size(); ++i) {
+    sum += mechanics_.bottom_area()[i] * columns[i * thermal::BlockColumns::points];
+    area += mechanics_.bottom_area()[i];
+  }
+  return sum / area;
+}
+
+template <int Dim>
+results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_attempts,
+                                         const StepFigures& step, MonitorReadings monitors) const {
+  results::StepReport r;
+  r.dimension = Dim;
+  r.step = state_.step;
+  r.time = state_.time;
+  r.cast_length = state_.cast_length;
+  r.failed_attempts = failed_attempts;
+  report_effort(accepted, r);
+  report_merging(accepted.merge, r);
+  report_heat(accepted, face_length_, r);
+  r.block_temperature = block_temperature();
+  report_figures(step, r);
+  r.monitor_displacement = std::move(monitors.displacement);
+  r.monitor_temperature = std::move(monitors.temperature);
+  r.nodes = mesh().nodes();
+  r.elements = mesh().elements();
+  r.solver_seconds = state_.solver_seconds;
+  r.process_seconds = state_.process_seconds;
+  r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
+  if (!state_.slab.started) return r;
+  const mechanics::SlabChecks& checks = mechanics_.checks();
+  r.equilibrium_residual = checks.equilibrium_residual;
+  r.complementarity_error = checks.complementarity_error;
+  r.bottom_reaction = step.bottom_reaction;
+  r.weight = step.weight;
+  (Dim == 2 ? r.contact_length : r.contact_area) = checks.contact_length;
+  r.liquid_pressure_error = checks.liquid_pressure_error;
+  r.maximum_rotation = step.rotation.value;
+  r.bottom_slip = step.slip.value;
+  r.beyond_validity = state_.findings.lost.has_value();
+  return r;
+}
+
+template <int Dim>
+results::Frame SlabRun<Dim>::take_frame() {
+  state_.next_frame = schedule_.next_frame(state_.time);
+  results::Frame frame;
+  frame.step = state_.step;
+  frame.time = state_.time;
+  frame.cast_length = state_.cast_length;
+  frame.metal_level = metal_level();
+  frame.dimension = Dim;
+  frame.nodes_per_element = mesh().nodes_per_element;
+  frame.node = mesh().node;
+  frame.element_node.assign(mesh().element_node.begin(), mesh().element_node.end());
+  frame.temperature = state_.heat.temperature;
+  frame.liquid_fraction = state_.heat.liquid_fraction;
+  frame.displacement = state_.slab.displacement;
+  if (case_.output.stresses && case_.mechanics.enabled) {
+    add_stresses(state_.slab, std::size_t(mesh().elements()), frame);
+    for (const double t : frame.temperature)
+      frame.thermal_strain.push_back(mechanics_.properties().thermal_stretch(t) - 1.0);
+  }
+  frame.bottom_node = mechanics_.bottom_nodes();
+  frame.bottom_gap = bottom_gap();
+  for (std::size_t i = 0; i < frame.bottom_node.size(); ++i) {
+    const double area = mechanics_.bottom_area()[i];
+    const double reaction = state_.slab.reaction[i];
+    frame.bottom_pressure.push_back(area > 0.0 ? std::max(0.0, reaction / area) : 0.0);
+  }
+  return frame;
+}
+
+template MonitorReadings SlabRun<2>::read_monitors() const;
+template StepFigures SlabRun<2>::measure(const Attempt&, const MonitorReadings&);
+template results::StepReport SlabRun<2>::report(const Attempt&, int, const StepFigures&,
+                                                MonitorReadings) const;
+template results::Frame SlabRun<2>::take_frame();
+template MonitorReadings SlabRun<3>::read_monitors() const;
+template StepFigures SlabRun<3>::measure(const Attempt&, const MonitorReadings&);
+template results::StepReport SlabRun<3>::report(const Attempt&, int, const StepFigures&,
+                                                MonitorReadings) const;
+template results::Frame SlabRun<3>::take_frame();
+
+}  // namespace dccast::casting

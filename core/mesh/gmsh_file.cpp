@@ -1,0 +1,250 @@
+#include "core/mesh/gmsh_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace dccast::mesh::gmsh {
+
+namespace {
+
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+/// Words and numbers, one after the other, of one section at a time.
+class Scanner {
+public:
+  explicit Scanner(std::string_view text) : left_(text) {}
+
+  void enter(std::string_view section) { section_ = section; }
+
+  /// The next word; empty at the end of the text.
+  std::string_view word_or_end() {
+    std::size_t begin = 0;
+    while (begin < left_.size() && is_space(left_[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < left_.size() && !is_space(left_[end])) ++end;
+    const std::string_view word = left_.substr(begin, end - begin);
+    left_.remove_prefix(end);
+    return word;
+  }
+
+  std::string_view word() {
+    const std::string_view word = word_or_end();
+    if (word.empty()) throw FormatError("ends in the middle of $" + section_);
+    return word;
+  }
+
+  template <class Number>
+  Number number() {
+    const std::string_view text = word();
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size())
+      throw FormatError("has '" + std::string(text.substr(0, 40)) + "' in $" + section_ +
+                        " where a number belongs");
+    return value;
+  }
+
+  /// Number of items that follow; each takes at least two bytes of the remaining text.
+  std::size_t count() {
+    const auto value = number<long>();
+    if (value < 0 || static_cast<std::size_t>(value) > left_.size() / 2 + 1)
+      throw FormatError("ends in the middle of $" + section_ + ": it announces " +
+                        std::to_string(value) + " entries");
+    return static_cast<std::size_t>(value);
+  }
+
+  double coordinate() {
+    const auto value = number<double>();
+    if (!std::isfinite(value)) throw FormatError("has a coordinate that is not finite");
+    return value;
+  }
+
+  /// The text between the next two quotation marks.
+  std::string quoted() {
+    const auto open = left_.find('"');
+    const auto close = open == std::string_view::npos ? open : left_.find('"', open + 1);
+    if (close == std::string_view::npos) throw FormatError("ends in the middle of $" + section_);
+    std::string text(left_.substr(open + 1, close - open - 1));
+    left_.remove_prefix(close + 1);
+    return text;
+  }
+
+  void skip(std::size_t words) {
+    for (std::size_t i = 0; i < words; ++i) word();
+  }
+
+  void leave() {
+    const std::string_view last = word();
+    if (last != "$End" + section_)
+      throw FormatError("has '" + std::string(last.substr(0, 40)) + "' where $End" + section_ +
+                        " belongs");
+  }
+
+  /// Skips a section that is not needed.
+  void skip_section() {
+    while (word() != "$End" + section_) {
+    }
+  }
+
+private:
+  std::string_view left_;
+  std::string section_ = "MeshFormat";
+};
+
+/// Of one entity. Each of its elements has them all, so that without a bound a file of a megabyte
+/// could ask for gigabytes.
+constexpr std::size_t most_groups = 100;
+
+/// Physical groups of the geometrical entities, by dimension and tag (4.1 only).
+using EntityGroups = std::map<std::pair<int, int>, std::vector<int>>;
+
+void read_group_names(Scanner& scan, File& file) {
+  for (std::size_t left = scan.count(); left > 0; --left) {
+    const int dimension = scan.number<int>();
+    const int tag = scan.number<int>();
+    file.group_name[{dimension, tag}] = scan.quoted();
+  }
+}
+
+void read_entities(Scanner& scan, EntityGroups& groups) {
+  std::array<std::size_t, 4> counts{};
+  for (std::size_t& count : counts) count = scan.count();
+  for (int dimension = 0; dimension < 4; ++dimension) {
+    for (std::size_t left = counts[static_cast<std::size_t>(dimension)]; left > 0; --left) {
+      const int tag = scan.number<int>();
+      scan.skip(dimension == 0 ? 3 : 6);  // position or bounding box
+      auto& of_entity = groups[{dimension, tag}];
+      const std::size_t added = scan.count();
+      if (of_entity.size() + added > most_groups)
+        throw FormatError("has an entity in more than " + std::to_string(most_groups) +
+                          " physical groups");
+      for (std::size_t i = added; i > 0; --i) of_entity.push_back(scan.number<int>());
+      if (dimension > 0) scan.skip(scan.count());  // entities that bound it
+    }
+  }
+}
+
+void read_node(Scanner& scan, File& file) {
+  std::array<double, 3> position{};
+  for (double& x : position) x = scan.coordinate();
+  file.node.push_back(position);
+}
+
+void read_nodes_2(Scanner& scan, File& file) {
+  for (std::size_t left = scan.count(); left > 0; --left) {
+    file.node_tag.push_back(scan.number<long>());
+    read_node(scan, file);
+  }
+}
+
+void read_nodes_4(Scanner& scan, File& file) {
+  const std::size_t blocks = scan.count();
+  scan.skip(3);  // number of nodes, smallest and largest tag
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const int dimension = scan.number<int>();
+    scan.skip(1);
+    const bool parametric = scan.number<int>() != 0;
+    const std::size_t count = scan.count();
+    for (std::size_t i = 0; i < count; ++i) file.node_tag.push_back(scan.number<long>());
+    for (std::size_t i = 0; i < count; ++i) {
+      read_node(scan, file);
+      if (parametric) scan.skip(static_cast<std::size_t>(std::clamp(dimension, 0, 3)));
+    }
+  }
+}
+
+Element element_of(int shape) {
+  if (nodes_of(shape) == 0)
+    throw FormatError("has elements of Gmsh's type " + std::to_string(shape) +
+                      "; only linear ones are read (Mesh.ElementOrder = 1)");
+  Element element;
+  element.shape = shape;
+  return element;
+}
+
+void read_element_nodes(Scanner& scan, Element& element) {
+  for (int i = 0; i < nodes_of(element.shape); ++i)
+    element.node[static_cast<std::size_t>(i)] = scan.number<long>();
+}
+
+void read_elements_2(Scanner& scan, File& file) {
+  for (std::size_t left = scan.count(); left > 0; --left) {
+    scan.skip(1);
+    Element element = element_of(scan.number<int>());
+    const std::size_t tags = scan.count();
+    // The first tag is the physical group, zero for none; the others are Gmsh's own.
+    if (tags > 0)
+      if (const int group = scan.number<int>(); group != 0) element.groups = {group};
+    if (tags > 1) scan.skip(tags - 1);
+    read_element_nodes(scan, element);
+    file.elements.push_back(std::move(element));
+  }
+}
+
+void read_elements_4(Scanner& scan, const EntityGroups& groups, File& file) {
+  const std::size_t blocks = scan.count();
+  scan.skip(3);  // number of elements, smallest and largest tag
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const int dimension = scan.number<int>();
+    const int entity = scan.number<int>();
+    Element element = element_of(scan.number<int>());
+    if (const auto found = groups.find({dimension, entity}); found != groups.end())
+      element.groups = found->second;
+    for (std::size_t left = scan.count(); left > 0; --left) {
+      scan.skip(1);
+      read_element_nodes(scan, element);
+      file.elements.push_back(element);
+    }
+  }
+}
+
+/// @return  2 or 4
+int read_format(Scanner& scan) {
+  if (scan.word_or_end() != "$MeshFormat")
+    throw FormatError("does not begin with $MeshFormat: not a Gmsh mesh");
+  const std::string version(scan.word());
+  if (version != "2.2" && version != "4.1")
+    throw FormatError("has the format version " + version.substr(0, 20) +
+                      "; 2.2 and 4.1 are read (Mesh.MshFileVersion)");
+  if (scan.number<int>() != 0) throw FormatError("is binary; save it as ASCII (Mesh.Binary = 0)");
+  scan.skip(1);
+  scan.leave();
+  return version == "2.2" ? 2 : 4;
+}
+
+}  // namespace
+
+File parse(std::string_view text) {
+  Scanner scan(text);
+  const int version = read_format(scan);
+  File file;
+  EntityGroups groups;
+  bool complete = false;
+  for (std::string_view head = scan.word_or_end(); !head.empty(); head = scan.word_or_end()) {
+    if (head.front() != '$')
+      throw FormatError("has '" + std::string(head.substr(0, 40)) + "' between two sections");
+    const std::string_view section = head.substr(1);
+    scan.enter(section);
+    if (section == "PhysicalNames") {
+      read_group_names(scan, file);
+    } else if (section == "Entities" && version == 4) {
+      read_entities(scan, groups);
+    } else if (section == "Nodes") {
+      version == 2 ? read_nodes_2(scan, file) : read_nodes_4(scan, file);
+    } else if (section == "Elements") {
+      version == 2 ? read_elements_2(scan, file) : read_elements_4(scan, groups, file);
+      complete = true;
+    } else {
+      scan.skip_section();
+      continue;
+    }
+    scan.leave();
+  }
+  if (!complete) throw FormatError("ends before $Elements");
+  return file;
+}
+
+}  // namespace dccast::mesh::gmsh
