@@ -110,7 +110,7 @@ TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeRequestedAgain) {
   EXPECT_EQ(read_request(folder)->action, RequestedAction::cancel);
   end_worker(daemon, "signal 9 (Killed)");
   EXPECT_TRUE(becomes(daemon, id_, v1::CANCELLED));
-  EXPECT_FALSE(read_request(folder));
+  EXPECT_TRUE(eventually([&] { return !read_request(folder); }));
 }
 
 TEST_F(SchedulerFaults, AQueuedJobStaysInTheQueueWhenItsCancelFails) {
