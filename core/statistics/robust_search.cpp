@@ -16,11 +16,6 @@ constexpr int first_designs = 256;
 constexpr int rounds = 8, parents = 24, children = 3;
 constexpr double first_step = 0.2, shrinking = 0.7;  // of a neighbour, of a domain of 1
 
-/// Probability that a standard normal number is smaller.
-double normal_below(double x) {
-  return 0.5 * std::erfc(-x / std::sqrt(2.0));
-}
-
 /// Each row of the data at one design.
 Eigen::MatrixXd places_of(const Eigen::RowVectorXd& design, const Eigen::MatrixXd& data) {
   Eigen::MatrixXd places(data.rows(), design.size() + data.cols());

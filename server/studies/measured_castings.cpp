@@ -15,7 +15,6 @@
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/measured_curve.hpp"
 #include "server/studies/predictions.hpp"
-#include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
 
@@ -63,7 +62,8 @@ public:
 
   /// As in a case file.
   std::string text(int axis, double place) const {
-    return value_between(request_.case_(), request_.sweep().axes(axis), place);
+    const v1::SweepPlan::Axis& ends = request_.sweep().axes(axis);
+    return value_between(request_.case_(), ends.key(), ends.values(0), ends.values(1), place);
   }
 
 private:

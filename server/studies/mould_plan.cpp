@@ -6,12 +6,15 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/mould_opening.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 
 namespace {
+
+using intake::fault_of;
 
 constexpr int usual_runs = 12, fewest_runs = 2, most_runs_permitted = 50;
 constexpr double least_tolerance = 1e-5, most_tolerance = 0.05;  // [m]
@@ -21,17 +24,6 @@ constexpr double shortest_segment = 0.1;     // of half the face
 constexpr double columns_per_segment = 1.5;  // so that each break point finds a row of nodes
 constexpr int columns_unknown = 10;
 constexpr double on_the_face = 1e-6;  // [m] from a monitor to the mould
-
-v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
-                   const std::string& permitted, const std::string& remedy) {
-  v1::Fault fault;
-  fault.set_field(field);
-  fault.set_value(value);
-  fault.set_message(message);
-  fault.set_permitted(permitted);
-  fault.set_remedy(remedy);
-  return fault;
-}
 
 /// Millimetres without the round-off of their conversion.
 std::string in_mm(double metres) {
@@ -103,17 +95,6 @@ std::string table_text(const MouldOpening& opening) {
   return text + "]";
 }
 
-v1::CaseChange change_of(const std::string& key, const std::string& value) {
-  v1::CaseChange change;
-  change.set_key(key);
-  change.set_value(value);
-  return change;
-}
-
-MouldTrial trial_of(const RunFace& face) {
-  return {face.steady.x_m, face.steady.mould_m, face.steady.cold_m};
-}
-
 class MouldStudy final : public StudyPlan {
 public:
   explicit MouldStudy(const v1::CreateStudyRequest& request)
@@ -129,13 +110,12 @@ public:
   PlannedRun run(int number) const override {
     return {key(number), "run " + key(number), base_, {}};
   }
-  void describe(int, v1::StudyRun&) const override {}
 
   std::optional<PlannedRun> next(int number,
                                  const std::vector<EvaluatedRun>& before) const override {
-    std::vector<MouldTrial> history;
+    std::vector<frames::SteadyFace> history;
     for (const EvaluatedRun& evaluated : before)
-      if (evaluated.face) history.push_back(trial_of(*evaluated.face));
+      if (evaluated.face) history.push_back(evaluated.face->steady);
     const auto opening = next_opening(history, target_);
     if (!opening) return std::nullopt;
     PlannedRun planned = run(number);

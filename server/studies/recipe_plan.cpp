@@ -12,7 +12,7 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "server/jobs/events.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/recipe_search.hpp"
 #include "server/studies/study_plan.hpp"
 
@@ -20,6 +20,7 @@ namespace dccast::studies {
 
 namespace {
 
+using intake::fault_of;
 using statistics::ScoredDesign;
 
 // The case itself comes first, as a draft and at full quality: what quality does to its curl.
@@ -61,7 +62,6 @@ public:
   int rests_on(int number) const override {
     return number < final_round() ? runs() : final_round();
   }
-  void describe(int, v1::StudyRun&) const override {}
 
   PlannedRun run(int number) const override {
     if (number == draft_of_case) return planned(number, "the case itself, draft", draft_, {});
@@ -309,16 +309,6 @@ private:
   mutable std::array<std::shared_ptr<const Round>, 2> rounds_;  ///< once their runs have ended
 };
 
-v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
-                   const std::string& permitted) {
-  v1::Fault fault;
-  fault.set_field("recipe." + field);
-  fault.set_value(value);
-  fault.set_message(message);
-  fault.set_permitted(permitted);
-  return fault;
-}
-
 std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
   std::vector<v1::Fault> faults;
   std::set<std::string> names;
@@ -326,24 +316,26 @@ std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
     if (std::ranges::find(case_file::recipe_names, number.name()) ==
             case_file::recipe_names.end() ||
         !names.insert(number.name()).second)
-      faults.push_back(fault_of("numbers", number.name(), "is no number of a recipe, or twice",
+      faults.push_back(fault_of("recipe.numbers", number.name(),
+                                "is no number of a recipe, or twice",
                                 "speed_start, speed_run, speed_ramp, filling, hold, water_start, "
                                 "water_run, water_ramp, each once"));
     if (!(number.low() >= 0.0 && number.high() > number.low() && std::isfinite(number.high())))
       faults.push_back(fault_of(
-          number.name(),
+          "recipe." + number.name(),
           case_file::number_text(number.low()) + ".." + case_file::number_text(number.high()),
           "is no range", "0 or more, the smaller end first"));
   }
   if (names.empty())
-    faults.push_back(fault_of("numbers", "", "there is nothing to choose", "one number or more"));
+    faults.push_back(
+        fault_of("recipe.numbers", "", "there is nothing to choose", "one number or more"));
   return faults;
 }
 
-void check_count(const char* field, int value, int least, int most,
+void check_count(const std::string& field, int value, int least, int most,
                  std::vector<v1::Fault>& faults) {
   if (value < least || value > most)
-    faults.push_back(fault_of(field, std::to_string(value), "is out of range",
+    faults.push_back(fault_of("recipe." + field, std::to_string(value), "is out of range",
                               std::to_string(least) + " to " + std::to_string(most)));
 }
 
@@ -353,8 +345,12 @@ std::vector<v1::Fault> data_faults(const v1::CreateStudyRequest& request) {
   *sweep.mutable_case_() = request.recipe().draft();
   sweep.mutable_sweep()->set_design(v1::SweepPlan::LATIN_HYPERCUBE);
   sweep.mutable_sweep()->set_runs(1);
-  for (const v1::RecipePlan::Datum& datum : request.recipe().data())
-    *sweep.mutable_sweep()->add_axes() = axis_of(datum);
+  for (const v1::RecipePlan::Datum& datum : request.recipe().data()) {
+    v1::SweepPlan::Axis& axis = *sweep.mutable_sweep()->add_axes();
+    axis.set_key(datum.key());
+    axis.add_values(datum.low());
+    axis.add_values(datum.high());
+  }
   return sweep_faults(sweep);
 }
 
@@ -364,16 +360,16 @@ std::vector<v1::Fault> recipe_faults(const v1::CreateStudyRequest& request) {
   const v1::RecipePlan& plan = request.recipe();
   auto faults = number_faults(plan);
   if (!plan.has_draft())
-    faults.push_back(fault_of("draft", "", "is absent", "the case at draft quality"));
+    faults.push_back(fault_of("recipe.draft", "", "is absent", "the case at draft quality"));
   if (!(plan.greatest_curl_m() > plan.least_curl_m()))
-    faults.push_back(fault_of("band",
+    faults.push_back(fault_of("recipe.band",
                               case_file::number_text(plan.least_curl_m()) + ".." +
                                   case_file::number_text(plan.greatest_curl_m()),
                               "is no band", "two curls, the smaller one first"));
   if (!(plan.greatest_speed_rate_m_per_s2() > 0.0))
-    faults.push_back(fault_of("greatest_speed_rate", "", "is out of range", "above 0"));
+    faults.push_back(fault_of("recipe.greatest_speed_rate", "", "is out of range", "above 0"));
   if (!(plan.greatest_flow_rate_m2_per_s2() > 0.0))
-    faults.push_back(fault_of("greatest_flow_rate", "", "is out of range", "above 0"));
+    faults.push_back(fault_of("recipe.greatest_flow_rate", "", "is out of range", "above 0"));
   check_count("drafts", plan.drafts(), 12, 5000, faults);
   check_count("castings", plan.castings(), 2, 200, faults);
   check_count("candidates", plan.candidates(), 1, 10, faults);

@@ -7,7 +7,6 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "server/studies/study_plan.hpp"
-#include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
 
@@ -15,6 +14,7 @@ namespace {
 
 using case_file::Recipe;
 using case_file::RecipeNumber;
+using statistics::matrix_of;
 
 constexpr std::size_t fewest_valid = 12;  // drafts that a surface needs at least
 constexpr int search_samples = 96, score_samples = 512;
@@ -27,21 +27,7 @@ bool by_the_recipe(const v1::Failure& failure) {
   return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
 }
 
-Eigen::MatrixXd matrix_of(const std::vector<Eigen::RowVectorXd>& rows) {
-  Eigen::MatrixXd matrix(rows.size(), rows.front().size());
-  for (std::size_t i = 0; i < rows.size(); ++i) matrix.row(static_cast<Eigen::Index>(i)) = rows[i];
-  return matrix;
-}
-
 }  // namespace
-
-v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum) {
-  v1::SweepPlan::Axis axis;
-  axis.set_key(datum.key());
-  axis.add_values(datum.low());
-  axis.add_values(datum.high());
-  return axis;
-}
 
 RecipeSpace::RecipeSpace(const v1::Case& draft, const v1::RecipePlan& plan)
     : draft_(draft), plan_(plan) {
@@ -118,9 +104,9 @@ double RecipeSpace::casting_time_s(const Eigen::RowVectorXd& design) const {
 std::vector<v1::CaseChange> RecipeSpace::data_changes(const Eigen::RowVectorXd& data) const {
   std::vector<v1::CaseChange> changes;
   for (int i = 0; i < plan_.data_size(); ++i) {
-    v1::CaseChange& change = changes.emplace_back();
-    change.set_key(plan_.data(i).key());
-    change.set_value(value_between(draft_, axis_of(plan_.data(i)), data(i)));
+    const v1::RecipePlan::Datum& datum = plan_.data(i);
+    changes.push_back(change_of(
+        datum.key(), value_between(draft_, datum.key(), datum.low(), datum.high(), data(i))));
   }
   return changes;
 }

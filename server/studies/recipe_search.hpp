@@ -12,9 +12,6 @@
 
 namespace dccast::studies {
 
-/// A datum as the axis of a Latin hypercube.
-v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum);
-
 /// The designs of a recipe plan: its numbers, 0 to 1 between their ends, and what they make of the
 /// case.
 class RecipeSpace {
