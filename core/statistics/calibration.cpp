@@ -203,7 +203,7 @@ CalibrationDraws calibrate(const CurveModel& model, int inputs,
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());
     for (std::size_t c = 0; c < readings.size(); ++c) {
       const Readings& curve = readings[c];
-      const Quantity& quantity = quantities[static_cast<std::size_t>(curve.quantity)];
+      const Quantity& quantity = quantities[curve.quantity];
       for (Eigen::Index i = 0; i < places.rows(); ++i) {
         const double misfit = misfit_of(places(i, layout.misfit(curve.quantity)), quantity.scale);
         const double noise =
@@ -223,7 +223,7 @@ CalibrationDraws calibrate(const CurveModel& model, int inputs,
   result.noise.resize(draws, layout.quantities);
   double common = 0.0;
   for (int q = 0; q < layout.quantities; ++q) {
-    const Quantity& quantity = quantities[static_cast<std::size_t>(q)];
+    const Quantity& quantity = quantities[q];
     common = std::max(common, quantity.common_error);
     for (Eigen::Index i = 0; i < draws; ++i) {
       result.misfit(i, q) = misfit_of(found.places(i, layout.misfit(q)), quantity.scale);
@@ -255,7 +255,7 @@ std::vector<Eigen::Index> draws_along_ridge(const Eigen::MatrixXd& inputs,
                                             const std::vector<double>& shares) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(statistics::covariance(inputs));
   const Eigen::VectorXd along = inputs * parts.eigenvectors().rightCols<1>();
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(along.size()));
+  std::vector<Eigen::Index> order(along.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, {}, [&](Eigen::Index i) { return along(i); });
   std::vector<Eigen::Index> chosen;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/statistics/sampling.hpp"
+
 namespace dccast::statistics {
 
 namespace {
@@ -140,15 +142,8 @@ Hyperparameters most_likely(const Eigen::MatrixXd& places, const Eigen::VectorXd
 Hyperparameters lengths_of(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
   const double range = values.maxCoeff() - values.minCoeff();
   if (!(range > 0.0)) return {Eigen::VectorXd::Ones(places.cols()), 1e-6};
-  const Eigen::Index count = std::min(places.rows(), most_for_lengths);
-  Eigen::MatrixXd some(count, places.cols());
-  Eigen::VectorXd scaled(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index chosen = i * places.rows() / count;
-    some.row(i) = places.row(chosen);
-    scaled(i) = values(chosen) / range;
-  }
-  return most_likely(some, scaled);
+  const auto chosen = spread_indices(places.rows(), most_for_lengths);
+  return most_likely(places(chosen, Eigen::all), values(chosen) / range);
 }
 
 }  // namespace

@@ -15,19 +15,17 @@ constexpr int arrangements = 20;  // to choose from
 constexpr int most_compared = 500;
 
 void shuffle(std::vector<int>& order, std::mt19937_64& random) {
-  for (std::size_t i = order.size(); i > 1; --i)
-    std::swap(order[i - 1], order[static_cast<std::size_t>(random() % i)]);
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
 }
 
 /// (axis, place)
 Eigen::MatrixXd arranged(int count, int axes, std::mt19937_64& random) {
   Eigen::MatrixXd places(axes, count);
-  std::vector<int> part(static_cast<std::size_t>(count));
+  std::vector<int> part(count);
   for (int axis = 0; axis < axes; ++axis) {
     std::iota(part.begin(), part.end(), 0);
     shuffle(part, random);
-    for (int i = 0; i < count; ++i)
-      places(axis, i) = (part[static_cast<std::size_t>(i)] + uniform(random)) / count;
+    for (int i = 0; i < count; ++i) places(axis, i) = (part[i] + uniform(random)) / count;
   }
   return places;
 }
@@ -82,6 +80,12 @@ Eigen::MatrixXd hypercube(int places, int axes, std::uint64_t seed) {
   return best.transpose();
 }
 
+std::vector<Eigen::Index> spread_indices(Eigen::Index all, Eigen::Index most) {
+  std::vector<Eigen::Index> chosen(std::min(all, most));
+  for (Eigen::Index i = 0; i < std::ssize(chosen); ++i) chosen[i] = i * all / std::ssize(chosen);
+  return chosen;
+}
+
 Eigen::MatrixXd covariance(const Eigen::MatrixXd& draws) {
   const Eigen::MatrixXd centred = draws.rowwise() - draws.colwise().mean();
   return centred.transpose() * centred / static_cast<double>(draws.rows() - 1);
@@ -101,13 +105,13 @@ struct Replicate {
   Eigen::MatrixXd first() const {
     Eigen::MatrixXd sums(mixed.size(), a.cols());
     for (std::size_t j = 0; j < mixed.size(); ++j)
-      sums.row(static_cast<Eigen::Index>(j)) = b.cwiseProduct(mixed[j] - a).colwise().mean();
+      sums.row(j) = b.cwiseProduct(mixed[j] - a).colwise().mean();
     return sums;
   }
   Eigen::MatrixXd total() const {
     Eigen::MatrixXd sums(mixed.size(), a.cols());
     for (std::size_t j = 0; j < mixed.size(); ++j)
-      sums.row(static_cast<Eigen::Index>(j)) = 0.5 * (mixed[j] - a).cwiseAbs2().colwise().mean();
+      sums.row(j) = 0.5 * (mixed[j] - a).cwiseAbs2().colwise().mean();
     return sums;
   }
   /// By output; the values are centred.
@@ -176,8 +180,7 @@ SobolIndices sobol_indices(const SampledFunction& function, int inputs, int samp
   divide(first, variance, indices.first, indices.first_error);
   divide(total, variance, indices.total, indices.total_error);
   indices.variance = variance.front().transpose();
-  for (int r = 1; r < replicates; ++r)
-    indices.variance += variance[static_cast<std::size_t>(r)].transpose();
+  for (int r = 1; r < replicates; ++r) indices.variance += variance[r].transpose();
   indices.variance /= replicates;
   return indices;
 }

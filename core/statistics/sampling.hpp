@@ -30,10 +30,12 @@ template <class Row>
 Eigen::MatrixXd matrix_of(const std::vector<Row>& rows) {
   Eigen::MatrixXd matrix(rows.size(), rows.front().size());
   for (std::size_t i = 0; i < rows.size(); ++i)
-    matrix.row(static_cast<Eigen::Index>(i)) =
-        Eigen::RowVectorXd::Map(rows[i].data(), matrix.cols());
+    matrix.row(i) = Eigen::RowVectorXd::Map(rows[i].data(), matrix.cols());
   return matrix;
 }
+
+/// Numbers below `all`, spread over them: `most`, or all of them where there are no more.
+std::vector<Eigen::Index> spread_indices(Eigen::Index all, Eigen::Index most);
 
 /// Covariance of draws. @param draws  (draw, input), two or more
 Eigen::MatrixXd covariance(const Eigen::MatrixXd& draws);

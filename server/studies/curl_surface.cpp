@@ -10,9 +10,9 @@ namespace dccast::studies {
 namespace {
 
 constexpr std::size_t most_instants = 150;
-constexpr std::size_t most_runs = 1000;            // beyond them the surface gains nothing but time
-constexpr std::size_t most_for_cast_length = 200;  // it follows the recipe alone, smoothly
-constexpr int candidates = 200;                    // for the next run
+constexpr Eigen::Index most_runs = 1000;  // beyond them the surface gains nothing but time
+constexpr Eigen::Index most_for_cast_length = 200;  // it follows the recipe alone, smoothly
+constexpr int candidates = 200;                     // for the next run
 constexpr int most_inputs_with_corners = 6;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -36,12 +36,9 @@ std::vector<double> common_instants(const std::vector<SurfaceRun>& runs) {
   return instants;
 }
 
-/// At most as many as the cast length needs, spread over all.
+/// At most as many as the cast length needs.
 Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all) {
-  const Eigen::Index count = std::min<Eigen::Index>(all.rows(), most_for_cast_length);
-  Eigen::MatrixXd some(count, all.cols());
-  for (Eigen::Index i = 0; i < count; ++i) some.row(i) = all.row(i * all.rows() / count);
-  return some;
+  return all(statistics::spread_indices(all.rows(), most_for_cast_length), Eigen::all);
 }
 
 /// A spread over the domain, and its corners, where surfaces are least certain.
@@ -57,13 +54,13 @@ Eigen::MatrixXd candidate_places(int inputs) {
   return places;
 }
 
-/// Keeps as many as a surface needs, spread over all. @return how many
+/// Keeps at most as many as a surface needs. @return how many
 int keep_some(std::vector<SurfaceRun>& runs) {
-  const std::size_t all = runs.size(), count = std::min(all, most_runs);
-  for (std::size_t i = 0; i < count; ++i)
-    if (const std::size_t from = i * all / count; from != i) runs[i] = std::move(runs[from]);
-  runs.resize(count);
-  return static_cast<int>(count);
+  const auto chosen = statistics::spread_indices(std::ssize(runs), most_runs);
+  for (Eigen::Index i = 0; i < std::ssize(chosen); ++i)
+    if (chosen[i] != i) runs[i] = std::move(runs[chosen[i]]);
+  runs.resize(chosen.size());
+  return static_cast<int>(runs.size());
 }
 
 }  // namespace
@@ -90,7 +87,7 @@ std::vector<v1::CurlCurve> CurlSurface::predict(const std::vector<double>& place
     for (std::size_t i = 0; i < time_s_.size(); ++i) {
       const Eigen::Index figure = figure_[m][i];
       curves[m].add_time_s(time_s_[i]);
-      curves[m].add_cast_length_m(lengths.mean(static_cast<Eigen::Index>(i)));
+      curves[m].add_cast_length_m(lengths.mean(i));
       curves[m].add_curl_m(figure < 0 ? unknown : curls.mean(figure));
       curves[m].add_uncertainty_m(figure < 0 ? unknown : std::sqrt(curls.variance(figure)));
     }
@@ -106,11 +103,11 @@ v1::Spread CurlSurface::spread(const std::string& monitor,
   std::vector<Eigen::Index> figures;
   const auto lengths = lengths_.estimate(Eigen::RowVectorXd::Constant(places_.cols(), 0.5));
   for (std::size_t i = 0; i < time_s_.size(); ++i) {
-    const Eigen::Index figure = figure_[static_cast<std::size_t>(m)][i];
+    const Eigen::Index figure = figure_[m][i];
     if (figure < 0) continue;
     figures.push_back(figure);
     sampled.time_s.push_back(time_s_[i]);
-    sampled.cast_length_m.push_back(lengths.mean(static_cast<Eigen::Index>(i)));
+    sampled.cast_length_m.push_back(lengths.mean(i));
     sampled.error_m.push_back(curls_.left_out_errors(figure).norm() / std::sqrt(runs_));
   }
   sampled.curls = [&](const Eigen::MatrixXd& places) {
@@ -126,15 +123,14 @@ Eigen::RowVectorXd CurlSurface::scaled(const std::vector<double>& place) const {
   Eigen::RowVectorXd row(place.size());
   for (std::size_t j = 0; j < place.size(); ++j) {
     const double width = domain_[j].high - domain_[j].low;
-    row(static_cast<Eigen::Index>(j)) = width > 0.0 ? (place[j] - domain_[j].low) / width : 0.0;
+    row(j) = width > 0.0 ? (place[j] - domain_[j].low) / width : 0.0;
   }
   return row;
 }
 
 Eigen::MatrixXd CurlSurface::scaled_places(const std::vector<SurfaceRun>& runs) const {
   Eigen::MatrixXd places(runs.size(), domain_.size());
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    places.row(static_cast<Eigen::Index>(i)) = scaled(runs[i].place);
+  for (std::size_t i = 0; i < runs.size(); ++i) places.row(i) = scaled(runs[i].place);
   return places;
 }
 
@@ -159,13 +155,12 @@ Eigen::MatrixXd CurlSurface::curl_figures(const std::vector<SurfaceRun>& runs) {
     auto& figure = figure_.emplace_back(time_s_.size(), -1);
     for (Eigen::Index i = 0; i < curls.cols(); ++i) {
       if (!curls.col(i).allFinite()) continue;
-      figure[static_cast<std::size_t>(i)] = static_cast<Eigen::Index>(columns.size());
+      figure[i] = columns.size();
       columns.push_back(curls.col(i));
     }
   }
   Eigen::MatrixXd figures(runs.size(), columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    figures.col(static_cast<Eigen::Index>(k)) = columns[k];
+  for (std::size_t k = 0; k < columns.size(); ++k) figures.col(k) = columns[k];
   return figures;
 }
 
@@ -208,8 +203,7 @@ Eigen::MatrixXd drawn(const SampledCurls& sampled, int inputs) {
     return radius * std::cos(2.0 * std::numbers::pi * places(i, inputs + 1));
   });
   Eigen::MatrixXd curls = sampled.curls(places.leftCols(inputs));
-  for (Eigen::Index t = 0; t < curls.cols(); ++t)
-    curls.col(t) += sampled.error_m[static_cast<std::size_t>(t)] * normal;
+  for (Eigen::Index t = 0; t < curls.cols(); ++t) curls.col(t) += sampled.error_m[t] * normal;
   return curls;
 }
 
@@ -231,8 +225,7 @@ double share_inside(const Eigen::VectorXd& curls, const CurlBand& band) {
 std::vector<Eigen::Index> index_instants(std::size_t count) {
   std::vector<Eigen::Index> chosen;
   const std::size_t most = std::min(count, most_index_instants);
-  for (std::size_t i = 1; i <= most; ++i)
-    chosen.push_back(static_cast<Eigen::Index>(i * count / most) - 1);
+  for (std::size_t i = 1; i <= most; ++i) chosen.push_back(i * count / most - 1);
   return chosen;
 }
 
@@ -243,13 +236,11 @@ void add_shares(const SampledCurls& sampled, int inputs, v1::Spread& spread) {
         return Eigen::MatrixXd(sampled.curls(places)(Eigen::all, instants));
       },
       inputs, index_samples, seed);
-  for (const Eigen::Index instant : instants)
-    spread.add_index_time_s(sampled.time_s[static_cast<std::size_t>(instant)]);
+  for (const Eigen::Index instant : instants) spread.add_index_time_s(sampled.time_s[instant]);
   v1::Spread::Share unexplained;
   Eigen::VectorXd followed(indices.variance.size());  // share of the variance that the inputs make
   for (Eigen::Index k = 0; k < followed.size(); ++k) {
-    const double error =
-        sampled.error_m[static_cast<std::size_t>(instants[static_cast<std::size_t>(k)])];
+    const double error = sampled.error_m[instants[k]];
     const double whole = indices.variance(k) + error * error;
     followed(k) = whole > 0.0 ? indices.variance(k) / whole : 0.0;
     unexplained.add_first(1.0 - followed(k));

@@ -58,12 +58,12 @@ public:
   }
 
 private:
-  Eigen::Index size() const { return static_cast<Eigen::Index>(x_.size()); }
+  Eigen::Index size() const { return x_.size(); }
 
   std::optional<Slopes> solved(double first, double second, bool use_first, bool use_second) const {
     Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(size(), 3);
     for (Eigen::Index i = 0; i < size(); ++i) {
-      const double x = x_[static_cast<std::size_t>(i)];
+      const double x = x_[i];
       terms(i, 0) = 1.0;
       if (use_first) terms(i, 1) = -beyond(x, first);
       if (use_second) terms(i, 2) = -beyond(x, second);

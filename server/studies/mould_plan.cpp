@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/studies/mould_opening.hpp"
@@ -104,11 +103,10 @@ public:
   int most_runs() const override {
     return plan_.maximum_runs() == 0 ? usual_runs : plan_.maximum_runs();
   }
-  std::string key(int number) const override { return std::to_string(number + 1); }
   bool needs_faces() const override { return true; }
   /// The first run casts in the mould of the case.
   PlannedRun run(int number) const override {
-    return {key(number), "run " + key(number), base_, {}};
+    return planned(number, "run " + key(number), base_, {});
   }
 
   std::optional<PlannedRun> next(int number,
@@ -118,27 +116,25 @@ public:
       if (evaluated.face) history.push_back(evaluated.face->steady);
     const auto opening = next_opening(history, target_);
     if (!opening) return std::nullopt;
-    PlannedRun planned = run(number);
-    planned.changes = changes_to(*opening);
-    case_file::apply_changes(planned.description, planned.changes);
-    return planned;
+    return planned(number, "run " + key(number), base_, changes_to(*opening));
   }
 
   void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const override {
-    const RunFace* best = nullptr;
-    const auto residual = [this](const RunFace& face) {
-      return face.steady.residual_m(target_.wanted);
-    };
+    std::vector<const RunFace*> faces;
     for (const EvaluatedRun& run : runs)
-      if (run.face && (best == nullptr || residual(*run.face) < residual(*best))) best = &*run.face;
-    if (best == nullptr) return;
+      if (run.face) faces.push_back(&*run.face);
+    if (faces.empty()) return;
+    const auto residual = [this](const RunFace* face) {
+      return face->steady.residual_m(target_.wanted);
+    };
+    const RunFace* best = *std::ranges::min_element(faces, {}, residual);
     v1::StudyResult::MouldFound& found = *result.mutable_mould();
     const v1::Curve& opening = best->section.half_thickness_m();
     *found.mutable_x_m() = opening.at();
     *found.mutable_half_opening_m() = opening.value();
     found.mutable_profile_x_m()->Assign(best->steady.x_m.begin(), best->steady.x_m.end());
     found.mutable_profile_m()->Assign(best->steady.cold_m.begin(), best->steady.cold_m.end());
-    found.set_residual_m(residual(*best));
+    found.set_residual_m(residual(best));
     found.set_within_tolerance(found.residual_m() <= target_.tolerance);
   }
 

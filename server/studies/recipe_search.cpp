@@ -46,17 +46,14 @@ const RecipeSpace::Ends* RecipeSpace::ends_of(RecipeNumber number) const {
 
 Recipe RecipeSpace::recipe(const Eigen::RowVectorXd& design) const {
   Recipe recipe = case_file::recipe_of(draft_);
-  for (std::size_t i = 0; i < ends_.size(); ++i)
-    recipe[ends_[i].number] =
-        ends_[i].low + design(static_cast<Eigen::Index>(i)) * (ends_[i].high - ends_[i].low);
+  for (int i = 0; i < numbers(); ++i) recipe[ends_[i].number] = number(i, design);
   return recipe;
 }
 
 Eigen::RowVectorXd RecipeSpace::design(const Recipe& recipe) const {
   Eigen::RowVectorXd design(ends_.size());
   for (std::size_t i = 0; i < ends_.size(); ++i)
-    design(static_cast<Eigen::Index>(i)) =
-        (recipe[ends_[i].number] - ends_[i].low) / (ends_[i].high - ends_[i].low);
+    design(i) = (recipe[ends_[i].number] - ends_[i].low) / (ends_[i].high - ends_[i].low);
   return design;
 }
 
@@ -158,8 +155,7 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
     throw std::runtime_error(std::to_string(valid.size()) + " of " + std::to_string(runs.size()) +
                              " drafts end with a valid curl; a surface needs " +
                              std::to_string(fewest_valid) + " or more");
-  curl_.emplace(matrix_of(valid), Eigen::Map<const Eigen::VectorXd>(
-                                      curls.data(), static_cast<Eigen::Index>(curls.size())));
+  curl_.emplace(matrix_of(valid), Eigen::Map<const Eigen::VectorXd>(curls.data(), curls.size()));
   error_m_ = curl_->left_out_errors().norm() / std::sqrt(static_cast<double>(curls.size()));
   danger_.emplace(matrix_of(places), dangers);
   const v1::RecipePlan& plan = space_->plan();
@@ -177,9 +173,8 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
 }
 
 std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t seed) const {
-  auto chosen =
-      statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
-                              static_cast<std::size_t>(space_->plan().candidates()), more_risk);
+  auto chosen = statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
+                                        space_->plan().candidates(), more_risk);
   for (auto& one : chosen) one.score = score(one.design);
   return chosen;
 }

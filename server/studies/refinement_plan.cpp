@@ -52,9 +52,9 @@ public:
   int runs() const override { return levels_; }
 
   PlannedRun run(int number) const override {
-    const std::string key = std::to_string(refinement(number));
-    return {key, "refinement " + key, case_file::divided(base_, 1 << number), {}};
+    return {key(number), "refinement " + key(number), case_file::divided(base_, 1 << number), {}};
   }
+  std::string key(int number) const override { return std::to_string(refinement(number)); }
 
   void describe(int number, v1::StudyRun& run) const override {
     run.set_refinement(refinement(number));

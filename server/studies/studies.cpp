@@ -68,8 +68,8 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
 
 /// The runs of a plan, none of which is a job yet.
 std::vector<RunRecord> runs_to_queue(int count) {
-  std::vector<RunRecord> runs(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) runs[static_cast<std::size_t>(i)].number = i;
+  std::vector<RunRecord> runs(count);
+  for (int i = 0; i < count; ++i) runs[i].number = i;
   return runs;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
+#include "proto/case_file/override.hpp"
 #include "server/intake/case_intake.hpp"
 
 namespace dccast::studies {
@@ -42,6 +44,13 @@ bool by_the_case_itself(const v1::Failure& failure) {
     default:
       return false;
   }
+}
+
+PlannedRun StudyPlan::planned(int number, std::string name, const v1::Case& base,
+                              std::vector<v1::CaseChange> changes) const {
+  PlannedRun planned{key(number), std::move(name), base, std::move(changes)};
+  case_file::apply_changes(planned.description, planned.changes);
+  return planned;
 }
 
 std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {

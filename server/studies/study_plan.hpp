@@ -71,7 +71,7 @@ public:
   /// @param number  from 0, of these
   virtual PlannedRun run(int number) const = 0;
   /// That of any run, also one that is not laid out yet.
-  virtual std::string key(int number) const { return run(number).key; }
+  virtual std::string key(int number) const { return std::to_string(number + 1); }
   /// A plan grows when it may have more runs than it lays out: each follows from those before it.
   virtual int most_runs() const { return runs(); }
   bool grows() const { return most_runs() > runs(); }
@@ -95,6 +95,11 @@ public:
   /// Adds the results of the runs together. @param runs  in the order of the plan
   virtual void evaluate(const std::vector<EvaluatedRun>& /*runs*/,
                         v1::StudyResult& /*result*/) const {}
+
+protected:
+  /// A case with changes.
+  PlannedRun planned(int number, std::string name, const v1::Case& base,
+                     std::vector<v1::CaseChange> changes) const;
 };
 
 /// What is wrong with a plan before any of its runs is looked at: number and kind of its figures,

@@ -229,24 +229,23 @@ RunValues grid_values(const v1::SweepPlan& sweep) {
 RunValues hypercube_values(const v1::CreateStudyRequest& request) {
   const v1::SweepPlan& sweep = request.sweep();
   const auto places = statistics::hypercube(sweep.runs(), sweep.axes_size(), sweep.seed());
-  RunValues runs(static_cast<std::size_t>(sweep.runs()));
+  RunValues runs(sweep.runs());
   for (int axis = 0; axis < sweep.axes_size(); ++axis) {
     const Axis& ends = sweep.axes(axis);
     const Range range(request.case_(), ends.key(), ends.values(0), ends.values(1));
-    for (int run = 0; run < sweep.runs(); ++run)
-      runs[static_cast<std::size_t>(run)].push_back(range.at(places(run, axis)));
+    for (int run = 0; run < sweep.runs(); ++run) runs[run].push_back(range.at(places(run, axis)));
   }
   return runs;
 }
 
 /// The case itself, then each axis alone at its two ends; what is empty is as in the case.
 RunValues end_values(const v1::SweepPlan& sweep) {
-  const std::vector<std::string> itself(static_cast<std::size_t>(sweep.axes_size()));
+  const std::vector<std::string> itself(sweep.axes_size());
   RunValues runs{itself};
   for (int axis = 0; axis < sweep.axes_size(); ++axis)
     for (const std::string& end : sweep.axes(axis).values()) {
       runs.push_back(itself);
-      runs.back()[static_cast<std::size_t>(axis)] = end;
+      runs.back()[axis] = end;
     }
   return runs;
 }
@@ -257,10 +256,9 @@ RunValues sweep_values(const v1::CreateStudyRequest& request) {
   if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);
   if (sweep.design() == v1::SweepPlan::ENDS) return end_values(sweep);
   if (sweep.design() == v1::SweepPlan::GRID) return grid_values(sweep);
-  RunValues runs(static_cast<std::size_t>(sweep.axes(0).values_size()));
+  RunValues runs(sweep.axes(0).values_size());
   for (const Axis& axis : sweep.axes())
-    for (int run = 0; run < axis.values_size(); ++run)
-      runs[static_cast<std::size_t>(run)].push_back(axis.values(run));
+    for (int run = 0; run < axis.values_size(); ++run) runs[run].push_back(axis.values(run));
   return runs;
 }
 
@@ -283,16 +281,16 @@ public:
   int runs() const override { return static_cast<int>(values_.size()); }
 
   PlannedRun run(int number) const override {
-    PlannedRun run{std::to_string(number + 1), "run " + std::to_string(number + 1), base_, {}};
+    std::string name = "run " + key(number);
+    std::vector<v1::CaseChange> changes;
     for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
       if (value(number, axis).empty()) continue;  // as in the case
-      run.name += run.changes.empty() ? " (" : ", ";
-      run.changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
-      run.name += run.changes.back().key() + " = " + value(number, axis);
+      changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
+      name += (changes.size() == 1 ? " (" : ", ") + changes.back().key() + " = " +
+              changes.back().value();
     }
-    run.name += run.changes.empty() ? " (the case itself)" : ")";
-    case_file::apply_changes(run.description, run.changes);
-    return run;
+    name += changes.empty() ? " (the case itself)" : ")";
+    return planned(number, std::move(name), base_, std::move(changes));
   }
 
   void describe(int number, v1::StudyRun& run) const override {
@@ -306,9 +304,7 @@ public:
   }
 
 private:
-  const std::string& value(int number, int axis) const {
-    return values_[static_cast<std::size_t>(number)][static_cast<std::size_t>(axis)];
-  }
+  const std::string& value(int number, int axis) const { return values_[number][axis]; }
 
   v1::Case base_;
   v1::SweepPlan sweep_;
