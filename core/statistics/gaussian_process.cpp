@@ -5,28 +5,28 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
+
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::statistics {
 
 namespace {
 
-/// Distances in units of the lengths.
-Eigen::MatrixXd distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
-                         const Eigen::VectorXd& length) {
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(a.rows(), b.rows());
-  for (Eigen::Index j = 0; j < a.cols(); ++j)
-    for (Eigen::Index k = 0; k < b.rows(); ++k)
-      square.col(k).array() += ((a.col(j).array() - b(k, j)) / length(j)).square();
-  return square.cwiseSqrt();
-}
+constexpr double shortest = 0.05, longest = 20.0;  // lengths, of a domain of 1
+constexpr double least_nugget = 1e-10, most_nugget = 0.3;
+constexpr int iterations = 60;
+// Few points say little about lengths: without a prior some go to their bounds. One that is a
+// factor of e^2 wide leaves every length that the points do speak for as it is.
+constexpr double prior_width = 2.0;
+// The likelihood costs the cube of the points, a hundred times over; this many settle the lengths.
+constexpr Eigen::Index most_for_lengths = 120;
 
-}  // namespace
-
-Eigen::MatrixXd correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
-                            const Eigen::VectorXd& length) {
-  const Eigen::ArrayXXd scaled = std::sqrt(5.0) * distance(a, b, length).array();
-  return (1.0 + scaled + scaled.square() / 3.0) * (-scaled).exp();
-}
+/// A correlation among places, and its derivatives by the logarithm of each length.
+struct CorrelationSlopes {
+  Eigen::MatrixXd value;
+  std::vector<Eigen::MatrixXd> by_length;
+};
 
 CorrelationSlopes correlation_slopes(const Eigen::MatrixXd& a, const Eigen::VectorXd& length) {
   const Eigen::Index n = a.rows();
@@ -46,15 +46,6 @@ CorrelationSlopes correlation_slopes(const Eigen::MatrixXd& a, const Eigen::Vect
   return {(1.0 + scaled + scaled.square() / 3.0) * decay, std::move(squares)};
 }
 
-namespace {
-
-constexpr double shortest = 0.05, longest = 20.0;  // lengths, of a domain of 1
-constexpr double least_nugget = 1e-10, most_nugget = 0.3;
-constexpr int iterations = 60;
-// Few points say little about lengths: without a prior some go to their bounds. One that is a
-// factor of e^2 wide leaves every length that the points do speak for as it is.
-constexpr double prior_width = 2.0;
-
 Eigen::VectorXd clamped(Eigen::VectorXd parameters) {
   const Eigen::Index inputs = parameters.size() - 1;
   for (Eigen::Index j = 0; j < inputs; ++j)
@@ -64,38 +55,17 @@ Eigen::VectorXd clamped(Eigen::VectorXd parameters) {
   return parameters;
 }
 
-/// Logarithm of the prior and its slope, added.
-void add_prior(const Eigen::VectorXd& parameters, Likelihood& likelihood) {
-  const Eigen::Index inputs = parameters.size() - 1;
-  const Eigen::VectorXd away = parameters.head(inputs) / prior_width;
-  likelihood.value -= 0.5 * away.squaredNorm();
-  likelihood.gradient.head(inputs) -= away / prior_width;
-}
-
-struct Found {
-  Eigen::VectorXd parameters;
-  double value = -std::numeric_limits<double>::infinity();
-};
-
-Found climb(const Eigen::MatrixXd& places, const Eigen::VectorXd& values, Eigen::VectorXd at) {
-  Eigen::VectorXd step = Eigen::VectorXd::Constant(at.size(), 0.2);
-  Eigen::VectorXd before = Eigen::VectorXd::Zero(at.size());
-  Found best;
-  for (int i = 0; i < iterations && step.maxCoeff() > 1e-3; ++i) {
-    const Likelihood here = log_likelihood(places, values, at);
-    if (here.value > best.value) best = {at, here.value};
-    for (Eigen::Index j = 0; j < at.size(); ++j) {
-      const double turn = before(j) * here.gradient(j);
-      step(j) = std::clamp(step(j) * (turn > 0.0 ? 1.2 : turn < 0.0 ? 0.5 : 1.0), 1e-4, 1.0);
-      before(j) = turn < 0.0 ? 0.0 : here.gradient(j);
-      at(j) += before(j) > 0.0 ? step(j) : before(j) < 0.0 ? -step(j) : 0.0;
-    }
-    at = clamped(at);
-  }
-  return best;
-}
-
 }  // namespace
+
+Eigen::MatrixXd correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                            const Eigen::VectorXd& length) {
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(a.rows(), b.rows());
+  for (Eigen::Index j = 0; j < a.cols(); ++j)
+    for (Eigen::Index k = 0; k < b.rows(); ++k)
+      square.col(k).array() += ((a.col(j).array() - b(k, j)) / length(j)).square();
+  const Eigen::ArrayXXd scaled = std::sqrt(5.0) * square.cwiseSqrt().array();
+  return (1.0 + scaled + scaled.square() / 3.0) * (-scaled).exp();
+}
 
 Likelihood log_likelihood(const Eigen::MatrixXd& places, const Eigen::VectorXd& values,
                           const Eigen::VectorXd& parameters) {
@@ -121,10 +91,39 @@ Likelihood log_likelihood(const Eigen::MatrixXd& places, const Eigen::VectorXd& 
   for (Eigen::Index j = 0; j < inputs; ++j)
     result.gradient(j) = 0.5 * turn.cwiseProduct(slopes.by_length[std::size_t(j)]).sum();
   result.gradient(inputs) = 0.5 * nugget * turn.trace();
-  add_prior(parameters, result);
+  const Eigen::VectorXd away = parameters.head(inputs) / prior_width;
+  result.value -= 0.5 * away.squaredNorm();
+  result.gradient.head(inputs) -= away / prior_width;
   return result;
 }
 
+namespace {
+
+struct Found {
+  Eigen::VectorXd parameters;
+  double value = -std::numeric_limits<double>::infinity();
+};
+
+Found climb(const Eigen::MatrixXd& places, const Eigen::VectorXd& values, Eigen::VectorXd at) {
+  Eigen::VectorXd step = Eigen::VectorXd::Constant(at.size(), 0.2);
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(at.size());
+  Found best;
+  for (int i = 0; i < iterations && step.maxCoeff() > 1e-3; ++i) {
+    const Likelihood here = log_likelihood(places, values, at);
+    if (here.value > best.value) best = {at, here.value};
+    for (Eigen::Index j = 0; j < at.size(); ++j) {
+      const double turn = before(j) * here.gradient(j);
+      step(j) = std::clamp(step(j) * (turn > 0.0 ? 1.2 : turn < 0.0 ? 0.5 : 1.0), 1e-4, 1.0);
+      before(j) = turn < 0.0 ? 0.0 : here.gradient(j);
+      at(j) += before(j) > 0.0 ? step(j) : before(j) < 0.0 ? -step(j) : 0.0;
+    }
+    at = clamped(at);
+  }
+  return best;
+}
+
+/// Maximises the likelihood from several starts by resilient propagation (Riedmiller and Braun
+/// 1993), which needs neither a line search nor a scale of the slopes.
 Hyperparameters most_likely(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
   const Eigen::Index inputs = places.cols();
   Found best;
@@ -139,31 +138,12 @@ Hyperparameters most_likely(const Eigen::MatrixXd& places, const Eigen::VectorXd
   return {best.parameters.head(inputs).array().exp(), std::exp(best.parameters(inputs))};
 }
 
-namespace {
-
-// The likelihood costs the cube of the points, a hundred times over; this many settle the lengths.
-constexpr Eigen::Index most_for_lengths = 120;
-
-/// Every so-many-th of the rows, spread over all.
-Eigen::VectorXi spread(Eigen::Index rows) {
-  const Eigen::Index count = std::min(rows, most_for_lengths);
-  Eigen::VectorXi chosen(count);
-  for (Eigen::Index i = 0; i < count; ++i) chosen(i) = static_cast<int>(i * rows / count);
-  return chosen;
-}
-
-/// Values that are all the same have no lengths.
+/// Values that are all the same have no lengths. Of many points some, spread over all.
 Hyperparameters lengths_of(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
   const double range = values.maxCoeff() - values.minCoeff();
   if (!(range > 0.0)) return {Eigen::VectorXd::Ones(places.cols()), 1e-6};
-  const Eigen::VectorXi chosen = spread(places.rows());
-  Eigen::MatrixXd some(chosen.size(), places.cols());
-  Eigen::VectorXd scaled(chosen.size());
-  for (Eigen::Index i = 0; i < chosen.size(); ++i) {
-    some.row(i) = places.row(chosen(i));
-    scaled(i) = values(chosen(i)) / range;
-  }
-  return most_likely(some, scaled);
+  const auto chosen = spread_indices(places.rows(), most_for_lengths);
+  return most_likely(places(chosen, Eigen::all), values(chosen) / range);
 }
 
 }  // namespace

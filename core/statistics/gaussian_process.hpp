@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <vector>
 
 namespace dccast::statistics {
 
@@ -20,13 +19,6 @@ struct Hyperparameters {
 Eigen::MatrixXd correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                             const Eigen::VectorXd& length);
 
-/// A correlation among places, and its derivatives by the logarithm of each length.
-struct CorrelationSlopes {
-  Eigen::MatrixXd value;
-  std::vector<Eigen::MatrixXd> by_length;
-};
-CorrelationSlopes correlation_slopes(const Eigen::MatrixXd& a, const Eigen::VectorXd& length);
-
 /// A value of the likelihood and its slope.
 struct Likelihood {
   double value = 0.0;        ///< logarithm, mean and variance at their best, with a weak prior
@@ -38,10 +30,6 @@ struct Likelihood {
 /// @param parameters  logarithms of the lengths, then of the nugget
 Likelihood log_likelihood(const Eigen::MatrixXd& places, const Eigen::VectorXd& values,
                           const Eigen::VectorXd& parameters);
-
-/// Maximises the likelihood from several starts by resilient propagation (Riedmiller and Braun
-/// 1993), which needs neither a line search nor a scale of the slopes.
-Hyperparameters most_likely(const Eigen::MatrixXd& places, const Eigen::VectorXd& values);
 
 /// A function known at some places, as a Gaussian process with a constant mean and a Matern 5/2
 /// correlation (Rasmussen and Williams 2006, chapters 2, 4 and 5).

@@ -53,7 +53,7 @@ PrincipalComponents::PrincipalComponents(const Eigen::MatrixXd& places,
 void PrincipalComponents::leave_out_one_by_one(Eigen::Index inputs) {
   Eigen::MatrixXd errors = rest_;
   for (std::size_t k = 0; k < amounts_.size(); ++k)
-    errors += amounts_[k].left_out_errors() * shape_.col(static_cast<Eigen::Index>(k)).transpose();
+    errors += amounts_[k].left_out_errors() * shape_.col(k).transpose();
   // Mean, lengths and nugget have followed the points that are left out, too.
   const double free = std::max(1.0, static_cast<double>(errors.rows() - inputs - 2));
   left_out_ = errors.colwise().squaredNorm().transpose() / free;
@@ -64,7 +64,7 @@ PrincipalComponents::Estimate PrincipalComponents::estimate(const Eigen::RowVect
                   rest_.colwise().squaredNorm().transpose() / static_cast<double>(rest_.rows())};
   for (std::size_t k = 0; k < amounts_.size(); ++k) {
     const auto amount = amounts_[k].estimate(place);
-    const auto shape = shape_.col(static_cast<Eigen::Index>(k));
+    const auto shape = shape_.col(k);
     result.mean += amount.mean(0) * shape;
     result.variance += amount.variance(0) * shape.cwiseAbs2();
   }
@@ -75,22 +75,20 @@ PrincipalComponents::Estimate PrincipalComponents::estimate(const Eigen::RowVect
 Eigen::MatrixXd PrincipalComponents::means(const Eigen::MatrixXd& places) const {
   Eigen::MatrixXd values = mean_.replicate(places.rows(), 1);
   for (std::size_t k = 0; k < amounts_.size(); ++k)
-    values += amounts_[k].means(places) * shape_.col(static_cast<Eigen::Index>(k)).transpose();
+    values += amounts_[k].means(places) * shape_.col(k).transpose();
   return values;
 }
 
 Eigen::VectorXd PrincipalComponents::left_out_errors(Eigen::Index figure) const {
   Eigen::VectorXd errors = rest_.col(figure);
   for (std::size_t k = 0; k < amounts_.size(); ++k)
-    errors += amounts_[k].left_out_errors() * shape_(figure, static_cast<Eigen::Index>(k));
+    errors += amounts_[k].left_out_errors() * shape_(figure, k);
   return errors;
 }
 
 std::size_t PrincipalComponents::bytes() const {
   const Eigen::Index points = rest_.rows();  // squared in the factor of each process
-  return sizeof(double) *
-         static_cast<std::size_t>(rest_.size() + shape_.size() +
-                                  points * points * static_cast<Eigen::Index>(amounts_.size()));
+  return sizeof(double) * (rest_.size() + shape_.size() + points * points * amounts_.size());
 }
 
 Eigen::VectorXd PrincipalComponents::variance_of(const Eigen::MatrixXd& places,
@@ -98,9 +96,7 @@ Eigen::VectorXd PrincipalComponents::variance_of(const Eigen::MatrixXd& places,
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());
   for (std::size_t k = 0; k < amounts_.size(); ++k) {
     double share = 0.0;
-    for (const Eigen::Index figure : figures)
-      share += shape_(figure, static_cast<Eigen::Index>(k)) *
-               shape_(figure, static_cast<Eigen::Index>(k));
+    for (const Eigen::Index figure : figures) share += shape_(figure, k) * shape_(figure, k);
     sum += share * amounts_[k].estimate(places).variance;
   }
   return sum;

@@ -16,11 +16,6 @@ constexpr int first_designs = 256;
 constexpr int rounds = 8, parents = 24, children = 3;
 constexpr double first_step = 0.2, shrinking = 0.7;  // of a neighbour, of a domain of 1
 
-/// Probability that a standard normal number is smaller.
-double normal_below(double x) {
-  return 0.5 * std::erfc(-x / std::sqrt(2.0));
-}
-
 /// Each row of the data at one design.
 Eigen::MatrixXd places_of(const Eigen::RowVectorXd& design, const Eigen::MatrixXd& data) {
   Eigen::MatrixXd places(data.rows(), design.size() + data.cols());
@@ -84,8 +79,7 @@ Classifier::Classifier(const Eigen::MatrixXd& places, const std::vector<bool>& y
   alike_ = (positive + 1.0) / (count + 2.0);
   if (positive == 0.0 || positive == count) return;
   Eigen::VectorXd answers(places.rows());
-  for (Eigen::Index i = 0; i < answers.size(); ++i)
-    answers(i) = yes[static_cast<std::size_t>(i)] ? 1.0 : -1.0;
+  for (Eigen::Index i = 0; i < answers.size(); ++i) answers(i) = yes[i] ? 1.0 : -1.0;
   answers_.emplace_back(places, answers);
   const Eigen::VectorXd& off = answers_.front().left_out_errors();
   error_ = std::max(0.05, off.norm() / std::sqrt(count));
@@ -163,7 +157,7 @@ std::vector<ScoredDesign> spread_over(const std::vector<ScoredDesign>& front, st
       apart[i] = std::min(
           apart[i],
           (aims_of(near[i].score) - aims_of(near[next].score)).cwiseQuotient(width).squaredNorm());
-    next = static_cast<std::size_t>(std::ranges::max_element(apart) - apart.begin());
+    next = std::ranges::max_element(apart) - apart.begin();
   }
   std::ranges::stable_sort(chosen, less_risky);
   return chosen;
@@ -174,8 +168,7 @@ Share corrected_share(double modelled, const Eigen::VectorXd& expected,
   const auto count = static_cast<double>(lost.size());
   if (lost.empty()) return {modelled, std::sqrt(modelled * (1.0 - modelled))};
   Eigen::VectorXd off(expected.size());
-  for (Eigen::Index i = 0; i < off.size(); ++i)
-    off(i) = (lost[static_cast<std::size_t>(i)] ? 1.0 : 0.0) - expected(i);
+  for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = (lost[i] ? 1.0 : 0.0) - expected(i);
   const double mean = off.mean();
   const double rare = 1.0 / (count + 2.0);
   const double variance = std::max((off.array() - mean).square().sum() / std::max(1.0, count - 1.0),

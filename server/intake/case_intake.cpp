@@ -12,30 +12,25 @@
 #include <stdexcept>
 #include <utility>
 
+#include "dccast/v1/options.pb.h"
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
-#include "server/intake/attachment_names.hpp"
 
 namespace dccast::intake {
 
 namespace {
 
+/// Where faults of the attachments themselves stand.
+constexpr const char* attachments_field = "attachments";
+
 /// What the core would find is not known until the first fault is fixed.
 void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
-  v1::Fault& waiting = *verdict.add_warnings();
-  waiting.set_field(verdict.faults(0).field());
-  waiting.set_message("further checks wait until this is fixed");
-}
-
-void note_idle_quality(v1::ValidateCaseResponse& verdict) {
-  v1::Fault& idle = *verdict.add_warnings();
-  idle.set_field("quality");
-  idle.set_message("changes nothing, as the case gives mesh and time steps itself");
-  idle.set_remedy("leave mesh.columns, mesh.rows, time.step and their like away");
+  *verdict.add_warnings() =
+      fault_of(verdict.faults(0).field(), "", "further checks wait until this is fixed");
 }
 
 /// Adds the core's faults, save those of keys that have one already.
@@ -58,12 +53,9 @@ std::string gigabytes(double bytes) {
 
 void add_fault(v1::ValidateCaseResponse& verdict, const char* field, const std::string& value,
                const std::string& most, const std::string& setting, const std::string& remedy) {
-  v1::Fault& fault = *verdict.add_faults();
-  fault.set_field(field);
-  fault.set_value(value);
-  fault.set_message("the case has " + value + ", more than this dccastd takes");
-  fault.set_permitted("at most " + most);
-  fault.set_remedy(remedy + ", or have " + setting + " raised in the settings of dccastd");
+  *verdict.add_faults() = fault_of(
+      field, value, "the case has " + value + ", more than this dccastd takes", "at most " + most,
+      remedy + ", or have " + setting + " raised in the settings of dccastd");
 }
 
 /// Faults instead of the estimate when it is beyond a ceiling.
@@ -83,11 +75,72 @@ void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
   if (verdict.faults_size() > 0) verdict.clear_estimate();
 }
 
+void check_names(const jobs::Attachments& attachments, std::set<std::string>& names,
+                 v1::ValidateCaseResponse& verdict) {
+  for (const v1::Attachment& attachment : attachments) {
+    if (!jobs::is_plain_file_name(attachment.name()))
+      *verdict.add_faults() = fault_of(
+          attachments_field, values::escaped(attachment.name()), "is not the plain name of a file",
+          "1 to 255 bytes without a slash, not \".\" or \"..\"", "attach it under its last name");
+    else if (const auto character = values::unprintable(attachment.name()))
+      *verdict.add_faults() =
+          fault_of(attachments_field, values::escaped(attachment.name()), "contains " + *character,
+                   "characters that can be shown", "rename the file");
+    else if (!names.insert(attachment.name()).second)
+      *verdict.add_faults() = fault_of(attachments_field, attachment.name(), "is attached twice",
+                                       "one file of a name", "rename one of them");
+  }
+}
+
+/// Every file a message names must be attached; walks its tables.
+void check_references(const google::protobuf::Message& message, const std::string& path,
+                      const std::set<std::string>& attached, std::set<std::string>& used,
+                      v1::ValidateCaseResponse& verdict) {
+  const auto* reflection = message.GetReflection();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const auto* field : fields) {
+    const std::string name = path.empty() ? field->name() : path + "." + field->name();
+    if (field->message_type() != nullptr && !field->is_repeated()) {
+      check_references(reflection->GetMessage(message, field), name, attached, used, verdict);
+    } else if (field->options().GetExtension(v1::key).attachment()) {
+      const std::string file = reflection->GetString(message, field);
+      used.insert(file);
+      if (!attached.contains(file))
+        *verdict.add_faults() =
+            fault_of(name, file, "is not among the attachments",
+                     "the name of a file sent with the case", "send it with the case");
+    }
+  }
+}
+
 std::string printable(const std::string& text) {
   return values::escaped(text, values::Lines::several);
 }
 
 }  // namespace
+
+void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
+                            v1::ValidateCaseResponse& verdict) {
+  std::set<std::string> names, used;
+  check_names(attachments, names, verdict);
+  check_references(submitted, "", names, used, verdict);
+  for (const std::string& name : names)
+    if (!used.contains(name))
+      *verdict.add_warnings() = fault_of(attachments_field, name, "is not named in the case", "",
+                                         "name it there, or leave it out");
+}
+
+v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
+                   const std::string& permitted, const std::string& remedy) {
+  v1::Fault fault;
+  fault.set_field(field);
+  fault.set_value(value);
+  fault.set_message(message);
+  fault.set_permitted(permitted);
+  fault.set_remedy(remedy);
+  return fault;
+}
 
 double memory_per_worker(int workers) {
   double memory =
@@ -146,7 +199,9 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
   }
   hold_against(ceilings_, verdict);
   if (submitted.quality() != v1::QUALITY_UNSPECIFIED && !case_file::quality_matters(submitted))
-    note_idle_quality(verdict);
+    *verdict.add_warnings() =
+        fault_of("quality", "", "changes nothing, as the case gives mesh and time steps itself", "",
+                 "leave mesh.columns, mesh.rows, time.step and their like away");
   return examined;
 }
 

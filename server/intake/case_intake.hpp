@@ -74,6 +74,12 @@ private:
   std::vector<v1::Alloy> alloys_;
 };
 
+/// Checks that attachments have plain, distinct names, that every file the case names is among them
+/// (a fault otherwise), and that the case names each of them (a warning otherwise). Which keys name
+/// files stands in the schema.
+void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
+                            v1::ValidateCaseResponse& verdict);
+
 /// SHA-256 of a case and its attachments: two submissions with one request_id are the same when it
 /// is. Taken over the case's canonical JSON, which no library version changes.
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments);
@@ -86,6 +92,9 @@ std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
 /// A job of a case that was found good; who wants it, and how, is to be added.
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined);
+
+v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
+                   const std::string& permitted = {}, const std::string& remedy = {});
 
 /// Writes out what would act on a terminal in every text of a message. Cases of today are held
 /// against that when they are taken; those of an earlier version may hold anything.

@@ -1,27 +1,20 @@
 #include "server/studies/curl_surface.hpp"
 
-#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "core/statistics/principal_components.hpp"
-#include "core/statistics/sampling.hpp"
-#include "proto/values/interpolation.hpp"
+#include <numbers>
 
 namespace dccast::studies {
 
 namespace {
 
 constexpr std::size_t most_instants = 150;
-constexpr std::size_t most_runs = 1000;            // beyond them the surface gains nothing but time
-constexpr std::size_t most_for_cast_length = 200;  // it follows the recipe alone, smoothly
-constexpr int candidates = 200;                    // for the next run
-constexpr std::size_t most_inputs_with_corners = 6;
+constexpr Eigen::Index most_runs = 1000;  // beyond them the surface gains nothing but time
+constexpr Eigen::Index most_for_cast_length = 200;  // it follows the recipe alone, smoothly
+constexpr int candidates = 200;                     // for the next run
+constexpr int most_inputs_with_corners = 6;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<double> values_of(const google::protobuf::RepeatedField<double>& field) {
-  return {field.begin(), field.end()};
-}
 
 /// Instants that all runs have, those of the first run's steps; thinned, the last one kept.
 std::vector<double> common_instants(const std::vector<SurfaceRun>& runs) {
@@ -43,213 +36,243 @@ std::vector<double> common_instants(const std::vector<SurfaceRun>& runs) {
   return instants;
 }
 
-Eigen::MatrixXd places_of(const std::vector<std::vector<double>>& places) {
-  Eigen::MatrixXd matrix(places.size(), places.front().size());
-  for (std::size_t i = 0; i < places.size(); ++i)
-    for (std::size_t j = 0; j < places[i].size(); ++j)
-      matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = places[i][j];
-  return matrix;
-}
-
-/// At most as many as the cast length needs, spread over all.
+/// At most as many as the cast length needs.
 Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all) {
-  const Eigen::Index count = std::min<Eigen::Index>(all.rows(), most_for_cast_length);
-  Eigen::MatrixXd some(count, all.cols());
-  for (Eigen::Index i = 0; i < count; ++i) some.row(i) = all.row(i * all.rows() / count);
-  return some;
+  return all(statistics::spread_indices(all.rows(), most_for_cast_length), Eigen::all);
 }
 
 /// A spread over the domain, and its corners, where surfaces are least certain.
-Eigen::MatrixXd candidate_places(std::size_t inputs) {
-  auto places = statistics::latin_hypercube(candidates, static_cast<int>(inputs), 1);
-  if (inputs <= most_inputs_with_corners)
-    for (const auto& corner : statistics::grid(std::vector<int>(inputs, 2)))
-      places.emplace_back(corner.begin(), corner.end());
-  return places_of(places);
+Eigen::MatrixXd candidate_places(int inputs) {
+  const Eigen::MatrixXd spread = statistics::hypercube(candidates, inputs, 1);
+  if (inputs > most_inputs_with_corners) return spread;
+  const int corners = 1 << inputs;
+  Eigen::MatrixXd places(candidates + corners, inputs);
+  places << spread,
+      Eigen::MatrixXd::NullaryExpr(corners, inputs, [&](Eigen::Index corner, Eigen::Index input) {
+        return static_cast<double>(corner >> (inputs - 1 - input) & 1);
+      });
+  return places;
+}
+
+/// Keeps at most as many as a surface needs. @return how many
+int keep_some(std::vector<SurfaceRun>& runs) {
+  const auto chosen = statistics::spread_indices(std::ssize(runs), most_runs);
+  for (Eigen::Index i = 0; i < std::ssize(chosen); ++i)
+    if (chosen[i] != i) runs[i] = std::move(runs[chosen[i]]);
+  runs.resize(chosen.size());
+  return static_cast<int>(runs.size());
 }
 
 }  // namespace
 
-class CurlSurface::Parts {
-public:
-  Parts(std::vector<InputRange> domain, std::vector<SurfaceRun> runs,
-        const std::vector<std::string>& monitors)
-      : domain_(std::move(domain)),
-        runs_(static_cast<int>(runs.size())),
-        monitors_(monitors),
-        time_s_(common_instants(runs)),
-        places_(scaled_places(runs)),
-        curls_(places_, curl_figures(runs)),
-        lengths_(some_rows(places_), some_rows(length_figures(runs))) {
-    judge();
-  }
-
-  std::vector<v1::CurlCurve> predict(const std::vector<double>& place) const {
-    const Eigen::RowVectorXd at = scaled(place);
-    const auto curls = curls_.estimate(at);
-    const auto lengths = lengths_.estimate(at);
-    std::vector<v1::CurlCurve> curves(monitors_.size());
-    for (std::size_t m = 0; m < monitors_.size(); ++m) {
-      curves[m].set_monitor(monitors_[m]);
-      for (std::size_t i = 0; i < time_s_.size(); ++i) {
-        const Eigen::Index figure = figure_[m][i];
-        curves[m].add_time_s(time_s_[i]);
-        curves[m].add_cast_length_m(lengths.mean(static_cast<Eigen::Index>(i)));
-        curves[m].add_curl_m(figure < 0 ? unknown : curls.mean(figure));
-        curves[m].add_uncertainty_m(figure < 0 ? unknown : std::sqrt(curls.variance(figure)));
-      }
-    }
-    return curves;
-  }
-
-  v1::Spread spread(const std::string& monitor, const std::optional<CurlBand>& band) const {
-    const auto m = std::ranges::find(monitors_, monitor) - monitors_.begin();
-    if (m == std::ssize(monitors_)) return {};
-    SampledCurls sampled;
-    std::vector<Eigen::Index> figures;
-    const auto lengths = lengths_.estimate(Eigen::RowVectorXd::Constant(places_.cols(), 0.5));
-    for (std::size_t i = 0; i < time_s_.size(); ++i) {
-      const Eigen::Index figure = figure_[static_cast<std::size_t>(m)][i];
-      if (figure < 0) continue;
-      figures.push_back(figure);
-      sampled.time_s.push_back(time_s_[i]);
-      sampled.cast_length_m.push_back(lengths.mean(static_cast<Eigen::Index>(i)));
-      sampled.error_m.push_back(curls_.left_out_errors(figure).norm() / std::sqrt(runs_));
-    }
-    sampled.curls = [&](const Eigen::MatrixXd& places) {
-      return Eigen::MatrixXd(curls_.means(places)(Eigen::all, figures));
-    };
-    v1::Spread spread = spread_of(sampled, static_cast<int>(domain_.size()), band);
-    spread.set_monitor(monitor);
-    spread.set_runs(runs_);
-    return spread;
-  }
-
-  int runs() const { return runs_; }
-  std::size_t bytes() const { return curls_.bytes() + lengths_.bytes(); }
-  double error_m() const { return error_m_; }
-  const std::vector<double>& next_place() const { return next_place_; }
-
-private:
-  Eigen::RowVectorXd scaled(const std::vector<double>& place) const {
-    Eigen::RowVectorXd row(place.size());
-    for (std::size_t j = 0; j < place.size(); ++j) {
-      const double width = domain_[j].high - domain_[j].low;
-      row(static_cast<Eigen::Index>(j)) = width > 0.0 ? (place[j] - domain_[j].low) / width : 0.0;
-    }
-    return row;
-  }
-
-  Eigen::MatrixXd scaled_places(const std::vector<SurfaceRun>& runs) const {
-    Eigen::MatrixXd places(runs.size(), domain_.size());
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      places.row(static_cast<Eigen::Index>(i)) = scaled(runs[i].place);
-    return places;
-  }
-
-  /// (run, instant) of one monitor; NaN where it is not reported.
-  Eigen::MatrixXd curls_of(const std::vector<SurfaceRun>& runs, const std::string& monitor) const {
-    Eigen::MatrixXd curls = Eigen::MatrixXd::Constant(runs.size(), time_s_.size(), unknown);
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      if (const v1::CurlCurve* curve = runs[i].history.curve(monitor)) {
-        const auto values =
-            values::at_instants(time_s_, values_of(curve->time_s()), values_of(curve->curl_m()));
-        curls.row(static_cast<Eigen::Index>(i)) =
-            Eigen::Map<const Eigen::RowVectorXd>(values.data(), curls.cols());
-      }
-    return curls;
-  }
-
-  /// (run, figure) curls of all monitors at the instants at which every run reports them; fills
-  /// figure_.
-  Eigen::MatrixXd curl_figures(const std::vector<SurfaceRun>& runs) {
-    std::vector<Eigen::VectorXd> columns;
-    for (const std::string& monitor : monitors_) {
-      const Eigen::MatrixXd curls = curls_of(runs, monitor);
-      auto& figure = figure_.emplace_back(time_s_.size(), -1);
-      for (Eigen::Index i = 0; i < curls.cols(); ++i) {
-        if (!curls.col(i).allFinite()) continue;
-        figure[static_cast<std::size_t>(i)] = static_cast<Eigen::Index>(columns.size());
-        columns.push_back(curls.col(i));
-      }
-    }
-    Eigen::MatrixXd figures(runs.size(), columns.size());
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      figures.col(static_cast<Eigen::Index>(k)) = columns[k];
-    return figures;
-  }
-
-  /// (run, instant) cast lengths.
-  Eigen::MatrixXd length_figures(const std::vector<SurfaceRun>& runs) const {
-    Eigen::MatrixXd lengths(runs.size(), time_s_.size());
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const v1::CurlCurve& curve = runs[i].history.curves.front();
-      const auto values =
-          values::at_instants(time_s_, values_of(curve.time_s()), values_of(curve.cast_length_m()));
-      lengths.row(static_cast<Eigen::Index>(i)) =
-          Eigen::Map<const Eigen::RowVectorXd>(values.data(), lengths.cols());
-    }
-    return lengths;
-  }
-
-  /// Sets error_m_ and next_place_.
-  void judge() {
-    std::vector<Eigen::Index> ends;
-    for (const auto& figure : figure_)
-      if (figure.back() >= 0) ends.push_back(figure.back());
-    for (const Eigen::Index end : ends)
-      error_m_ = std::max(error_m_, curls_.left_out_errors(end).norm() / std::sqrt(runs_));
-    const Eigen::MatrixXd places = candidate_places(domain_.size());
-    Eigen::Index widest = 0;
-    curls_.variance_of(places, ends).maxCoeff(&widest);
-    for (Eigen::Index j = 0; j < places.cols(); ++j) next_place_.push_back(places(widest, j));
-  }
-
-  std::vector<InputRange> domain_;
-  int runs_;
-  std::vector<std::string> monitors_;
-  std::vector<double> time_s_;
-  std::vector<std::vector<Eigen::Index>> figure_;  ///< (monitor, instant); -1: not known
-  Eigen::MatrixXd places_;
-  statistics::PrincipalComponents curls_;
-  statistics::PrincipalComponents lengths_;
-  double error_m_ = 0.0;
-  std::vector<double> next_place_;
-};
-
-CurlSurface::CurlSurface(std::vector<InputRange> domain, const std::vector<SurfaceRun>& runs,
-                         const std::vector<std::string>& monitors) {
-  std::vector<SurfaceRun> some;
-  const std::size_t count = std::min(runs.size(), most_runs);
-  for (std::size_t i = 0; i < count; ++i) some.push_back(runs[i * runs.size() / count]);
-  parts_ = std::make_unique<const Parts>(std::move(domain), std::move(some), monitors);
+CurlSurface::CurlSurface(std::vector<InputRange> domain, std::vector<SurfaceRun> runs,
+                         std::vector<std::string> monitors)
+    : domain_(std::move(domain)),
+      runs_(keep_some(runs)),
+      monitors_(std::move(monitors)),
+      time_s_(common_instants(runs)),
+      places_(scaled_places(runs)),
+      curls_(places_, curl_figures(runs)),
+      lengths_(some_rows(places_), some_rows(length_figures(runs))) {
+  judge();
 }
-
-CurlSurface::~CurlSurface() = default;
 
 std::vector<v1::CurlCurve> CurlSurface::predict(const std::vector<double>& place) const {
-  return parts_->predict(place);
-}
-
-double CurlSurface::cross_validated_error_m() const {
-  return parts_->error_m();
+  const Eigen::RowVectorXd at = scaled(place);
+  const auto curls = curls_.estimate(at);
+  const auto lengths = lengths_.estimate(at);
+  std::vector<v1::CurlCurve> curves(monitors_.size());
+  for (std::size_t m = 0; m < monitors_.size(); ++m) {
+    curves[m].set_monitor(monitors_[m]);
+    for (std::size_t i = 0; i < time_s_.size(); ++i) {
+      const Eigen::Index figure = figure_[m][i];
+      curves[m].add_time_s(time_s_[i]);
+      curves[m].add_cast_length_m(lengths.mean(i));
+      curves[m].add_curl_m(figure < 0 ? unknown : curls.mean(figure));
+      curves[m].add_uncertainty_m(figure < 0 ? unknown : std::sqrt(curls.variance(figure)));
+    }
+  }
+  return curves;
 }
 
 v1::Spread CurlSurface::spread(const std::string& monitor,
                                const std::optional<CurlBand>& band) const {
-  return parts_->spread(monitor, band);
+  const auto m = std::ranges::find(monitors_, monitor) - monitors_.begin();
+  if (m == std::ssize(monitors_)) return {};
+  SampledCurls sampled;
+  std::vector<Eigen::Index> figures;
+  const auto lengths = lengths_.estimate(Eigen::RowVectorXd::Constant(places_.cols(), 0.5));
+  for (std::size_t i = 0; i < time_s_.size(); ++i) {
+    const Eigen::Index figure = figure_[m][i];
+    if (figure < 0) continue;
+    figures.push_back(figure);
+    sampled.time_s.push_back(time_s_[i]);
+    sampled.cast_length_m.push_back(lengths.mean(i));
+    sampled.error_m.push_back(curls_.left_out_errors(figure).norm() / std::sqrt(runs_));
+  }
+  sampled.curls = [&](const Eigen::MatrixXd& places) {
+    return Eigen::MatrixXd(curls_.means(places)(Eigen::all, figures));
+  };
+  v1::Spread spread = spread_of(sampled, static_cast<int>(domain_.size()), band);
+  spread.set_monitor(monitor);
+  spread.set_runs(runs_);
+  return spread;
 }
 
-const std::vector<double>& CurlSurface::next_place() const {
-  return parts_->next_place();
+Eigen::RowVectorXd CurlSurface::scaled(const std::vector<double>& place) const {
+  Eigen::RowVectorXd row(place.size());
+  for (std::size_t j = 0; j < place.size(); ++j) {
+    const double width = domain_[j].high - domain_[j].low;
+    row(j) = width > 0.0 ? (place[j] - domain_[j].low) / width : 0.0;
+  }
+  return row;
 }
 
-int CurlSurface::runs() const {
-  return parts_->runs();
+Eigen::MatrixXd CurlSurface::scaled_places(const std::vector<SurfaceRun>& runs) const {
+  Eigen::MatrixXd places(runs.size(), domain_.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) places.row(i) = scaled(runs[i].place);
+  return places;
 }
 
-std::size_t CurlSurface::bytes() const {
-  return parts_->bytes();
+/// (run, instant) of one monitor; NaN where it is not reported.
+Eigen::MatrixXd CurlSurface::curls_of(const std::vector<SurfaceRun>& runs,
+                                      const std::string& monitor) const {
+  std::vector<std::vector<double>> curls;
+  for (const SurfaceRun& run : runs) {
+    const v1::CurlCurve* curve = run.history.curve(monitor);
+    curls.push_back(curve != nullptr ? at_instants(time_s_, *curve, curve->curl_m())
+                                     : std::vector<double>(time_s_.size(), unknown));
+  }
+  return statistics::matrix_of(curls);
+}
+
+/// (run, figure) curls of all monitors at the instants at which every run reports them; fills
+/// figure_.
+Eigen::MatrixXd CurlSurface::curl_figures(const std::vector<SurfaceRun>& runs) {
+  std::vector<Eigen::VectorXd> columns;
+  for (const std::string& monitor : monitors_) {
+    const Eigen::MatrixXd curls = curls_of(runs, monitor);
+    auto& figure = figure_.emplace_back(time_s_.size(), -1);
+    for (Eigen::Index i = 0; i < curls.cols(); ++i) {
+      if (!curls.col(i).allFinite()) continue;
+      figure[i] = columns.size();
+      columns.push_back(curls.col(i));
+    }
+  }
+  Eigen::MatrixXd figures(runs.size(), columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) figures.col(k) = columns[k];
+  return figures;
+}
+
+/// (run, instant) cast lengths.
+Eigen::MatrixXd CurlSurface::length_figures(const std::vector<SurfaceRun>& runs) const {
+  std::vector<std::vector<double>> lengths;
+  for (const SurfaceRun& run : runs) {
+    const v1::CurlCurve& curve = run.history.curves.front();
+    lengths.push_back(at_instants(time_s_, curve, curve.cast_length_m()));
+  }
+  return statistics::matrix_of(lengths);
+}
+
+/// Sets error_m_ and next_place_.
+void CurlSurface::judge() {
+  std::vector<Eigen::Index> ends;
+  for (const auto& figure : figure_)
+    if (figure.back() >= 0) ends.push_back(figure.back());
+  for (const Eigen::Index end : ends)
+    error_m_ = std::max(error_m_, curls_.left_out_errors(end).norm() / std::sqrt(runs_));
+  const Eigen::MatrixXd places = candidate_places(static_cast<int>(domain_.size()));
+  Eigen::Index widest = 0;
+  curls_.variance_of(places, ends).maxCoeff(&widest);
+  for (Eigen::Index j = 0; j < places.cols(); ++j) next_place_.push_back(places(widest, j));
+}
+
+namespace {
+
+constexpr int castings = 4096;       // drawn for the quantiles
+constexpr int index_samples = 2048;  // a few percent of sampling error, a second of processor time
+constexpr std::size_t most_index_instants = 12;
+constexpr std::uint64_t seed = 20;
+
+/// (casting, instant) curls that the inputs and the error of the function make.
+Eigen::MatrixXd drawn(const SampledCurls& sampled, int inputs) {
+  const Eigen::MatrixXd places = statistics::hypercube(castings, inputs + 2, seed);
+  // Box and Muller 1958.
+  const Eigen::VectorXd normal = Eigen::VectorXd::NullaryExpr(castings, [&](Eigen::Index i) {
+    const double radius = std::sqrt(-2.0 * std::log(places(i, inputs)));
+    return radius * std::cos(2.0 * std::numbers::pi * places(i, inputs + 1));
+  });
+  Eigen::MatrixXd curls = sampled.curls(places.leftCols(inputs));
+  for (Eigen::Index t = 0; t < curls.cols(); ++t) curls.col(t) += sampled.error_m[t] * normal;
+  return curls;
+}
+
+void add_quantiles(Eigen::MatrixXd curls, v1::Spread& spread) {
+  for (Eigen::Index t = 0; t < curls.cols(); ++t) {
+    auto column = curls.col(t);
+    std::sort(column.begin(), column.end());
+    spread.add_low_m(statistics::quantile(column, 0.05));
+    spread.add_median_m(statistics::quantile(column, 0.5));
+    spread.add_high_m(statistics::quantile(column, 0.95));
+  }
+}
+
+double share_inside(const Eigen::VectorXd& curls, const CurlBand& band) {
+  return ((curls.array() >= band.least) && (curls.array() <= band.greatest)).cast<double>().mean();
+}
+
+/// At most so many of the instants, the last one among them.
+std::vector<Eigen::Index> index_instants(std::size_t count) {
+  std::vector<Eigen::Index> chosen;
+  const std::size_t most = std::min(count, most_index_instants);
+  for (std::size_t i = 1; i <= most; ++i) chosen.push_back(i * count / most - 1);
+  return chosen;
+}
+
+void add_shares(const SampledCurls& sampled, int inputs, v1::Spread& spread) {
+  const auto instants = index_instants(sampled.time_s.size());
+  const auto indices = statistics::sobol_indices(
+      [&](const Eigen::MatrixXd& places) {
+        return Eigen::MatrixXd(sampled.curls(places)(Eigen::all, instants));
+      },
+      inputs, index_samples, seed);
+  for (const Eigen::Index instant : instants) spread.add_index_time_s(sampled.time_s[instant]);
+  v1::Spread::Share unexplained;
+  Eigen::VectorXd followed(indices.variance.size());  // share of the variance that the inputs make
+  for (Eigen::Index k = 0; k < followed.size(); ++k) {
+    const double error = sampled.error_m[instants[k]];
+    const double whole = indices.variance(k) + error * error;
+    followed(k) = whole > 0.0 ? indices.variance(k) / whole : 0.0;
+    unexplained.add_first(1.0 - followed(k));
+    unexplained.add_total(1.0 - followed(k));
+    unexplained.add_first_error(0.0);
+    unexplained.add_total_error(0.0);
+  }
+  for (int j = 0; j < inputs; ++j) {
+    v1::Spread::Share& share = *spread.add_shares();
+    for (Eigen::Index k = 0; k < followed.size(); ++k) {
+      share.add_first(followed(k) * indices.first(j, k));
+      share.add_total(followed(k) * indices.total(j, k));
+      share.add_first_error(followed(k) * indices.first_error(j, k));
+      share.add_total_error(followed(k) * indices.total_error(j, k));
+    }
+  }
+  *spread.add_shares() = std::move(unexplained);
+}
+
+}  // namespace
+
+v1::Spread spread_of(const SampledCurls& sampled, int inputs, const std::optional<CurlBand>& band) {
+  v1::Spread spread;
+  if (sampled.time_s.empty()) return spread;
+  *spread.mutable_time_s() = {sampled.time_s.begin(), sampled.time_s.end()};
+  *spread.mutable_cast_length_m() = {sampled.cast_length_m.begin(), sampled.cast_length_m.end()};
+  *spread.mutable_surface_error_m() = {sampled.error_m.begin(), sampled.error_m.end()};
+  const Eigen::MatrixXd curls = drawn(sampled, inputs);
+  if (band) spread.set_inside_band(share_inside(curls.rightCols<1>(), *band));
+  add_quantiles(curls, spread);
+  add_shares(sampled, inputs, spread);
+  return spread;
 }
 
 }  // namespace dccast::studies

@@ -1,10 +1,11 @@
 // The results of studies: their runs with figures and curves, and what a plan makes of them.
 #include <algorithm>
 #include <chrono>
-#include <climits>
 #include <iterator>
 #include <limits>
+#include <optional>
 
+#include "proto/values/interpolation.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/studies/measured_castings.hpp"
@@ -15,6 +16,49 @@ namespace dccast::studies {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Curl of a monitor [m]: its displacement along the last coordinate; NaN when there is none.
+double curl_of(const v1::MonitorValue& monitor) {
+  const int coordinates = monitor.displacement_m_size();
+  return coordinates > 1 ? monitor.displacement_m(coordinates - 1) : unknown;
+}
+
+v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {
+  for (v1::CurlCurve& curve : history.curves)
+    if (curve.monitor() == monitor) return curve;
+  history.curves.emplace_back().set_monitor(monitor);
+  return history.curves.back();
+}
+
+/// A monitor has no value before its first report, and none in a step that leaves it out.
+void fill_up(v1::CurlCurve& curve, std::size_t count) {
+  while (curve.curl_m_size() < static_cast<int>(count)) curve.add_curl_m(unknown);
+}
+
+void add_instants(v1::CurlCurve& curve, const std::vector<v1::StepReport>& steps) {
+  for (const v1::StepReport& step : steps) {
+    curve.add_time_s(step.time_s());
+    curve.add_cast_length_m(step.cast_length_m());
+  }
+}
+
+std::optional<double> first_beyond(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
+  constexpr double margin_s = 1e-9;  // the same time, read from a text
+  const auto beyond = [&job](const v1::StepReport& step) {
+    return step.beyond_validity() ||
+           (job.has_validity_loss() && step.time_s() >= job.validity_loss().time_s() - margin_s);
+  };
+  const auto first = std::ranges::find_if(steps, beyond);
+  if (first == steps.end()) return std::nullopt;
+  return first->time_s();
+}
+
+/// Curl of a monitor in a step [m]; NaN when it is not reported there.
+double curl_at(const v1::StepReport& step, const std::string& monitor) {
+  for (const v1::MonitorValue& value : step.monitors())
+    if (value.name() == monitor) return curl_of(value);
+  return unknown;
+}
 
 /// A run that has a job.
 void describe_job(const v1::Job& job, v1::StudyRun& run) {
@@ -31,13 +75,6 @@ void describe_without_job(const RunRecord& record, v1::StudyRun& run) {
   if (record.outcome == v1::FAILED) *run.mutable_failure() = record.failure;
 }
 
-/// The curl at the end of a run, of every monitor of the case.
-void add_end_curls(const v1::Case& base, const v1::Job& job, v1::StudyRun& run) {
-  for (const v1::Monitor& monitor : base.monitor())
-    run.add_end_curl_m(job.state() == v1::SUCCEEDED ? curl_at(job.last_step(), monitor.name())
-                                                    : unknown);
-}
-
 std::size_t bytes_of(const RunHistory& history) {
   std::size_t bytes = 0;
   for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
@@ -47,6 +84,37 @@ std::size_t bytes_of(const RunHistory& history) {
 }
 
 }  // namespace
+
+const v1::CurlCurve* RunHistory::curve(const std::string& monitor) const {
+  const auto found = std::ranges::find(curves, monitor, &v1::CurlCurve::monitor);
+  return found == curves.end() ? nullptr : &*found;
+}
+
+std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,
+                                const google::protobuf::RepeatedField<double>& figures) {
+  return values::at_instants(instants_s, {curve.time_s().begin(), curve.time_s().end()},
+                             {figures.begin(), figures.end()});
+}
+
+RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
+  RunHistory history;
+  history.beyond_from_s = first_beyond(job, steps);
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    for (const v1::MonitorValue& value : steps[i].monitors()) {
+      v1::CurlCurve& curve = curve_of(history, value.name());
+      fill_up(curve, i);
+      curve.add_curl_m(curl_of(value));
+      if (!value.has_temperature_c()) continue;
+      auto& temperature_c = history.temperature_c[value.name()];
+      temperature_c.resize(steps.size(), unknown);
+      temperature_c[i] = value.temperature_c();
+    }
+  for (v1::CurlCurve& curve : history.curves) {
+    fill_up(curve, steps.size());
+    add_instants(curve, steps);
+  }
+  return history;
+}
 
 RunHistory Studies::history_of(const v1::Job& job) {
   if (const auto kept = histories_.find(job.id())) return *kept;
@@ -92,21 +160,21 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
   std::vector<EvaluatedRun> runs;
   for (const RunRecord& kept : store_.runs(record.id)) {
     if (kept.number >= depth.before) break;
-    const auto job = jobs.find(kept.job);
-    if (!kept.job.empty() && job == jobs.end()) continue;
+    const auto found = jobs.find(kept.job);
+    if (!kept.job.empty() && found == jobs.end()) continue;
     EvaluatedRun& evaluated = runs.emplace_back();
     evaluated.number = kept.number;
     plan->describe(kept.number, evaluated.run);
-    if (kept.job.empty()) {
+    if (kept.job.empty())
       describe_without_job(kept, evaluated.run);
-      add_end_curls(record.request.case_(), {}, evaluated.run);
-      continue;
-    }
-    describe_job(job->second, evaluated.run);
-    add_end_curls(record.request.case_(), job->second, evaluated.run);
+    else
+      describe_job(found->second, evaluated.run);
+    for (const v1::Monitor& monitor : record.request.case_().monitor())
+      evaluated.run.add_end_curl_m(
+          evaluated.succeeded() ? curl_at(found->second.last_step(), monitor.name()) : unknown);
     if (!evaluated.succeeded()) continue;
-    if (depth.histories) evaluated.history = history_of(job->second);
-    if (depth.faces) add_face(job->second, evaluated);
+    if (depth.histories) evaluated.history = history_of(found->second);
+    if (depth.faces) add_face(found->second, evaluated);
   }
   return runs;
 }
@@ -118,38 +186,33 @@ std::string Studies::failure_text(const StudyRecord& record) {
   return {};
 }
 
-void Studies::add_spread(const StudyRecord& record, const std::string& monitor,
-                         v1::StudyResult& result) {
+SweepState Studies::sweep_state(const StudyRecord& record) {
+  using Runs = std::vector<EvaluatedRun>;
   const RunCounts counts = store_.counts(record.id);
-  try {
-    *result.mutable_spread() =
-        predictions_.spread(record, counts.of(v1::SUCCEEDED), counts.ended() < counts.all(),
-                            monitor, [&] { return evaluated_runs(record, {.histories = true}); });
-  } catch (const CannotPredict& reason) {
-    result.set_spread_fault(reason.what());
-  }
+  return {record, counts.of(v1::SUCCEEDED), counts.ended() < counts.all(),
+          [this, &record, read = std::optional<Runs>()]() mutable -> const Runs& {
+            if (!read) read = evaluated_runs(record, {.histories = true});
+            return *read;
+          }};
 }
 
-void Studies::add_calibration(const v1::EvaluateStudyRequest& request, v1::StudyResult& result) {
-  try {
-    std::vector<MeasuredCasting> castings;
-    for (const v1::CalibratedCasting& asked : request.castings()) {
-      MeasuredCasting& casting = castings.emplace_back();
-      for (const std::string& id : asked.studies()) {
-        const auto record = store_.find(id);
-        if (!record || !record->request.has_sweep()) throw CannotPredict("there is no sweep " + id);
-        auto runs = evaluated_runs(*record, {.histories = true});
-        if (casting.runs.empty())
-          casting.request = record->request;
-        else
-          casting.last = static_cast<int>(runs.size());
-        std::ranges::move(runs, std::back_inserter(casting.runs));
-      }
+/// @throws CannotPredict
+v1::Calibration Studies::calibration(const v1::EvaluateStudyRequest& request) {
+  std::vector<MeasuredCasting> castings;
+  for (const v1::CalibratedCasting& asked : request.castings()) {
+    MeasuredCasting& casting = castings.emplace_back();
+    for (const std::string& id : asked.studies()) {
+      const auto record = store_.find(id);
+      if (!record || !record->request.has_sweep()) throw CannotPredict("there is no sweep " + id);
+      auto runs = evaluated_runs(*record, {.histories = true});
+      if (casting.runs.empty())
+        casting.request = record->request;
+      else
+        casting.last = static_cast<int>(runs.size());
+      std::ranges::move(runs, std::back_inserter(casting.runs));
     }
-    *result.mutable_calibration() = calibration_of(std::move(castings));
-  } catch (const CannotPredict& reason) {
-    result.set_calibration_fault(reason.what());
   }
+  return calibration_of(std::move(castings));
 }
 
 std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest& request) {
@@ -164,8 +227,17 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
   for (const v1::Monitor& monitor : record->request.case_().monitor())
     result.add_monitors(monitor.name());
   plan->evaluate(runs, result);
-  if (!request.spread().empty()) add_spread(*record, request.spread(), result);
-  if (!request.castings().empty()) add_calibration(request, result);
+  try {
+    if (!request.spread().empty())
+      *result.mutable_spread() = predictions_.spread(sweep_state(*record), request.spread());
+  } catch (const CannotPredict& reason) {
+    result.set_spread_fault(reason.what());
+  }
+  try {
+    if (!request.castings().empty()) *result.mutable_calibration() = calibration(request);
+  } catch (const CannotPredict& reason) {
+    result.set_calibration_fault(reason.what());
+  }
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
     if (curves)
@@ -177,21 +249,14 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
 std::optional<v1::Prediction> Studies::predict(const v1::PredictStudyRequest& request) {
   const auto record = store_.find(request.id());
   if (!record) return std::nullopt;
-  const RunCounts counts = store_.counts(record->id);
-  const bool running = counts.ended() < counts.all();
-  return predictions_.predict(*record, counts.of(v1::SUCCEEDED), running, request,
-                              [&] { return evaluated_runs(*record, {.histories = true}); });
+  return predictions_.predict(sweep_state(*record), request);
 }
 
 void Studies::ready_surface(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record || !record->request.has_sweep() ||
-      record->request.sweep().design() == v1::SweepPlan::ENDS)
-    return;
-  const RunCounts counts = store_.counts(id);
-  const bool running = counts.ended() < counts.all();
-  predictions_.prepare(*record, counts.of(v1::SUCCEEDED), running,
-                       [&] { return evaluated_runs(*record, {.histories = true}); });
+  if (record && record->request.has_sweep() &&
+      record->request.sweep().design() != v1::SweepPlan::ENDS)
+    predictions_.prepare(sweep_state(*record));
 }
 
 }  // namespace dccast::studies

@@ -13,9 +13,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "server/studies/curl_surface.hpp"
-#include "server/studies/measured_curve.hpp"
 #include "server/studies/predictions.hpp"
-#include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
 
@@ -56,14 +54,14 @@ public:
     Eigen::MatrixXd places(runs.size(), low_.size());
     for (std::size_t i = 0; i < runs.size(); ++i)
       for (std::size_t j = 0; j < low_.size(); ++j)
-        places(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            (runs[i].run.numbers(static_cast<int>(j)) - low_[j]) / (high_[j] - low_[j]);
+        places(i, j) = (runs[i].run.numbers(static_cast<int>(j)) - low_[j]) / (high_[j] - low_[j]);
     return places;
   }
 
   /// As in a case file.
   std::string text(int axis, double place) const {
-    return value_between(request_.case_(), request_.sweep().axes(axis), place);
+    const v1::SweepPlan::Axis& ends = request_.sweep().axes(axis);
+    return value_between(request_.case_(), ends.key(), ends.values(0), ends.values(1), place);
   }
 
 private:
@@ -89,7 +87,7 @@ void keep_valid(MeasuredCasting& casting, std::size_t inputs) {
       std::count_if(from_last, casting.runs.end(), [](const auto& run) { return run.counts(); }));
   std::erase_if(casting.runs, [](const EvaluatedRun& run) { return !run.counts(); });
   const std::size_t fewest = CurlSurface::fewest_runs(inputs);
-  if (casting.runs.size() - static_cast<std::size_t>(casting.last) < fewest)
+  if (casting.runs.size() - casting.last < fewest)
     throw CannotPredict("a calibration over " + std::to_string(inputs) + " keys needs " +
                         std::to_string(fewest) + " valid runs that succeeded, and " +
                         std::to_string(casting.runs.size()) + " have");
@@ -198,7 +196,7 @@ void add_check(const Channel& channel, const Eigen::MatrixXd& places, int last,
                v1::Calibration::Curve& curve) {
   const Eigen::Index before = places.rows() - last;
   Computed known = channel.computed;
-  known.runs.resize(static_cast<std::size_t>(before));
+  known.runs.resize(before);
   const CurveSurface surface(places.topRows(before), known, channel.used);
   const Eigen::MatrixXd truth = CurveSurface::figures(channel.computed, channel.used)
                                     .bottomRows(last)
@@ -250,7 +248,7 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   bool known = true;
   double mesh_error = 0.0;
   for (MeasuredCasting& casting : castings) {
-    keep_valid(casting, static_cast<std::size_t>(axes.count()));
+    keep_valid(casting, axes.count());
     const auto error = relative_curl_error(casting.request.case_());
     known = known && error;
     mesh_error = std::max(mesh_error, error.value_or(0.0));
@@ -273,9 +271,8 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   calibration.set_fixed(statistics::fixed_combinations(draws.inputs));
   for (const Channel& channel : channels) {
     v1::Calibration::Curve& curve = *calibration.add_curves() = curve_of(channel, draws, best);
-    const int last = castings[static_cast<std::size_t>(channel.casting)].last;
-    if (last > 0)
-      add_check(channel, places[static_cast<std::size_t>(channel.casting)], last, curve);
+    const int last = castings[channel.casting].last;
+    if (last > 0) add_check(channel, places[channel.casting], last, curve);
   }
   if (known) {
     calibration.set_mesh_error(mesh_error);

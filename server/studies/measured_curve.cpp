@@ -1,9 +1,10 @@
-#include "server/studies/measured_curve.hpp"
+#include "server/studies/measured_castings.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "core/statistics/sampling.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/studies/predictions.hpp"
 
@@ -29,8 +30,7 @@ History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
     return {};
   History history;
   for (int i = 0; i < curve->time_s_size(); ++i) {
-    const double value =
-        is_curl(measured) ? curve->curl_m(i) : temperature_c->second[static_cast<std::size_t>(i)];
+    const double value = is_curl(measured) ? curve->curl_m(i) : temperature_c->second[i];
     if (!std::isfinite(value)) continue;
     history.time_s.push_back(curve->time_s(i));
     history.cast_length_m.push_back(curve->cast_length_m(i));
@@ -39,16 +39,11 @@ History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
   return history;
 }
 
-Eigen::RowVectorXd row_of(const Numbers& values) {
-  return Eigen::Map<const Eigen::RowVectorXd>(values.data(),
-                                              static_cast<Eigen::Index>(values.size()));
-}
-
 /// First time at which a length is cast; NaN beyond the end.
 double time_at(const Computed& computed, double length_m) {
   const auto above = std::ranges::lower_bound(computed.cast_length_m, length_m);
   if (above == computed.cast_length_m.end()) return std::nan("");
-  const auto i = static_cast<std::size_t>(above - computed.cast_length_m.begin());
+  const auto i = above - computed.cast_length_m.begin();
   if (i == 0) return length_m < computed.cast_length_m[0] ? std::nan("") : computed.time_s[0];
   const double share = (length_m - computed.cast_length_m[i - 1]) /
                        (computed.cast_length_m[i] - computed.cast_length_m[i - 1]);
@@ -77,10 +72,10 @@ Computed computed_of(const std::vector<EvaluatedRun>& runs, const v1::MeasuredCu
   if (!(from < to)) throw CannotPredict(name_of(measured) + ": the runs have no time in common");
   for (int i = 0; i < band_instants; ++i)
     computed.time_s.push_back(from + (to - from) * i / (band_instants - 1));
-  Eigen::MatrixXd lengths(computed.runs.size(), band_instants);
-  for (std::size_t i = 0; i < computed.runs.size(); ++i)
-    lengths.row(static_cast<Eigen::Index>(i)) = row_of(values::at_instants(
-        computed.time_s, computed.runs[i].time_s, computed.runs[i].cast_length_m));
+  std::vector<Numbers> all_lengths;
+  for (const History& run : computed.runs)
+    all_lengths.push_back(values::at_instants(computed.time_s, run.time_s, run.cast_length_m));
+  const Eigen::MatrixXd lengths = statistics::matrix_of(all_lengths);
   const Eigen::RowVectorXd mean = lengths.colwise().mean();
   computed.cast_length_m.assign(mean.begin(), mean.end());
   const double apart = (lengths.rowwise() - mean).cwiseAbs().maxCoeff();
@@ -134,11 +129,10 @@ CurveSurface::CurveSurface(const Eigen::MatrixXd& places, const Computed& comput
 Eigen::MatrixXd CurveSurface::figures(const Computed& computed, const v1::MeasuredCurve& used) {
   Numbers at(used.time_s().begin(), used.time_s().end());
   at.insert(at.end(), computed.time_s.begin(), computed.time_s.end());
-  Eigen::MatrixXd figures(computed.runs.size(), at.size());
-  for (std::size_t i = 0; i < computed.runs.size(); ++i)
-    figures.row(static_cast<Eigen::Index>(i)) =
-        row_of(values::at_instants(at, computed.runs[i].time_s, computed.runs[i].value));
-  return figures;
+  std::vector<Numbers> figures;
+  for (const History& run : computed.runs)
+    figures.push_back(values::at_instants(at, run.time_s, run.value));
+  return statistics::matrix_of(figures);
 }
 
 Eigen::MatrixXd CurveSurface::covariance() const {

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "proto/values/interpolation.hpp"
 
 namespace dccast::studies {
 
 namespace {
+
+using frames::SteadyFace;
 
 constexpr double break_point_unit = 1e-3;  // [m] that a mould maker works to
 constexpr double height_unit = 1e-5;       // [m]
@@ -57,12 +58,12 @@ public:
   }
 
 private:
-  Eigen::Index size() const { return static_cast<Eigen::Index>(x_.size()); }
+  Eigen::Index size() const { return x_.size(); }
 
   std::optional<Slopes> solved(double first, double second, bool use_first, bool use_second) const {
     Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(size(), 3);
     for (Eigen::Index i = 0; i < size(); ++i) {
-      const double x = x_[static_cast<std::size_t>(i)];
+      const double x = x_[i];
       terms(i, 0) = 1.0;
       if (use_first) terms(i, 1) = -beyond(x, first);
       if (use_second) terms(i, 2) = -beyond(x, second);
@@ -166,31 +167,32 @@ constexpr double worth_a_run = 0.9;
 constexpr double least_share = -1.0, most_share = 0.5;
 
 /// Places that all trials have.
-std::vector<double> common_places(const std::vector<MouldTrial>& history) {
-  double end = history.front().x.back();
-  for (const MouldTrial& trial : history) end = std::min(end, trial.x.back());
+std::vector<double> common_places(const std::vector<SteadyFace>& history) {
+  double end = history.front().x_m.back();
+  for (const SteadyFace& trial : history) end = std::min(end, trial.x_m.back());
   std::vector<double> x;
   for (int i = 0; i + 1 < places; ++i) x.push_back(end * i / (places - 1));
   x.push_back(end);
   return x;
 }
 
-MouldTrial sampled(const MouldTrial& trial, const std::vector<double>& x) {
-  return {x, values::at_instants(x, trial.x, trial.opening),
-          values::at_instants(x, trial.x, trial.cold)};
+SteadyFace sampled(const SteadyFace& trial, const std::vector<double>& x) {
+  return {.x_m = x,
+          .mould_m = values::at_instants(x, trial.x_m, trial.mould_m),
+          .cold_m = values::at_instants(x, trial.x_m, trial.cold_m)};
 }
 
 /// What each pair of trials in a row gives for the share, as the sums of a least-squares fit.
-void add_change(const MouldTrial& from, const MouldTrial& to, double& product, double& square) {
-  for (std::size_t i = 0; i < from.x.size(); ++i) {
-    const double opening = to.opening[i] - from.opening[i];
-    const double contraction = opening - (to.cold[i] - from.cold[i]);
+void add_change(const SteadyFace& from, const SteadyFace& to, double& product, double& square) {
+  for (std::size_t i = 0; i < from.x_m.size(); ++i) {
+    const double opening = to.mould_m[i] - from.mould_m[i];
+    const double contraction = opening - (to.cold_m[i] - from.cold_m[i]);
     product += contraction * opening;
     square += opening * opening;
   }
 }
 
-double eaten_share(const std::vector<MouldTrial>& trials) {
+double eaten_share(const std::vector<SteadyFace>& trials) {
   double product = 0.0, square = 0.0;
   for (std::size_t i = 0; i + 1 < trials.size(); ++i)
     add_change(trials[i], trials[i + 1], product, square);
@@ -198,44 +200,38 @@ double eaten_share(const std::vector<MouldTrial>& trials) {
 }
 
 /// The slab that an opening gives, if it follows changes of the best trial's by this share.
-MouldTrial predicted(const MouldTrial& best, const MouldOpening& opening, double followed) {
-  MouldTrial slab = best;
-  for (std::size_t i = 0; i < slab.x.size(); ++i) {
-    slab.opening[i] = opening.at(slab.x[i]);
-    slab.cold[i] += followed * (slab.opening[i] - best.opening[i]);
+SteadyFace predicted(const SteadyFace& best, const MouldOpening& opening, double followed) {
+  SteadyFace slab = best;
+  for (std::size_t i = 0; i < slab.x_m.size(); ++i) {
+    slab.mould_m[i] = opening.at(slab.x_m[i]);
+    slab.cold_m[i] += followed * (slab.mould_m[i] - best.mould_m[i]);
   }
   return slab;
 }
 
 }  // namespace
 
-double MouldTrial::residual(double wanted) const {
-  double most = 0.0;
-  for (const double half : cold) most = std::max(most, std::abs(half - wanted));
-  return most;
-}
-
-const MouldTrial* best_trial(const std::vector<MouldTrial>& history, double wanted) {
+const SteadyFace* best_trial(const std::vector<SteadyFace>& history, double wanted) {
   if (history.empty()) return nullptr;
   return &*std::ranges::min_element(
-      history, {}, [wanted](const MouldTrial& trial) { return trial.residual(wanted); });
+      history, {}, [wanted](const SteadyFace& trial) { return trial.residual_m(wanted); });
 }
 
-std::optional<MouldOpening> next_opening(const std::vector<MouldTrial>& history,
+std::optional<MouldOpening> next_opening(const std::vector<SteadyFace>& history,
                                          const MouldTarget& target) {
-  const MouldTrial* best = best_trial(history, target.wanted);
-  if (best == nullptr || best->residual(target.wanted) <= target.tolerance) return std::nullopt;
+  const SteadyFace* best = best_trial(history, target.wanted);
+  if (best == nullptr || best->residual_m(target.wanted) <= target.tolerance) return std::nullopt;
   const std::vector<double> x = common_places(history);
-  std::vector<MouldTrial> trials;
-  for (const MouldTrial& trial : history) trials.push_back(sampled(trial, x));
+  std::vector<SteadyFace> trials;
+  for (const SteadyFace& trial : history) trials.push_back(sampled(trial, x));
   const double followed = 1.0 - eaten_share(trials);
-  const MouldTrial from = sampled(*best, x);
-  std::vector<double> corrected = from.opening;
+  const SteadyFace from = sampled(*best, x);
+  std::vector<double> corrected = from.mould_m;
   for (std::size_t i = 0; i < x.size(); ++i)
-    corrected[i] += (target.wanted - from.cold[i]) / followed;
+    corrected[i] += (target.wanted - from.cold_m[i]) / followed;
   const MouldOpening next = nearest_opening(x, corrected, target.bounds);
-  const double promised = predicted(from, next, followed).residual(target.wanted);
-  if (promised > worth_a_run * best->residual(target.wanted)) return std::nullopt;
+  const double promised = predicted(from, next, followed).residual_m(target.wanted);
+  if (promised > worth_a_run * best->residual_m(target.wanted)) return std::nullopt;
   return next;
 }
 

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "proto/frames/steady_face.hpp"
+
 namespace dccast::studies {
 
 /// Half the opening of a mould along the wide face, from its middle to the narrow face: three
@@ -33,15 +35,6 @@ struct OpeningBounds {
 MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
                              const OpeningBounds& bounds);
 
-/// A mould that was cast in and the cold slab that came out of it, along the wide face.
-struct MouldTrial {
-  std::vector<double> x;        ///< [m] rising from the middle of the face
-  std::vector<double> opening;  ///< [m] half, by x
-  std::vector<double> cold;     ///< [m] half-thickness of the cold slab, by x
-
-  double residual(double wanted) const;  ///< [m] the largest distance from it
-};
-
 /// The flat slab that is wanted.
 struct MouldTarget {
   double wanted = 0.0;     ///< [m] half-thickness of the cold slab
@@ -49,8 +42,9 @@ struct MouldTarget {
   OpeningBounds bounds{};
 };
 
-/// The trial whose slab is nearest to what is wanted; null without trials.
-const MouldTrial* best_trial(const std::vector<MouldTrial>& history, double wanted);
+/// The trial, a mould that was cast in and its cold slab, whose slab is nearest to what is wanted;
+/// null without trials.
+const frames::SteadyFace* best_trial(const std::vector<frames::SteadyFace>& history, double wanted);
 
 /// The opening to cast in next, as mould makers correct one: that of the best trial, and what its
 /// cold slab lacks everywhere, brought back to three segments.
@@ -62,7 +56,7 @@ const MouldTrial* best_trial(const std::vector<MouldTrial>& history, double want
 ///
 /// @return  nothing when the search is over: a trial is within the tolerance, or three segments
 ///          promise no slab that is nearer to flat by a tenth
-std::optional<MouldOpening> next_opening(const std::vector<MouldTrial>& history,
+std::optional<MouldOpening> next_opening(const std::vector<frames::SteadyFace>& history,
                                          const MouldTarget& target);
 
 }  // namespace dccast::studies

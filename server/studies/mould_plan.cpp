@@ -4,14 +4,16 @@
 #include <cstdio>
 
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/mould_opening.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 
 namespace {
+
+using intake::fault_of;
 
 constexpr int usual_runs = 12, fewest_runs = 2, most_runs_permitted = 50;
 constexpr double least_tolerance = 1e-5, most_tolerance = 0.05;  // [m]
@@ -21,17 +23,6 @@ constexpr double shortest_segment = 0.1;     // of half the face
 constexpr double columns_per_segment = 1.5;  // so that each break point finds a row of nodes
 constexpr int columns_unknown = 10;
 constexpr double on_the_face = 1e-6;  // [m] from a monitor to the mould
-
-v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
-                   const std::string& permitted, const std::string& remedy) {
-  v1::Fault fault;
-  fault.set_field(field);
-  fault.set_value(value);
-  fault.set_message(message);
-  fault.set_permitted(permitted);
-  fault.set_remedy(remedy);
-  return fault;
-}
 
 /// Millimetres without the round-off of their conversion.
 std::string in_mm(double metres) {
@@ -103,17 +94,6 @@ std::string table_text(const MouldOpening& opening) {
   return text + "]";
 }
 
-v1::CaseChange change_of(const std::string& key, const std::string& value) {
-  v1::CaseChange change;
-  change.set_key(key);
-  change.set_value(value);
-  return change;
-}
-
-MouldTrial trial_of(const RunFace& face) {
-  return {face.steady.x_m, face.steady.mould_m, face.steady.cold_m};
-}
-
 class MouldStudy final : public StudyPlan {
 public:
   explicit MouldStudy(const v1::CreateStudyRequest& request)
@@ -123,42 +103,38 @@ public:
   int most_runs() const override {
     return plan_.maximum_runs() == 0 ? usual_runs : plan_.maximum_runs();
   }
-  std::string key(int number) const override { return std::to_string(number + 1); }
   bool needs_faces() const override { return true; }
   /// The first run casts in the mould of the case.
   PlannedRun run(int number) const override {
-    return {key(number), "run " + key(number), base_, {}};
+    return planned(number, "run " + key(number), base_, {});
   }
-  void describe(int, v1::StudyRun&) const override {}
 
   std::optional<PlannedRun> next(int number,
                                  const std::vector<EvaluatedRun>& before) const override {
-    std::vector<MouldTrial> history;
+    std::vector<frames::SteadyFace> history;
     for (const EvaluatedRun& evaluated : before)
-      if (evaluated.face) history.push_back(trial_of(*evaluated.face));
+      if (evaluated.face) history.push_back(evaluated.face->steady);
     const auto opening = next_opening(history, target_);
     if (!opening) return std::nullopt;
-    PlannedRun planned = run(number);
-    planned.changes = changes_to(*opening);
-    case_file::apply_changes(planned.description, planned.changes);
-    return planned;
+    return planned(number, "run " + key(number), base_, changes_to(*opening));
   }
 
   void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const override {
-    const RunFace* best = nullptr;
-    const auto residual = [this](const RunFace& face) {
-      return face.steady.residual_m(target_.wanted);
-    };
+    std::vector<const RunFace*> faces;
     for (const EvaluatedRun& run : runs)
-      if (run.face && (best == nullptr || residual(*run.face) < residual(*best))) best = &*run.face;
-    if (best == nullptr) return;
+      if (run.face) faces.push_back(&*run.face);
+    if (faces.empty()) return;
+    const auto residual = [this](const RunFace* face) {
+      return face->steady.residual_m(target_.wanted);
+    };
+    const RunFace* best = *std::ranges::min_element(faces, {}, residual);
     v1::StudyResult::MouldFound& found = *result.mutable_mould();
     const v1::Curve& opening = best->section.half_thickness_m();
     *found.mutable_x_m() = opening.at();
     *found.mutable_half_opening_m() = opening.value();
     found.mutable_profile_x_m()->Assign(best->steady.x_m.begin(), best->steady.x_m.end());
     found.mutable_profile_m()->Assign(best->steady.cold_m.begin(), best->steady.cold_m.end());
-    found.set_residual_m(residual(*best));
+    found.set_residual_m(residual(best));
     found.set_within_tolerance(found.residual_m() <= target_.tolerance);
   }
 

@@ -1,9 +1,12 @@
 #include "server/studies/predictions.hpp"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <optional>
 #include <utility>
 
 #include "proto/case_file/case_file.hpp"
@@ -13,7 +16,6 @@
 #include "proto/case_file/text_checks.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/curl_surface.hpp"
-#include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
 
@@ -115,29 +117,12 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
   return place;
 }
 
-/// A text of a case file for a place on a numeric key, 0 to 1.
-std::string text_at(const v1::Case& base, const SweptKey& key, double place) {
-  v1::SweepPlan::Axis ends;
-  ends.set_key(key.key);
-  ends.add_values(key.low);
-  ends.add_values(key.high);
-  return value_between(base, ends, place);
-}
-
 /// The values of a run's keys that are no numbers.
 std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) {
   std::string kind;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (!keys[i].numeric) kind += run.run.values(static_cast<int>(i)) + "\n";
   return kind;
-}
-
-/// Between runs of one key each nothing is known of two.
-void require_design(const StudyRecord& study) {
-  if (study.request.sweep().design() == v1::SweepPlan::ENDS)
-    throw CannotPredict("study " + study.id +
-                        " changes one key at a time; dccast sweep --lhs "
-                        "makes runs to predict from");
 }
 
 /// Those of the first runs, as many as are prepared.
@@ -157,124 +142,101 @@ struct SweptKeys {
   std::vector<SweptKey> all;
 };
 
-/// A surface with the names of its inputs.
-class SweepSurface {
-public:
-  SweepSurface(const StudyRecord& study, const std::vector<SweptKey>& keys, const std::string& kind,
-               const std::vector<EvaluatedRun>& runs)
-      : keys_(keys) {
-    std::vector<SurfaceRun> chosen;
-    for (const EvaluatedRun& run : runs)
-      if (run.counts() && kind_of(keys_, run) == kind) add(run, chosen);
-    std::vector<InputRange> domain;
-    for (const SweptKey& key : keys_)
-      if (key.numeric) domain.push_back(key.range);
-    const std::size_t fewest = CurlSurface::fewest_runs(domain.size());
-    if (domain.empty()) throw CannotPredict("no key of this study has numbers to interpolate");
-    if (chosen.size() < fewest)
-      throw CannotPredict("a prediction over " + std::to_string(domain.size()) + " keys needs " +
-                          std::to_string(fewest) + " valid runs that succeeded, and " +
-                          std::to_string(chosen.size()) + " have; wait for more, or sweep more");
-    std::vector<std::string> monitors;
-    for (const v1::Monitor& monitor : study.request.case_().monitor())
-      monitors.push_back(monitor.name());
-    surface_ = std::make_unique<CurlSurface>(std::move(domain), chosen, monitors);
-    name_next_run(study.request.case_());
-  }
-
-  v1::Prediction predict(const std::vector<double>& inputs) const {
-    v1::Prediction prediction;
-    for (v1::CurlCurve& curve : surface_->predict(inputs))
-      *prediction.add_curves() = std::move(curve);
-    prediction.set_cross_validated_error_m(surface_->cross_validated_error_m());
-    prediction.set_runs(surface_->runs());
-    *prediction.mutable_next_run() = {next_run_.begin(), next_run_.end()};
-    if (std::isfinite(curl_error_)) prediction.set_relative_curl_error(curl_error_);
-    return prediction;
-  }
-
-  const CurlSurface& surface() const { return *surface_; }
-  std::size_t bytes() const { return surface_->bytes(); }
-
-private:
-  void add(const EvaluatedRun& run, std::vector<SurfaceRun>& chosen) {
-    std::vector<double> inputs;
-    for (std::size_t i = 0; i < keys_.size(); ++i)
-      if (keys_[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
-    chosen.push_back({std::move(inputs), run.history});
-    curl_error_ = std::max(curl_error_, run.run.has_relative_curl_error()
-                                            ? run.run.relative_curl_error()
-                                            : std::numeric_limits<double>::infinity());
-  }
-
-  void name_next_run(const v1::Case& base) {
-    auto place = surface_->next_place().begin();
-    for (const SweptKey& key : keys_) {
-      if (!key.numeric) continue;
-      v1::CaseChange& change = next_run_.emplace_back();
-      change.set_key(key.key);
-      change.set_value(text_at(base, key, *place++));
-    }
-  }
-
-  std::vector<SweptKey> keys_;
-  std::unique_ptr<const CurlSurface> surface_;
-  std::vector<v1::CaseChange> next_run_;
-  double curl_error_ = 0.0;  ///< largest of the runs, relative; infinite: not known of one of them
+/// The response surface of the runs of one kind.
+struct SweepSurface {
+  CurlSurface surface;
+  std::vector<v1::CaseChange> next_run;  ///< where it is least certain
+  double curl_error;  ///< largest of the runs, relative; infinite: not known of one of them
 };
 
-Predictions::Predictions() = default;
-Predictions::~Predictions() = default;
+namespace {
+
+void require_runs(std::size_t inputs, std::size_t runs) {
+  const std::size_t fewest = CurlSurface::fewest_runs(inputs);
+  if (inputs == 0) throw CannotPredict("no key of this study has numbers to interpolate");
+  if (runs < fewest)
+    throw CannotPredict("a prediction over " + std::to_string(inputs) + " keys needs " +
+                        std::to_string(fewest) + " valid runs that succeeded, and " +
+                        std::to_string(runs) + " have; wait for more, or sweep more");
+}
+
+SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& keys,
+                           const std::string& kind, const std::vector<EvaluatedRun>& runs) {
+  std::vector<SurfaceRun> chosen;
+  double curl_error = 0.0;
+  for (const EvaluatedRun& run : runs) {
+    if (!run.counts() || kind_of(keys, run) != kind) continue;
+    std::vector<double> inputs;
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      if (keys[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
+    chosen.push_back({std::move(inputs), run.history});
+    curl_error = std::max(curl_error, run.run.has_relative_curl_error()
+                                          ? run.run.relative_curl_error()
+                                          : std::numeric_limits<double>::infinity());
+  }
+  std::vector<InputRange> domain;
+  for (const SweptKey& key : keys)
+    if (key.numeric) domain.push_back(key.range);
+  require_runs(domain.size(), chosen.size());
+  std::vector<std::string> monitors;
+  for (const v1::Monitor& monitor : base.monitor()) monitors.push_back(monitor.name());
+  SweepSurface built{
+      CurlSurface(std::move(domain), std::move(chosen), std::move(monitors)), {}, curl_error};
+  auto place = built.surface.next_place().begin();
+  for (const SweptKey& key : keys)
+    if (key.numeric)
+      built.next_run.push_back(
+          change_of(key.key, value_between(base, key.key, key.low, key.high, *place++)));
+  return built;
+}
+
+}  // namespace
 
 std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
   const std::lock_guard lock(mutex_);
-  if (const auto kept = keys_.find(study.id); kept != keys_.end()) return kept->second;
+  auto& kept = studies_[study.id].keys;
+  if (kept != nullptr) return kept;
   SweptKeys keys{study.request.case_(), {}};
   case_file::apply_quality(keys.base);
   case_file::apply_defaults(keys.base);
   for (const auto& axis : study.request.sweep().axes())
     keys.all.push_back(swept_key(study.request.case_(), axis));
-  return keys_[study.id] = std::make_shared<const SweptKeys>(std::move(keys));
+  return kept = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
 /// @param of_fewer_runs  also one that is out of date  @return null where it is missing
-Predictions::Surface Predictions::kept_surface(const Wanted& wanted, bool of_fewer_runs) {
+Predictions::Surface Predictions::kept_surface(const SweepState& sweep, const std::string& kind,
+                                               bool of_fewer_runs) {
   const std::lock_guard lock(mutex_);
-  const auto study = kept_.find(wanted.study.id);
-  if (study == kept_.end()) return nullptr;
-  const auto found = study->second.find(wanted.kind);
-  if (found == study->second.end()) return nullptr;
+  auto& surfaces = studies_[sweep.study.id].kept;
+  const auto found = surfaces.find(kind);
+  if (found == surfaces.end()) return nullptr;
   Kept& kept = found->second;
   kept.used = Clock::now();
-  const bool recent = wanted.running && kept.used - kept.built < building_share * kept.took;
-  return kept.succeeded == wanted.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;
+  const bool recent = sweep.running && kept.used - kept.built < building_share * kept.took;
+  return kept.succeeded == sweep.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;
 }
 
-Predictions::Surface Predictions::surface_of(const Wanted& wanted,
-                                             const std::function<Surface()>& build) {
-  if (auto surface = kept_surface(wanted)) return surface;
+Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std::string& kind) {
+  if (auto surface = kept_surface(sweep, kind)) return surface;
   std::unique_lock one_at_a_time(building_, std::try_to_lock);
   if (!one_at_a_time) {
     // While runs arrive, the answer of a surface of fewer of them now is worth more than a
     // better one later: the prediction has how many it rests on.
-    if (auto older = wanted.running ? kept_surface(wanted, true) : nullptr) return older;
+    if (auto older = sweep.running ? kept_surface(sweep, kind, true) : nullptr) return older;
     one_at_a_time.lock();
   }
-  if (auto surface = kept_surface(wanted)) return surface;  // built while we waited
+  if (auto surface = kept_surface(sweep, kind)) return surface;  // built while we waited
   const auto begin = Clock::now();
-  Surface surface = build();
-  keep(wanted, surface, begin);
-  return surface;
-}
-
-void Predictions::keep(const Wanted& wanted, Surface surface, Clock::time_point begin) {
+  const auto surface = std::make_shared<const SweepSurface>(
+      sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->all, kind, sweep.runs()));
   const auto now = Clock::now();
-  log::debug("study {}: response surface of {} runs in {} ms", wanted.study.id, wanted.succeeded,
+  log::debug("study {}: response surface of {} runs in {} ms", sweep.study.id, sweep.succeeded,
              std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
   const std::lock_guard lock(mutex_);
-  kept_[wanted.study.id][wanted.kind] = {std::move(surface), wanted.succeeded, now, now - begin,
-                                         now};
+  studies_[sweep.study.id].kept[kind] = {surface, sweep.succeeded, now, now - begin, now};
   make_room();
+  return surface;
 }
 
 /// Lets go of those asked for longest ago, save the last one.
@@ -282,69 +244,68 @@ void Predictions::make_room() {
   for (;;) {
     std::size_t bytes = 0, count = 0;
     auto oldest = Clock::time_point::max();
-    for (const auto& [study, kinds] : kept_)
-      for (const auto& [kind, kept] : kinds) {
-        bytes += kept.surface->bytes();
+    for (const auto& [id, study] : studies_)
+      for (const auto& [kind, kept] : study.kept) {
+        bytes += kept.surface->surface.bytes();
         oldest = std::min(oldest, kept.used);
         ++count;
       }
     if (bytes <= most_bytes || count <= 1) return;
-    for (auto& [study, kinds] : kept_)
-      std::erase_if(kinds, [&](const auto& entry) { return entry.second.used == oldest; });
+    for (auto& [id, study] : studies_)
+      std::erase_if(study.kept, [&](const auto& entry) { return entry.second.used == oldest; });
   }
 }
 
-v1::Spread Predictions::spread(const StudyRecord& study, int succeeded, bool running,
-                               const std::string& monitor,
-                               const std::function<std::vector<EvaluatedRun>()>& runs) {
-  if (study.request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
-    throw CannotPredict("study " + study.id +
+v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monitor) {
+  const v1::CreateStudyRequest& request = sweep.study.request;
+  if (request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
+    throw CannotPredict("study " + sweep.study.id +
                         " is no Latin hypercube: its runs do not stand for what its keys may be");
-  const auto keys = keys_of(study);
-  const auto surface = surface_of({study, succeeded, running, ""}, [&] {
-    return std::make_shared<const SweepSurface>(study, keys->all, "", runs());
-  });
-  const v1::Plausibility& limits = study.request.case_().plausibility();
+  const v1::Plausibility& limits = request.case_().plausibility();
   std::optional<CurlBand> band;
   if (limits.has_least_curl_m() || limits.has_greatest_curl_m())
     band = CurlBand{limits.has_least_curl_m() ? limits.least_curl_m() : -1e9,
                     limits.has_greatest_curl_m() ? limits.greatest_curl_m() : 1e9};
-  v1::Spread spread = surface->surface().spread(monitor, band);
+  v1::Spread spread = surface_of(sweep, "")->surface.spread(monitor, band);
   if (spread.time_s().empty())
     throw CannotPredict("\"" + monitor + "\" is no monitor of this study that all runs report");
   return spread;
 }
 
-v1::Prediction Predictions::predict(const StudyRecord& study, int succeeded, bool running,
-                                    const v1::PredictStudyRequest& request,
-                                    const std::function<std::vector<EvaluatedRun>()>& runs) {
-  if (!study.request.has_sweep())
-    throw CannotPredict("study " + study.id + " is no sweep: nothing lies between its runs");
-  require_design(study);
-  const auto keys = keys_of(study);
+v1::Prediction Predictions::predict(const SweepState& sweep,
+                                    const v1::PredictStudyRequest& request) {
+  const std::string study = "study " + sweep.study.id;
+  if (!sweep.study.request.has_sweep())
+    throw CannotPredict(study + " is no sweep: nothing lies between its runs");
+  // Between runs of one key each nothing is known of two.
+  if (sweep.study.request.sweep().design() == v1::SweepPlan::ENDS)
+    throw CannotPredict(study +
+                        " changes one key at a time; dccast sweep --lhs "
+                        "makes runs to predict from");
+  const auto keys = keys_of(sweep.study);
   const Place place = place_of(keys->base, keys->all, request);
-  const auto surface = surface_of({study, succeeded, running, place.kind}, [&] {
-    return std::make_shared<const SweepSurface>(study, keys->all, place.kind, runs());
-  });
-  return surface->predict(place.inputs);
+  const auto found = surface_of(sweep, place.kind);
+  v1::Prediction prediction;
+  for (v1::CurlCurve& curve : found->surface.predict(place.inputs))
+    *prediction.add_curves() = std::move(curve);
+  prediction.set_cross_validated_error_m(found->surface.cross_validated_error_m());
+  prediction.set_runs(found->surface.runs());
+  *prediction.mutable_next_run() = {found->next_run.begin(), found->next_run.end()};
+  if (std::isfinite(found->curl_error)) prediction.set_relative_curl_error(found->curl_error);
+  return prediction;
 }
 
-void Predictions::prepare(const StudyRecord& study, int succeeded, bool running,
-                          const std::function<std::vector<EvaluatedRun>()>& runs) {
+void Predictions::prepare(const SweepState& sweep) {
   {
     const std::lock_guard lock(mutex_);
-    int& before = prepared_[study.id];
-    if (succeeded == before) return;
-    if (running && succeeded < std::max(fewest_prepared, 2 * before)) return;
-    before = succeeded;
+    int& before = studies_[sweep.study.id].prepared;
+    if (sweep.succeeded == before) return;
+    if (sweep.running && sweep.succeeded < std::max(fewest_prepared, 2 * before)) return;
+    before = sweep.succeeded;
   }
-  const auto keys = keys_of(study);
-  const auto evaluated = runs();
-  for (const std::string& kind : kinds_of(keys->all, evaluated)) {
+  for (const std::string& kind : kinds_of(keys_of(sweep.study)->all, sweep.runs())) {
     try {
-      surface_of({study, succeeded, running, kind}, [&] {
-        return std::make_shared<const SweepSurface>(study, keys->all, kind, evaluated);
-      });
+      surface_of(sweep, kind);
     } catch (const CannotPredict&) {
       // Reported to the caller who asks for it.
     }
@@ -353,9 +314,58 @@ void Predictions::prepare(const StudyRecord& study, int succeeded, bool running,
 
 void Predictions::forget(const std::string& study) {
   const std::lock_guard lock(mutex_);
-  kept_.erase(study);
-  keys_.erase(study);
-  prepared_.erase(study);
+  studies_.erase(study);
+}
+
+namespace {
+
+// Runs that end within it are taken together.
+constexpr std::chrono::milliseconds least_interval{500};
+
+/// On Linux the priority is that of a thread. Where it cannot be lowered the thread works on.
+void step_back() {
+  constexpr int steps_behind = 10;  // as the workers of jobs
+  const int now = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), now + steps_behind);
+}
+
+}  // namespace
+
+SurfaceKeeper::SurfaceKeeper(Ready ready)
+    : ready_(std::move(ready)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void SurfaceKeeper::look_at(const std::string& study) {
+  const std::lock_guard lock(mutex_);
+  to_look_at_.insert(study);
+  changed_.notify_all();
+}
+
+void SurfaceKeeper::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+/// What cannot be built now is built when it is asked for.
+void SurfaceKeeper::build(const std::string& study) const {
+  try {
+    ready_(study);
+  } catch (const std::exception& error) {
+    log::warn("study {}: no response surface yet: {}", study, error.what());
+  }
+}
+
+void SurfaceKeeper::run(const std::stop_token& stop) {
+  step_back();
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    changed_.wait(lock, stop, [this] { return !to_look_at_.empty(); });
+    const std::set<std::string> studies = std::exchange(to_look_at_, {});
+    lock.unlock();
+    for (const std::string& study : studies)
+      if (!stop.stop_requested()) build(study);
+    lock.lock();
+    changed_.wait_for(lock, stop, least_interval, [] { return false; });  // or the end
+  }
 }
 
 }  // namespace dccast::studies

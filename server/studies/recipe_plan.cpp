@@ -12,7 +12,7 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "server/jobs/events.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/recipe_search.hpp"
 #include "server/studies/study_plan.hpp"
 
@@ -20,6 +20,7 @@ namespace dccast::studies {
 
 namespace {
 
+using intake::fault_of;
 using statistics::ScoredDesign;
 
 // The case itself comes first, as a draft and at full quality: what quality does to its curl.
@@ -56,12 +57,10 @@ public:
 
   int runs() const override { return first_draft + plan_.drafts(); }
   int most_runs() const override { return final_round() + plan_.candidates() + castings(); }
-  std::string key(int number) const override { return std::to_string(number + 1); }
   bool outlasts_failures() const override { return true; }
   int rests_on(int number) const override {
     return number < final_round() ? runs() : final_round();
   }
-  void describe(int, v1::StudyRun&) const override {}
 
   PlannedRun run(int number) const override {
     if (number == draft_of_case) return planned(number, "the case itself, draft", draft_, {});
@@ -78,7 +77,7 @@ public:
     const auto which = candidate_run(number, *round);
     if (!which) return std::nullopt;
     const std::string name = "candidate " + std::to_string(which->candidate + 1);
-    const auto& design = round->candidates[static_cast<std::size_t>(which->candidate)].design;
+    const auto& design = round->candidates[which->candidate].design;
     if (which->casting < 0) return planned(number, name, full_, space_->changes(design));
     return planned(number, name + ", casting " + std::to_string(which->casting + 1), draft_,
                    changes_at(place_of(number, *which, *round)));
@@ -107,13 +106,6 @@ private:
   int castings() const { return plan_.candidates() * plan_.castings(); }
   int trial_round() const { return runs(); }
   int final_round() const { return trial_round() + castings(); }
-
-  PlannedRun planned(int number, std::string name, const v1::Case& base,
-                     std::vector<v1::CaseChange> changes) const {
-    PlannedRun planned{key(number), std::move(name), base, std::move(changes)};
-    case_file::apply_changes(planned.description, planned.changes);
-    return planned;
-  }
 
   std::vector<v1::CaseChange> changes_at(const Eigen::RowVectorXd& place) const {
     auto changes = space_->changes(place.head(space_->numbers()));
@@ -144,8 +136,7 @@ private:
     const Eigen::MatrixXd data = statistics::hypercube(
         each, space_->data(), plan_.seed() + of_round + static_cast<unsigned>(which.candidate));
     Eigen::RowVectorXd place(space_->numbers() + space_->data());
-    place << round.candidates[static_cast<std::size_t>(which.candidate)].design,
-        data.row(which.casting);
+    place << round.candidates[which.candidate].design, data.row(which.casting);
     return place;
   }
 
@@ -169,7 +160,7 @@ private:
     for (const EvaluatedRun& evaluated : runs)
       if (evaluated.number < first_draft)
         if (const auto known = recipe_run(evaluated.run, monitor, {}))
-          curls[static_cast<std::size_t>(evaluated.number)] = known->curl_m;
+          curls[evaluated.number] = known->curl_m;
     if (!curls[0] || !curls[1] || std::abs(*curls[0]) < least_curl_compared) return 1.0;
     const double scale = *curls[full_of_case] / *curls[draft_of_case];
     return scale > least_scale && scale < greatest_scale ? scale : 1.0;
@@ -226,13 +217,11 @@ private:
     return round;
   }
 
+  /// @param castings  at the design, that the surfaces do not know
   void write(const RecipeSearch& search, const ScoredDesign& scored,
-             v1::RecipeFound::Candidate& candidate) const {
-    const case_file::Recipe recipe = space_->recipe(scored.design);
-    for (const v1::RecipePlan::Number& number : plan_.numbers())
-      candidate.add_numbers(recipe[static_cast<std::size_t>(
-          std::ranges::find(case_file::recipe_names, number.name()) -
-          case_file::recipe_names.begin())]);
+             const std::vector<RecipeRun>& castings, v1::RecipeFound::Candidate& candidate) const {
+    for (int i = 0; i < space_->numbers(); ++i)
+      candidate.add_numbers(space_->number(i, scored.design));
     const auto changes = space_->changes(scored.design);
     *candidate.mutable_changes() = {changes.begin(), changes.end()};
     candidate.set_low_m(scored.score.low);
@@ -241,23 +230,24 @@ private:
     candidate.set_danger(scored.score.danger);
     candidate.set_surface_risk(scored.score.risk);
     candidate.set_casting_time_s(scored.score.cost);
-    const statistics::Share share = search.risk(scored.score, {});
+    const statistics::Share share = search.risk(scored.score, castings);
     candidate.set_risk(share.value);
     candidate.set_risk_error(share.error);
+    candidate.set_castings(static_cast<int>(castings.size()));
+    candidate.set_lost(static_cast<int>(std::ranges::count_if(
+        castings, [&](const RecipeRun& run) { return run.lost(plan_, search.scale()); })));
   }
 
   void add_itself(const Round& round, v1::RecipeFound& found) const {
     const Eigen::RowVectorXd design = space_->design(case_file::recipe_of(draft_));
     constexpr double outside = 0.1;  // surfaces know nothing farther out
     if (design.minCoeff() < -outside || design.maxCoeff() > 1.0 + outside) return;
-    write(*round.search, {design, round.search->score(design)}, *found.mutable_itself());
+    write(*round.search, {design, round.search->score(design)}, {}, *found.mutable_itself());
   }
 
   void add_candidate(const Round& round, int number, int monitor,
                      const std::vector<EvaluatedRun>& runs,
                      v1::RecipeFound::Candidate& candidate) const {
-    const ScoredDesign& scored = round.candidates[static_cast<std::size_t>(number)];
-    write(*round.search, scored, candidate);
     std::vector<RecipeRun> castings;
     for (const EvaluatedRun& evaluated : runs) {
       if (evaluated.number < final_round()) continue;
@@ -269,13 +259,7 @@ private:
                    recipe_run(evaluated.run, monitor, place_of(evaluated.number, *which, round)))
         castings.push_back(std::move(*run));
     }
-    if (castings.empty()) return;
-    const statistics::Share share = round.search->risk(scored.score, castings);
-    candidate.set_risk(share.value);
-    candidate.set_risk_error(share.error);
-    candidate.set_castings(static_cast<int>(castings.size()));
-    candidate.set_lost(static_cast<int>(std::ranges::count_if(
-        castings, [&](const RecipeRun& run) { return run.lost(plan_, round.search->scale()); })));
+    write(*round.search, round.candidates[number], castings, candidate);
   }
 
   static void write_full(const v1::StudyRun& run, int monitor,
@@ -309,16 +293,6 @@ private:
   mutable std::array<std::shared_ptr<const Round>, 2> rounds_;  ///< once their runs have ended
 };
 
-v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
-                   const std::string& permitted) {
-  v1::Fault fault;
-  fault.set_field("recipe." + field);
-  fault.set_value(value);
-  fault.set_message(message);
-  fault.set_permitted(permitted);
-  return fault;
-}
-
 std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
   std::vector<v1::Fault> faults;
   std::set<std::string> names;
@@ -326,24 +300,26 @@ std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
     if (std::ranges::find(case_file::recipe_names, number.name()) ==
             case_file::recipe_names.end() ||
         !names.insert(number.name()).second)
-      faults.push_back(fault_of("numbers", number.name(), "is no number of a recipe, or twice",
+      faults.push_back(fault_of("recipe.numbers", number.name(),
+                                "is no number of a recipe, or twice",
                                 "speed_start, speed_run, speed_ramp, filling, hold, water_start, "
                                 "water_run, water_ramp, each once"));
     if (!(number.low() >= 0.0 && number.high() > number.low() && std::isfinite(number.high())))
       faults.push_back(fault_of(
-          number.name(),
+          "recipe." + number.name(),
           case_file::number_text(number.low()) + ".." + case_file::number_text(number.high()),
           "is no range", "0 or more, the smaller end first"));
   }
   if (names.empty())
-    faults.push_back(fault_of("numbers", "", "there is nothing to choose", "one number or more"));
+    faults.push_back(
+        fault_of("recipe.numbers", "", "there is nothing to choose", "one number or more"));
   return faults;
 }
 
-void check_count(const char* field, int value, int least, int most,
+void check_count(const std::string& field, int value, int least, int most,
                  std::vector<v1::Fault>& faults) {
   if (value < least || value > most)
-    faults.push_back(fault_of(field, std::to_string(value), "is out of range",
+    faults.push_back(fault_of("recipe." + field, std::to_string(value), "is out of range",
                               std::to_string(least) + " to " + std::to_string(most)));
 }
 
@@ -353,8 +329,12 @@ std::vector<v1::Fault> data_faults(const v1::CreateStudyRequest& request) {
   *sweep.mutable_case_() = request.recipe().draft();
   sweep.mutable_sweep()->set_design(v1::SweepPlan::LATIN_HYPERCUBE);
   sweep.mutable_sweep()->set_runs(1);
-  for (const v1::RecipePlan::Datum& datum : request.recipe().data())
-    *sweep.mutable_sweep()->add_axes() = axis_of(datum);
+  for (const v1::RecipePlan::Datum& datum : request.recipe().data()) {
+    v1::SweepPlan::Axis& axis = *sweep.mutable_sweep()->add_axes();
+    axis.set_key(datum.key());
+    axis.add_values(datum.low());
+    axis.add_values(datum.high());
+  }
   return sweep_faults(sweep);
 }
 
@@ -364,16 +344,16 @@ std::vector<v1::Fault> recipe_faults(const v1::CreateStudyRequest& request) {
   const v1::RecipePlan& plan = request.recipe();
   auto faults = number_faults(plan);
   if (!plan.has_draft())
-    faults.push_back(fault_of("draft", "", "is absent", "the case at draft quality"));
+    faults.push_back(fault_of("recipe.draft", "", "is absent", "the case at draft quality"));
   if (!(plan.greatest_curl_m() > plan.least_curl_m()))
-    faults.push_back(fault_of("band",
+    faults.push_back(fault_of("recipe.band",
                               case_file::number_text(plan.least_curl_m()) + ".." +
                                   case_file::number_text(plan.greatest_curl_m()),
                               "is no band", "two curls, the smaller one first"));
   if (!(plan.greatest_speed_rate_m_per_s2() > 0.0))
-    faults.push_back(fault_of("greatest_speed_rate", "", "is out of range", "above 0"));
+    faults.push_back(fault_of("recipe.greatest_speed_rate", "", "is out of range", "above 0"));
   if (!(plan.greatest_flow_rate_m2_per_s2() > 0.0))
-    faults.push_back(fault_of("greatest_flow_rate", "", "is out of range", "above 0"));
+    faults.push_back(fault_of("recipe.greatest_flow_rate", "", "is out of range", "above 0"));
   check_count("drafts", plan.drafts(), 12, 5000, faults);
   check_count("castings", plan.castings(), 2, 200, faults);
   check_count("candidates", plan.candidates(), 1, 10, faults);

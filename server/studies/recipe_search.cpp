@@ -7,7 +7,6 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
 #include "server/studies/study_plan.hpp"
-#include "server/studies/sweep_plan.hpp"
 
 namespace dccast::studies {
 
@@ -15,6 +14,7 @@ namespace {
 
 using case_file::Recipe;
 using case_file::RecipeNumber;
+using statistics::matrix_of;
 
 constexpr std::size_t fewest_valid = 12;  // drafts that a surface needs at least
 constexpr int search_samples = 96, score_samples = 512;
@@ -27,21 +27,7 @@ bool by_the_recipe(const v1::Failure& failure) {
   return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
 }
 
-Eigen::MatrixXd matrix_of(const std::vector<Eigen::RowVectorXd>& rows) {
-  Eigen::MatrixXd matrix(rows.size(), rows.front().size());
-  for (std::size_t i = 0; i < rows.size(); ++i) matrix.row(static_cast<Eigen::Index>(i)) = rows[i];
-  return matrix;
-}
-
 }  // namespace
-
-v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum) {
-  v1::SweepPlan::Axis axis;
-  axis.set_key(datum.key());
-  axis.add_values(datum.low());
-  axis.add_values(datum.high());
-  return axis;
-}
 
 RecipeSpace::RecipeSpace(const v1::Case& draft, const v1::RecipePlan& plan)
     : draft_(draft), plan_(plan) {
@@ -60,17 +46,14 @@ const RecipeSpace::Ends* RecipeSpace::ends_of(RecipeNumber number) const {
 
 Recipe RecipeSpace::recipe(const Eigen::RowVectorXd& design) const {
   Recipe recipe = case_file::recipe_of(draft_);
-  for (std::size_t i = 0; i < ends_.size(); ++i)
-    recipe[ends_[i].number] =
-        ends_[i].low + design(static_cast<Eigen::Index>(i)) * (ends_[i].high - ends_[i].low);
+  for (int i = 0; i < numbers(); ++i) recipe[ends_[i].number] = number(i, design);
   return recipe;
 }
 
 Eigen::RowVectorXd RecipeSpace::design(const Recipe& recipe) const {
   Eigen::RowVectorXd design(ends_.size());
   for (std::size_t i = 0; i < ends_.size(); ++i)
-    design(static_cast<Eigen::Index>(i)) =
-        (recipe[ends_[i].number] - ends_[i].low) / (ends_[i].high - ends_[i].low);
+    design(i) = (recipe[ends_[i].number] - ends_[i].low) / (ends_[i].high - ends_[i].low);
   return design;
 }
 
@@ -118,9 +101,9 @@ double RecipeSpace::casting_time_s(const Eigen::RowVectorXd& design) const {
 std::vector<v1::CaseChange> RecipeSpace::data_changes(const Eigen::RowVectorXd& data) const {
   std::vector<v1::CaseChange> changes;
   for (int i = 0; i < plan_.data_size(); ++i) {
-    v1::CaseChange& change = changes.emplace_back();
-    change.set_key(plan_.data(i).key());
-    change.set_value(value_between(draft_, axis_of(plan_.data(i)), data(i)));
+    const v1::RecipePlan::Datum& datum = plan_.data(i);
+    changes.push_back(change_of(
+        datum.key(), value_between(draft_, datum.key(), datum.low(), datum.high(), data(i))));
   }
   return changes;
 }
@@ -172,8 +155,7 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
     throw std::runtime_error(std::to_string(valid.size()) + " of " + std::to_string(runs.size()) +
                              " drafts end with a valid curl; a surface needs " +
                              std::to_string(fewest_valid) + " or more");
-  curl_.emplace(matrix_of(valid), Eigen::Map<const Eigen::VectorXd>(
-                                      curls.data(), static_cast<Eigen::Index>(curls.size())));
+  curl_.emplace(matrix_of(valid), Eigen::Map<const Eigen::VectorXd>(curls.data(), curls.size()));
   error_m_ = curl_->left_out_errors().norm() / std::sqrt(static_cast<double>(curls.size()));
   danger_.emplace(matrix_of(places), dangers);
   const v1::RecipePlan& plan = space_->plan();
@@ -191,9 +173,8 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
 }
 
 std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t seed) const {
-  auto chosen =
-      statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
-                              static_cast<std::size_t>(space_->plan().candidates()), more_risk);
+  auto chosen = statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
+                                        space_->plan().candidates(), more_risk);
   for (auto& one : chosen) one.score = score(one.design);
   return chosen;
 }

@@ -12,9 +12,6 @@
 
 namespace dccast::studies {
 
-/// A datum as the axis of a Latin hypercube.
-v1::SweepPlan::Axis axis_of(const v1::RecipePlan::Datum& datum);
-
 /// The designs of a recipe plan: its numbers, 0 to 1 between their ends, and what they make of the
 /// case.
 class RecipeSpace {
@@ -23,7 +20,10 @@ public:
 
   int numbers() const { return plan_.numbers_size(); }
   int data() const { return plan_.data_size(); }
-  case_file::Recipe recipe(const Eigen::RowVectorXd& design) const;
+  /// One of the numbers. @param which  from 0, as in the plan
+  double number(int which, const Eigen::RowVectorXd& design) const {
+    return ends_[which].low + design(which) * (ends_[which].high - ends_[which].low);
+  }
   Eigen::RowVectorXd design(const case_file::Recipe& recipe) const;
   /// Within the limits of the rates of speed and water and with no filling beyond the hold: ramps
   /// get longer, and where they cannot the level of the run comes nearer to that of the start.
@@ -39,6 +39,7 @@ private:
     case_file::RecipeNumber number;
     double low, high;
   };
+  case_file::Recipe recipe(const Eigen::RowVectorXd& design) const;
   const Ends* ends_of(case_file::RecipeNumber number) const;
   void keep_rate(case_file::Recipe& recipe, case_file::RecipeNumber start, double rate) const;
 

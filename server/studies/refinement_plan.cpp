@@ -4,7 +4,7 @@
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
-#include "proto/values/interpolation.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/extrapolation.hpp"
 #include "server/studies/study_plan.hpp"
 
@@ -13,10 +13,6 @@ namespace dccast::studies {
 namespace {
 
 constexpr int fewest_levels = 2, most_levels = 5;
-
-std::vector<double> values_of(const google::protobuf::RepeatedField<double>& field) {
-  return {field.begin(), field.end()};
-}
 
 /// The runs that count: what succeeded and has a history.
 std::vector<const EvaluatedRun*> levels_of(const std::vector<EvaluatedRun>& runs) {
@@ -29,13 +25,11 @@ std::vector<const EvaluatedRun*> levels_of(const std::vector<EvaluatedRun>& runs
 /// The limit of one monitor at the instants of the coarsest run; nothing with fewer than two runs.
 std::optional<v1::StudyResult::Limit> limit_of(const std::vector<const EvaluatedRun*>& levels,
                                                const v1::CurlCurve& coarsest) {
-  const std::vector<double> time_s = values_of(coarsest.time_s());
+  const std::vector<double> time_s(coarsest.time_s().begin(), coarsest.time_s().end());
   std::vector<RefinedCurve> curves;
   for (const EvaluatedRun* level : levels)
     if (const v1::CurlCurve* curve = level->history.curve(coarsest.monitor()))
-      curves.push_back(
-          {level->run.refinement(),
-           values::at_instants(time_s, values_of(curve->time_s()), values_of(curve->curl_m()))});
+      curves.push_back({level->run.refinement(), at_instants(time_s, *curve, curve->curl_m())});
   if (curves.size() < 2) return std::nullopt;
   const CurveLimit found = extrapolate(time_s, curves);
   v1::StudyResult::Limit limit;
@@ -58,9 +52,9 @@ public:
   int runs() const override { return levels_; }
 
   PlannedRun run(int number) const override {
-    const std::string key = std::to_string(refinement(number));
-    return {key, "refinement " + key, case_file::divided(base_, 1 << number), {}};
+    return {key(number), "refinement " + key(number), case_file::divided(base_, 1 << number), {}};
   }
+  std::string key(int number) const override { return std::to_string(refinement(number)); }
 
   void describe(int number, v1::StudyRun& run) const override {
     run.set_refinement(refinement(number));
@@ -91,19 +85,12 @@ private:
 std::vector<v1::Fault> refinement_faults(const v1::CreateStudyRequest& request) {
   std::vector<v1::Fault> faults;
   const int levels = request.refinement().levels();
-  if (levels < fewest_levels || levels > most_levels) {
-    v1::Fault& fault = faults.emplace_back();
-    fault.set_field("refinement.levels");
-    fault.set_value(std::to_string(levels));
-    fault.set_message("is out of range");
-    fault.set_permitted("2 to 5");
-  }
+  if (levels < fewest_levels || levels > most_levels)
+    faults.push_back(
+        intake::fault_of("refinement.levels", std::to_string(levels), "is out of range", "2 to 5"));
   if (const std::string reason = case_file::reason_against_dividing(request.case_());
-      !reason.empty()) {
-    v1::Fault& fault = faults.emplace_back();
-    fault.set_field("refinement");
-    fault.set_message(reason);
-  }
+      !reason.empty())
+    faults.push_back(intake::fault_of("refinement", "", reason));
   return faults;
 }
 

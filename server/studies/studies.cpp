@@ -24,12 +24,11 @@ bool lost(v1::JobState state) {
 }
 
 /// Whether two requests differ in nothing but the number of levels of a refinement.
-bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
-  if (a.plan_case() != b.plan_case()) return false;
-  if (a.has_refinement()) return true;
-  if (a.has_mould()) return MessageDifferencer::Equals(a.mould(), b.mould());
-  if (a.has_recipe()) return MessageDifferencer::Equals(a.recipe(), b.recipe());
-  return MessageDifferencer::Equals(a.sweep(), b.sweep());
+bool same_plan(const v1::CreateStudyRequest& a, const v1::CreateStudyRequest& b) {
+  return a.plan_case() == b.plan_case() &&
+         (a.has_refinement() || (MessageDifferencer::Equals(a.mould(), b.mould()) &&
+                                 MessageDifferencer::Equals(a.recipe(), b.recipe()) &&
+                                 MessageDifferencer::Equals(a.sweep(), b.sweep())));
 }
 
 v1::StudyState state_of(const RunCounts& counts) {
@@ -67,13 +66,14 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   }
 }
 
-}  // namespace
-
+/// The runs of a plan, none of which is a job yet.
 std::vector<RunRecord> runs_to_queue(int count) {
-  std::vector<RunRecord> runs(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) runs[static_cast<std::size_t>(i)].number = i;
+  std::vector<RunRecord> runs(count);
+  for (int i = 0; i < count; ++i) runs[i].number = i;
   return runs;
 }
+
+}  // namespace
 
 Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
                  const intake::CaseIntake& intake)
@@ -82,7 +82,12 @@ Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& sched
       scheduler_(scheduler),
       intake_(intake),
       surface_keeper_([this](const std::string& id) { ready_surface(id); }) {
-  scheduler_.observe([this](const v1::Job& job) { on_job(job); });
+  // A job of a study in another state: there may be room for the next run, or a reason for it.
+  scheduler_.observe([this](const v1::Job& job) {
+    if (job.study().empty()) return;
+    note_change(job.study());
+    wake_feeder();
+  });
 }
 
 Studies::~Studies() {
@@ -186,15 +191,10 @@ void Studies::keep(const StudyRecord& record, const std::vector<RunRecord>& runs
   append_runs(options_.directory, record.id, runs);
 }
 
-void Studies::queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs) {
-  std::vector<RunRecord> waiting;
-  std::vector<int> numbers;
-  for (const RunRecord& run : runs) {
-    waiting.push_back({.number = run.number, .attempt = run.attempt, .failure = {}});
-    numbers.push_back(run.number);
-  }
-  keep(record, waiting);
-  store_.queue_again(record.id, numbers);
+void Studies::queue_again(const StudyRecord& record, std::vector<RunRecord> runs) {
+  for (RunRecord& run : runs) run = {.number = run.number, .attempt = run.attempt, .failure = {}};
+  keep(record, runs);
+  store_.queue_again(record.id, runs);
 }
 
 v1::Study Studies::view(const StudyRecord& record) {

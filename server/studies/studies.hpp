@@ -23,7 +23,6 @@
 #include "server/studies/study_notifier.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
-#include "server/studies/surface_keeper.hpp"
 
 namespace dccast::studies {
 
@@ -81,22 +80,14 @@ public:
   StudyNotifier& notifier() { return notifier_; }
 
 private:
-  /// What became of an attempt to queue a run.
-  enum class Fed { yes, refused, later };
-
   void feed(const std::stop_token& stop);
-  bool feed_round();
   bool feed_study(const std::string& id);
-  Fed feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned);
-  Fed feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
-  Fed not_needed(const StudyRecord& study, const RunRecord& run);
-  Fed not_examined(const StudyRecord& study, const RunRecord& run,
-                   const jobs::WorkerDidNotAnswer& error);
-  void refuse(const StudyRecord& study, const RunRecord& run, const std::string& why);
+  void feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned);
+  bool feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
+  void refuse(const StudyRecord& study, RunRecord run, const std::string& why);
   /// Nothing when the run was cancelled meanwhile.
   void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
   void wake_feeder();
-  void on_job(const v1::Job& job);
   void note_change(const std::string& id);
   void rest(const std::stop_token& stop, std::chrono::steady_clock::duration most);
 
@@ -108,7 +99,7 @@ private:
                     const std::string& case_sha256);
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
   void grow_again(const StudyRecord& record);
-  void queue_again(const StudyRecord& record, const std::vector<RunRecord>& runs);
+  void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
   void remove_now(const std::string& id);
   std::map<std::string, v1::Job> jobs_of(const std::string& id);
   RunHistory history_of(const v1::Job& job);
@@ -121,8 +112,9 @@ private:
     int before = INT_MAX;  ///< only runs of a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
-  void add_spread(const StudyRecord& record, const std::string& monitor, v1::StudyResult& result);
-  void add_calibration(const v1::EvaluateStudyRequest& request, v1::StudyResult& result);
+  /// @param record  must outlive it
+  SweepState sweep_state(const StudyRecord& record);
+  v1::Calibration calibration(const v1::EvaluateStudyRequest& request);
   /// Has the response surface of a sweep built, of the runs that have succeeded.
   void ready_surface(const std::string& id);
   std::string failure_text(const StudyRecord& record);
@@ -147,8 +139,5 @@ private:
   std::jthread feeder_;
   SurfaceKeeper surface_keeper_;
 };
-
-/// The plan of a study file or row, as runs of which none is a job yet.
-std::vector<RunRecord> runs_to_queue(int count);
 
 }  // namespace dccast::studies

@@ -47,13 +47,6 @@ void Studies::wake_feeder() {
   feeder_wake_.notify_all();
 }
 
-/// A job of a study is in another state: there may be room for the next run, or a reason for it.
-void Studies::on_job(const v1::Job& job) {
-  if (job.study().empty()) return;
-  note_change(job.study());
-  wake_feeder();
-}
-
 void Studies::note_change(const std::string& id) {
   notifier_.note(id);
   surface_keeper_.look_at(id);
@@ -69,7 +62,9 @@ void Studies::rest(const std::stop_token& stop, std::chrono::steady_clock::durat
 void Studies::feed(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     try {
-      while (feed_round() && !stop.stop_requested()) {
+      for (bool more = true; more && !stop.stop_requested();) {
+        more = false;
+        for (const std::string& id : store_.to_feed()) more = feed_study(id) || more;
       }
       rest(stop, std::chrono::hours(24));
     } catch (const std::exception& error) {
@@ -79,73 +74,72 @@ void Studies::feed(const std::stop_token& stop) {
   }
 }
 
-/// Queues one run of each study that has room. @return whether another round may queue more
+/// Queues one run of a study if it has room. @return whether another look may queue more
 /// @throws std::exception  nothing can be queued now
-bool Studies::feed_round() {
-  bool more = false;
-  for (const std::string& id : store_.to_feed()) more = feed_study(id) || more;
-  return more;
-}
-
 bool Studies::feed_study(const std::string& id) {
   if (store_.counts(id).waiting >= options_.waiting) return false;
   const auto study = store_.find(id);
   const auto run = store_.next_to_queue(id);
   if (!study || !run) return false;
   const auto plan = plan_of(*study);
-  const Fed fed = run->number < plan->runs() ? feed_run(*study, *run, plan->run(run->number))
-                                             : feed_grown(*study, *plan, *run);
+  bool more = true;
+  if (run->number < plan->runs())
+    feed_run(*study, *run, plan->run(run->number));
+  else
+    more = feed_grown(*study, *plan, *run);
   note_change(id);
-  return fed != Fed::later;
+  return more;
 }
 
 /// A run of a plan that grows waits from the moment the one before it is queued, so that the study
 /// does not end in between. It is queued when those that it rests on have ended and do not suffice.
-Studies::Fed Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan,
-                                 const RunRecord& run) {
+/// @return false: it waits
+bool Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run) {
   const auto before =
       evaluated_runs(study, {.faces = plan.needs_faces(), .before = plan.rests_on(run.number)});
-  for (const EvaluatedRun& other : before)
-    if (!jobs::is_terminal(other.run.state())) return Fed::later;
-  const auto stops = [&plan](const EvaluatedRun& other) {
-    return !other.succeeded() && !(plan.outlasts_failures() && other.run.state() == v1::FAILED);
-  };
-  if (std::ranges::any_of(before, stops)) return not_needed(study, run);
-  for (const EvaluatedRun& other : before)
-    if (!other.face_fault.empty()) {
-      refuse(study, run,
-             "job " + other.run.job() + " says nothing of its mould: " + other.face_fault);
-      return Fed::refused;
-    }
-  const auto next = plan.next(run.number, before);
-  return next ? feed_run(study, run, *next) : not_needed(study, run);
+  std::optional<PlannedRun> next;
+  bool stopped = false;
+  for (const EvaluatedRun& other : before) {
+    if (!jobs::is_terminal(other.run.state())) return false;
+    stopped = stopped || (!other.succeeded() &&
+                          !(plan.outlasts_failures() && other.run.state() == v1::FAILED));
+  }
+  if (!stopped) {
+    for (const EvaluatedRun& other : before)
+      if (!other.face_fault.empty()) {
+        refuse(study, run,
+               "job " + other.run.job() + " says nothing of its mould: " + other.face_fault);
+        return true;
+      }
+    next = plan.next(run.number, before);
+  }
+  if (next)
+    feed_run(study, run, *next);
+  else
+    store_.drop(study.id, run.number);
+  return true;
 }
 
-Studies::Fed Studies::not_needed(const StudyRecord& study, const RunRecord& run) {
-  store_.drop(study.id, run.number);
-  return Fed::refused;
-}
-
-Studies::Fed Studies::feed_run(const StudyRecord& study, RunRecord run, const PlannedRun& planned) {
-  intake::ExaminedCase examined;
+void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned) {
+  using Why = jobs::WorkerDidNotAnswer::Why;
   try {
-    examined =
+    const auto examined =
         intake_.examine(planned.description, study.request.attachments(), {},
                         {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+    if (examined.verdict.faults_size() > 0)
+      refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
+    else
+      make_job(study, run, planned.key, new_job(study, planned, examined));
   } catch (const jobs::WorkerDidNotAnswer& error) {
-    return not_examined(study, run, error);
-  }
-  if (examined.verdict.faults_size() > 0) {
-    refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
-    return Fed::refused;
-  }
-  try {
-    make_job(study, std::move(run), planned.key, new_job(study, planned, examined));
+    // A case that brings workers down again and again is at fault itself.
+    if (error.why() == Why::not_started) throw;
+    const std::string key = study.id + "/" + std::to_string(run.number);
+    if (++unanswered_[key] < most_unanswered) return;
+    unanswered_.erase(key);
+    refuse(study, run, error.what());
   } catch (const jobs::RequestIdTaken& error) {
     refuse(study, run, error.what());
-    return Fed::refused;
   }
-  return Fed::yes;
 }
 
 void Studies::make_job(const StudyRecord& study, RunRecord run, const std::string& key,
@@ -164,25 +158,12 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());
 }
 
-/// A case that brings workers down again and again is at fault itself.
-Studies::Fed Studies::not_examined(const StudyRecord& study, const RunRecord& run,
-                                   const jobs::WorkerDidNotAnswer& error) {
-  using Why = jobs::WorkerDidNotAnswer::Why;
-  if (error.why() == Why::not_started) throw error;
-  const std::string key = study.id + "/" + std::to_string(run.number);
-  if (++unanswered_[key] < most_unanswered) return Fed::yes;
-  unanswered_.erase(key);
-  refuse(study, run, error.what());
-  return Fed::refused;
-}
-
-void Studies::refuse(const StudyRecord& study, const RunRecord& run, const std::string& why) {
-  RunRecord refused = run;
-  refused.outcome = v1::FAILED;
-  refused.failure.set_kind(v1::Failure::INVALID_CASE);
-  refused.failure.set_message(why);
-  keep(study, {refused});
-  store_.refuse(study.id, run.number, refused.failure, jobs::milliseconds(jobs::now()));
+void Studies::refuse(const StudyRecord& study, RunRecord run, const std::string& why) {
+  run.outcome = v1::FAILED;
+  run.failure.set_kind(v1::Failure::INVALID_CASE);
+  run.failure.set_message(why);
+  keep(study, {run});
+  store_.refuse(study.id, run.number, run.failure, jobs::milliseconds(jobs::now()));
   log::warn("study {}: {}", study.id, why);
 }
 

@@ -24,7 +24,7 @@ std::string header() {
 std::string take_part(std::string_view& rest) {
   const auto record = storage::short_records.first_of(rest, largest_part);
   if (!record) throw std::runtime_error("is damaged");
-  rest.remove_prefix(static_cast<std::size_t>(record->size));
+  rest.remove_prefix(record->size);
   return std::string(record->payload);
 }
 
@@ -37,7 +37,7 @@ std::string_view runs_in(std::string_view bytes) {
   for (int i = 0; i < frames_of_study; ++i) take_part(bytes);
   std::string_view rest = bytes;
   while (const auto record = storage::short_records.first_of(rest, largest_part))
-    rest.remove_prefix(static_cast<std::size_t>(record->size));
+    rest.remove_prefix(record->size);
   return bytes.substr(0, bytes.size() - rest.size());
 }
 

@@ -1,18 +1,33 @@
 #include "server/studies/study_plan.hpp"
 
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
+
+#include "proto/case_file/override.hpp"
+#include "server/intake/case_intake.hpp"
 
 namespace dccast::studies {
 
 namespace {
 
-v1::Fault no_plan(const std::string& message) {
-  v1::Fault fault;
-  fault.set_field("plan");
-  fault.set_message(message);
-  fault.set_permitted("refinement, sweep, mould, recipe");
-  fault.set_remedy("give one of them");
-  return fault;
+struct Kind {
+  v1::CreateStudyRequest::PlanCase plan;
+  std::vector<v1::Fault> (*faults)(const v1::CreateStudyRequest&);
+  std::unique_ptr<StudyPlan> (*make)(const v1::CreateStudyRequest&);
+};
+
+constexpr Kind kinds[] = {
+    {v1::CreateStudyRequest::kRefinement, refinement_faults, refinement_plan},
+    {v1::CreateStudyRequest::kSweep, sweep_faults, sweep_plan},
+    {v1::CreateStudyRequest::kMould, mould_faults, mould_plan},
+    {v1::CreateStudyRequest::kRecipe, recipe_faults, recipe_plan},
+};
+
+/// Null without a plan, or with one that is not known here.
+const Kind* kind_of(const v1::CreateStudyRequest& request) {
+  const auto found = std::ranges::find(kinds, request.plan_case(), &Kind::plan);
+  return found == std::end(kinds) ? nullptr : found;
 }
 
 }  // namespace
@@ -31,41 +46,22 @@ bool by_the_case_itself(const v1::Failure& failure) {
   }
 }
 
-std::optional<PlannedRun> StudyPlan::next(int, const std::vector<EvaluatedRun>&) const {
-  return std::nullopt;
+PlannedRun StudyPlan::planned(int number, std::string name, const v1::Case& base,
+                              std::vector<v1::CaseChange> changes) const {
+  PlannedRun planned{key(number), std::move(name), base, std::move(changes)};
+  case_file::apply_changes(planned.description, planned.changes);
+  return planned;
 }
 
-void StudyPlan::evaluate(const std::vector<EvaluatedRun>&, v1::StudyResult&) const {}
-
 std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {
-  switch (request.plan_case()) {
-    case v1::CreateStudyRequest::kRefinement:
-      return refinement_faults(request);
-    case v1::CreateStudyRequest::kSweep:
-      return sweep_faults(request);
-    case v1::CreateStudyRequest::kMould:
-      return mould_faults(request);
-    case v1::CreateStudyRequest::kRecipe:
-      return recipe_faults(request);
-    case v1::CreateStudyRequest::PLAN_NOT_SET:
-      break;
-  }
-  return {no_plan("a study needs a plan")};
+  if (const Kind* kind = kind_of(request)) return kind->faults(request);
+  return {intake::fault_of("plan", "", "a study needs a plan", "refinement, sweep, mould, recipe",
+                           "give one of them")};
 }
 
 std::unique_ptr<StudyPlan> study_plan(const v1::CreateStudyRequest& request) {
-  switch (request.plan_case()) {
-    case v1::CreateStudyRequest::kRefinement:
-      return refinement_plan(request);
-    case v1::CreateStudyRequest::kSweep:
-      return sweep_plan(request);
-    case v1::CreateStudyRequest::kMould:
-      return mould_plan(request);
-    case v1::CreateStudyRequest::kRecipe:
-      return recipe_plan(request);
-    default:
-      throw std::runtime_error("the study has a plan that this version of dccastd does not know");
-  }
+  if (const Kind* kind = kind_of(request)) return kind->make(request);
+  throw std::runtime_error("the study has a plan that this version of dccastd does not know");
 }
 
 }  // namespace dccast::studies

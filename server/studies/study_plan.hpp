@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,7 +8,6 @@
 
 #include "dccast/v1/study.pb.h"
 #include "proto/frames/steady_face.hpp"
-#include "server/studies/run_history.hpp"
 
 namespace dccast::studies {
 
@@ -17,6 +17,17 @@ struct PlannedRun {
   std::string name;  ///< for people: "refinement 4"
   v1::Case description;
   std::vector<v1::CaseChange> changes;  ///< already made in `description`
+};
+
+/// The curl of one run: the vertical displacement of every monitor.
+struct RunHistory {
+  std::vector<v1::CurlCurve> curves;    ///< by monitor, all at the instants of the run's steps
+  std::optional<double> beyond_from_s;  ///< first step at which the model was no longer valid
+
+  /// [degC] by monitor, at the same instants; NaN where it is not reported.
+  std::map<std::string, std::vector<double>> temperature_c;
+
+  const v1::CurlCurve* curve(const std::string& monitor) const;  ///< null: not reported
 };
 
 /// The wide face of a quarter slab where its casting is steady, and the section it was cast in.
@@ -41,6 +52,13 @@ struct EvaluatedRun {
   }
 };
 
+/// The history in the steps of a job.
+RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps);
+
+/// Figures of a curve, one of its fields, at other instants; NaN outside its time.
+std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,
+                                const google::protobuf::RepeatedField<double>& figures);
+
 /// Whether the same case would end in the same way again.
 bool by_the_case_itself(const v1::Failure& failure);
 
@@ -53,7 +71,7 @@ public:
   /// @param number  from 0, of these
   virtual PlannedRun run(int number) const = 0;
   /// That of any run, also one that is not laid out yet.
-  virtual std::string key(int number) const { return run(number).key; }
+  virtual std::string key(int number) const { return std::to_string(number + 1); }
   /// A plan grows when it may have more runs than it lays out: each follows from those before it.
   virtual int most_runs() const { return runs(); }
   bool grows() const { return most_runs() > runs(); }
@@ -66,13 +84,22 @@ public:
   virtual bool needs_faces() const { return false; }
   /// A run that is not laid out, nothing when those before it suffice.
   /// @param before  those it rests on, ended; without those whose job was deleted
-  virtual std::optional<PlannedRun> next(int number, const std::vector<EvaluatedRun>& before) const;
+  virtual std::optional<PlannedRun> next(int /*number*/,
+                                         const std::vector<EvaluatedRun>& /*before*/) const {
+    return std::nullopt;
+  }
   /// Writes into a run of the answer what is particular to the plan: refinement, values.
-  virtual void describe(int number, v1::StudyRun& run) const = 0;
+  virtual void describe(int /*number*/, v1::StudyRun& /*run*/) const {}
   /// Whether evaluate() needs the histories of the runs that succeeded.
   virtual bool needs_histories() const { return false; }
   /// Adds the results of the runs together. @param runs  in the order of the plan
-  virtual void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const;
+  virtual void evaluate(const std::vector<EvaluatedRun>& /*runs*/,
+                        v1::StudyResult& /*result*/) const {}
+
+protected:
+  /// A case with changes.
+  PlannedRun planned(int number, std::string name, const v1::Case& base,
+                     std::vector<v1::CaseChange> changes) const;
 };
 
 /// What is wrong with a plan before any of its runs is looked at: number and kind of its figures,
@@ -96,5 +123,22 @@ std::unique_ptr<StudyPlan> recipe_plan(const v1::CreateStudyRequest& request);
 
 std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);
+
+// What plans and those who evaluate them share; of values and their texts in sweep_plan.cpp.
+
+v1::CaseChange change_of(const std::string& key, const std::string& value);
+
+/// The number that a value of a key stands for, in the unit of the schema; NaN for what is none.
+double number_of(const v1::Case& base, const std::string& key, const std::string& value);
+
+/// A value between two of a key, as in a case file, in the unit of the first one.
+/// @param place  0 to 1
+std::string value_between(const v1::Case& base, const std::string& key, const std::string& low,
+                          const std::string& high, double place);
+
+/// What mesh and time steps leave uncertain of a curl, relative to it; nothing where it is not
+/// known.
+/// @param description  case as submitted
+std::optional<double> relative_curl_error(v1::Case description);
 
 }  // namespace dccast::studies

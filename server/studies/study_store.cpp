@@ -8,32 +8,81 @@ namespace dccast::studies {
 
 namespace {
 
+using jobs::Database;
 using jobs::Statement;
 using jobs::Transaction;
 
-constexpr const char* columns =
-    "id, owner, created_ms, changed_ms, case_sha256, request FROM study ";
-constexpr const char* run_columns = "number, attempt, job, outcome, failure FROM study_run ";
+void bind(Statement& statement, std::int64_t value) {
+  statement.bind(value);
+}
+
+void bind(Statement& statement, const std::string& text) {
+  statement.bind(text);
+}
+
+void bind(Statement& statement, const google::protobuf::Message& message) {
+  statement.bind_blob(message.SerializeAsString());
+}
+
+/// @param values  in the order of the question marks
+template <class... Values>
+void execute(Database& database, std::string_view sql, const Values&... values) {
+  Statement statement(database, sql);
+  (bind(statement, values), ...);
+  statement.step();
+}
+
+/// @param read  makes of a row what is returned
+template <class Read, class... Values>
+auto rows(Database& database, const std::string& sql, const Read& read, const Values&... values) {
+  Statement statement(database, sql);
+  (bind(statement, values), ...);
+  std::vector<decltype(read(statement))> found;
+  while (statement.step()) found.push_back(read(statement));
+  return found;
+}
+
+template <class Record>
+std::optional<Record> first_of(std::vector<Record> found) {
+  if (found.empty()) return std::nullopt;
+  return std::move(found.front());
+}
+
+const std::string select_studies =
+    "SELECT id, owner, created_ms, changed_ms, case_sha256, request FROM study ";
+const std::string select_runs =
+    "SELECT number, attempt, job, outcome, failure FROM study_run WHERE study = ? ";
 
 StudyRecord record_of(const Statement& row) {
-  StudyRecord record;
-  record.id = row.text(0);
-  record.owner = row.text(1);
-  record.created_ms = row.integer(2);
-  record.changed_ms = row.integer(3);
-  record.case_sha256 = row.text(4);
+  StudyRecord record{row.text(0), row.text(1), row.integer(2), row.integer(3), row.text(4), {}};
   record.request.ParseFromString(row.text(5));
   return record;
 }
 
 RunRecord run_of(const Statement& row) {
-  RunRecord run;
-  run.number = static_cast<int>(row.integer(0));
-  run.attempt = static_cast<int>(row.integer(1));
-  run.job = row.text(2);
-  run.outcome = static_cast<v1::JobState>(row.integer(3));
+  RunRecord run{static_cast<int>(row.integer(0)),
+                static_cast<int>(row.integer(1)),
+                row.text(2),
+                static_cast<v1::JobState>(row.integer(3)),
+                {}};
   run.failure.ParseFromString(row.text(4));
   return run;
+}
+
+std::string id_of(const Statement& row) {
+  return row.text(0);
+}
+
+void insert_runs(Database& database, const std::string& id, const std::vector<RunRecord>& runs) {
+  for (const RunRecord& run : runs)
+    execute(database,
+            "INSERT INTO study_run (study, number, attempt, job, outcome, failure) "
+            "VALUES (?, ?, ?, ?, ?, ?)",
+            id, run.number, run.attempt, run.job, run.outcome, run.failure);
+}
+
+void set_changed(Database& database, const std::string& id, std::int64_t now_ms) {
+  execute(database, "UPDATE study SET changed_ms = ? WHERE id = ?", now_ms, id);
 }
 
 }  // namespace
@@ -62,115 +111,63 @@ StudyStore::StudyStore(const std::filesystem::path& path) : database_(path) {
 bool StudyStore::insert(const StudyRecord& record, const std::vector<RunRecord>& runs) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  {
-    Statement statement(database_,
-                        "INSERT OR IGNORE INTO study (id, request_id, owner, created_ms, "
-                        "changed_ms, removing, case_sha256, request) "
-                        "VALUES (?, ?, ?, ?, ?, 0, ?, ?)");
-    statement.bind(record.id);
-    if (record.request.request_id().empty())
-      statement.bind_null();
-    else
-      statement.bind(record.request.request_id());
-    statement.bind(record.owner)
-        .bind(record.created_ms)
-        .bind(record.changed_ms)
-        .bind(record.case_sha256)
-        .bind_blob(record.request.SerializeAsString())
-        .step();
-    if (database_.changes() == 0) return false;
-  }
-  for (const RunRecord& run : runs) insert_run(record.id, run);
+  execute(database_,
+          "INSERT OR IGNORE INTO study (id, request_id, owner, created_ms, changed_ms, removing, "
+          "case_sha256, request) VALUES (?, NULLIF(?, ''), ?, ?, ?, 0, ?, ?)",
+          record.id, record.request.request_id(), record.owner, record.created_ms,
+          record.changed_ms, record.case_sha256, record.request);
+  if (database_.changes() == 0) return false;
+  insert_runs(database_, record.id, runs);
   transaction.commit();
   return true;
-}
-
-void StudyStore::insert_run(const std::string& id, const RunRecord& run) {
-  Statement statement(database_,
-                      "INSERT INTO study_run (study, number, attempt, job, outcome, failure) "
-                      "VALUES (?, ?, ?, ?, ?, ?)");
-  statement.bind(id)
-      .bind(run.number)
-      .bind(run.attempt)
-      .bind(run.job)
-      .bind(run.outcome)
-      .bind_blob(run.failure.SerializeAsString())
-      .step();
 }
 
 void StudyStore::extend(const StudyRecord& record, const std::vector<RunRecord>& more) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  {
-    Statement statement(database_, "UPDATE study SET request = ? WHERE id = ?");
-    statement.bind_blob(record.request.SerializeAsString()).bind(record.id).step();
-  }
-  for (const RunRecord& run : more) insert_run(record.id, run);
+  execute(database_, "UPDATE study SET request = ? WHERE id = ?", record.request, record.id);
+  insert_runs(database_, record.id, more);
   transaction.commit();
 }
 
 void StudyStore::begin_removal(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, "UPDATE study SET removing = 1 WHERE id = ?");
-  statement.bind(id).step();
+  execute(database_, "UPDATE study SET removing = 1 WHERE id = ?", id);
 }
 
 void StudyStore::erase(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, "DELETE FROM study WHERE id = ?");
-  statement.bind(id).step();
-}
-
-std::vector<StudyRecord> StudyStore::select(const std::string& where_and_order,
-                                            const std::string& argument) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, std::string("SELECT ") + columns + where_and_order);
-  statement.bind(argument);
-  std::vector<StudyRecord> records;
-  while (statement.step()) records.push_back(record_of(statement));
-  return records;
+  execute(database_, "DELETE FROM study WHERE id = ?", id);
 }
 
 std::optional<StudyRecord> StudyStore::find(const std::string& id) {
-  auto found = select("WHERE id = ? AND removing = 0", id);
-  if (found.empty()) return std::nullopt;
-  return std::move(found.front());
+  const std::lock_guard lock(mutex_);
+  return first_of(rows(database_, select_studies + "WHERE id = ? AND removing = 0", record_of, id));
 }
 
 std::optional<StudyRecord> StudyStore::find_request(const std::string& request_id) {
-  auto found = select("WHERE request_id = ?", request_id);
-  if (found.empty()) return std::nullopt;
-  return std::move(found.front());
-}
-
-std::vector<std::string> StudyStore::select_ids(const std::string& sql) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_, sql);
-  std::vector<std::string> ids;
-  while (statement.step()) ids.push_back(statement.text(0));
-  return ids;
+  return first_of(rows(database_, select_studies + "WHERE request_id = ?", record_of, request_id));
 }
 
 std::vector<std::string> StudyStore::ids() {
-  return select_ids("SELECT id FROM study WHERE removing = 0");
+  const std::lock_guard lock(mutex_);
+  return rows(database_, "SELECT id FROM study WHERE removing = 0", id_of);
 }
 
 std::vector<std::string> StudyStore::removing() {
-  return select_ids("SELECT id FROM study WHERE removing = 1");
+  const std::lock_guard lock(mutex_);
+  return rows(database_, "SELECT id FROM study WHERE removing = 1", id_of);
 }
 
 std::vector<StudyRecord> StudyStore::list(const Page& page) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_,
-                      std::string("SELECT ") + columns +
-                          "WHERE removing = 0 AND (created_ms < ? OR (created_ms = ? AND id < ?)) "
-                          "AND (? = '' OR owner = ?) "
-                          "ORDER BY created_ms DESC, id DESC LIMIT ?");
-  statement.bind(page.before_ms).bind(page.before_ms).bind(page.before_id);
-  statement.bind(page.owner).bind(page.owner).bind(page.size);
-  std::vector<StudyRecord> records;
-  while (statement.step()) records.push_back(record_of(statement));
-  return records;
+  return rows(database_,
+              select_studies +
+                  "WHERE removing = 0 AND (created_ms < ? OR (created_ms = ? AND id < ?)) "
+                  "AND (? = '' OR owner = ?) ORDER BY created_ms DESC, id DESC LIMIT ?",
+              record_of, page.before_ms, page.before_ms, page.before_id, page.owner, page.owner,
+              page.size);
 }
 
 RunCounts StudyStore::counts(const std::string& id) {
@@ -193,103 +190,79 @@ RunCounts StudyStore::counts(const std::string& id) {
   return counts;
 }
 
-std::vector<RunRecord> StudyStore::select_runs(const std::string& id,
-                                               const std::string& where_and_order) {
-  const std::lock_guard lock(mutex_);
-  Statement statement(database_, std::string("SELECT ") + run_columns + where_and_order);
-  statement.bind(id);
-  std::vector<RunRecord> runs;
-  while (statement.step()) runs.push_back(run_of(statement));
-  return runs;
-}
-
 std::vector<RunRecord> StudyStore::runs(const std::string& id) {
-  return select_runs(id, "WHERE study = ? ORDER BY number");
+  const std::lock_guard lock(mutex_);
+  return rows(database_, select_runs + "ORDER BY number", run_of, id);
 }
 
 std::vector<std::string> StudyStore::to_feed() {
-  return select_ids(
-      "SELECT id FROM study WHERE removing = 0 AND EXISTS (SELECT 1 FROM study_run WHERE "
-      "study = study.id AND job = '' AND outcome = 0) ORDER BY created_ms, id");
+  const std::lock_guard lock(mutex_);
+  return rows(database_,
+              "SELECT id FROM study WHERE removing = 0 AND EXISTS (SELECT 1 FROM study_run WHERE "
+              "study = study.id AND job = '' AND outcome = 0) ORDER BY created_ms, id",
+              id_of);
 }
 
 std::optional<RunRecord> StudyStore::next_to_queue(const std::string& id) {
-  auto found =
-      select_runs(id, "WHERE study = ? AND job = '' AND outcome = 0 ORDER BY number LIMIT 1");
-  if (found.empty()) return std::nullopt;
-  return std::move(found.front());
+  const std::lock_guard lock(mutex_);
+  return first_of(rows(
+      database_, select_runs + "AND job = '' AND outcome = 0 ORDER BY number LIMIT 1", run_of, id));
 }
 
 bool StudyStore::set_job(const std::string& id, const RunRecord& run, bool followed) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  {
-    Statement statement(database_,
-                        "UPDATE study_run SET job = ?, attempt = ? "
-                        "WHERE study = ? AND number = ? AND outcome = 0");
-    statement.bind(run.job).bind(run.attempt).bind(id).bind(run.number).step();
-  }
+  execute(database_,
+          "UPDATE study_run SET job = ?, attempt = ? "
+          "WHERE study = ? AND number = ? AND outcome = 0",
+          run.job, run.attempt, id, run.number);
   const bool done = database_.changes() > 0;
-  if (done && followed) {
-    Statement statement(database_,
-                        "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
-                        "VALUES (?, ?, 0, '', 0)");
-    statement.bind(id).bind(run.number + 1).step();
-  }
+  if (done && followed)
+    execute(database_,
+            "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
+            "VALUES (?, ?, 0, '', 0)",
+            id, run.number + 1);
   transaction.commit();
   return done;
 }
 
 void StudyStore::drop(const std::string& id, int number) {
   const std::lock_guard lock(mutex_);
-  Statement statement(database_,
-                      "DELETE FROM study_run "
-                      "WHERE study = ? AND number = ? AND job = '' AND outcome = 0");
-  statement.bind(id).bind(number).step();
+  execute(database_,
+          "DELETE FROM study_run WHERE study = ? AND number = ? AND job = '' AND outcome = 0", id,
+          number);
 }
 
 void StudyStore::refuse(const std::string& id, int number, const v1::Failure& failure,
                         std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  {
-    Statement statement(database_,
-                        "UPDATE study_run SET outcome = ?, failure = ? "
-                        "WHERE study = ? AND number = ? AND job = '' AND outcome = 0");
-    statement.bind(v1::FAILED).bind_blob(failure.SerializeAsString()).bind(id).bind(number).step();
-  }
-  {
-    Statement statement(database_, "UPDATE study SET changed_ms = ? WHERE id = ?");
-    statement.bind(now_ms).bind(id).step();
-  }
+  execute(database_,
+          "UPDATE study_run SET outcome = ?, failure = ? "
+          "WHERE study = ? AND number = ? AND job = '' AND outcome = 0",
+          v1::FAILED, failure, id, number);
+  set_changed(database_, id, now_ms);
   transaction.commit();
 }
 
 void StudyStore::cancel_waiting(const std::string& id, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  {
-    Statement statement(database_,
-                        "UPDATE study_run SET outcome = ? "
-                        "WHERE study = ? AND job = '' AND outcome = 0");
-    statement.bind(v1::CANCELLED).bind(id).step();
-  }
-  {
-    Statement statement(database_, "UPDATE study SET changed_ms = ? WHERE id = ?");
-    statement.bind(now_ms).bind(id).step();
-  }
+  execute(database_,
+          "UPDATE study_run SET outcome = ? WHERE study = ? AND job = '' AND outcome = 0",
+          v1::CANCELLED, id);
+  set_changed(database_, id, now_ms);
   transaction.commit();
 }
 
-void StudyStore::queue_again(const std::string& id, const std::vector<int>& numbers) {
+void StudyStore::queue_again(const std::string& id, const std::vector<RunRecord>& runs) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
-  for (const int number : numbers) {
-    Statement statement(database_,
-                        "UPDATE study_run SET job = '', outcome = 0, failure = NULL "
-                        "WHERE study = ? AND number = ?");
-    statement.bind(id).bind(number).step();
-  }
+  for (const RunRecord& run : runs)
+    execute(database_,
+            "UPDATE study_run SET job = '', outcome = 0, failure = NULL "
+            "WHERE study = ? AND number = ?",
+            id, run.number);
   transaction.commit();
 }
 

@@ -71,14 +71,9 @@ public:
   /// Runs that wait to be queued never will be.
   void cancel_waiting(const std::string& id, std::int64_t now_ms);
   /// These runs wait to be queued again, as further attempts.
-  void queue_again(const std::string& id, const std::vector<int>& numbers);
+  void queue_again(const std::string& id, const std::vector<RunRecord>& runs);
 
 private:
-  std::vector<StudyRecord> select(const std::string& where_and_order, const std::string& argument);
-  std::vector<RunRecord> select_runs(const std::string& id, const std::string& where_and_order);
-  std::vector<std::string> select_ids(const std::string& sql);
-  void insert_run(const std::string& id, const RunRecord& run);
-
   std::mutex mutex_;
   jobs::Database database_;
 };

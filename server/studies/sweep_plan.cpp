@@ -1,6 +1,4 @@
 // The case at many values of some of its keys.
-#include "server/studies/sweep_plan.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -17,36 +15,23 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/printable.hpp"
+#include "server/intake/case_intake.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 
 namespace {
 
+using intake::fault_of;
 using Axis = v1::SweepPlan::Axis;
+using RunValues = std::vector<std::vector<std::string>>;  ///< (run, axis), as in a case file
 
+constexpr int most_sweep_runs = 10000;
 constexpr int most_axes = 20;
 constexpr int most_ranges = 100;  // of designs whose runs do not multiply with their axes
 
 bool has_ranges(const v1::SweepPlan& sweep) {
   return sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE || sweep.design() == v1::SweepPlan::ENDS;
-}
-
-v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
-                   const std::string& permitted) {
-  v1::Fault fault;
-  fault.set_field(field);
-  fault.set_value(value);
-  fault.set_message(message);
-  fault.set_permitted(permitted);
-  return fault;
-}
-
-v1::CaseChange change_of(const std::string& key, const std::string& value) {
-  v1::CaseChange change;
-  change.set_key(key);
-  change.set_value(value);
-  return change;
 }
 
 /// "40 mm/min" as its number and what follows it.
@@ -69,9 +54,10 @@ std::optional<Written> written(std::string text) {
 /// A place between two ends, in the unit of the first one.
 class Range {
 public:
-  Range(const v1::Case& base, const Axis& axis)
-      : whole_(case_file::is_whole_number(base, axis.key())) {
-    const auto low = written(axis.values(0)), high = written(axis.values(1));
+  Range(const v1::Case& base, const std::string& key, const std::string& first,
+        const std::string& second)
+      : whole_(case_file::is_whole_number(base, key)) {
+    const auto low = written(first), high = written(second);
     unit_ = low->unit;
     low_ = low->number;
     high_ = unit_ == high->unit
@@ -225,6 +211,57 @@ bool changes_mesh(const Axis& axis) {
   return table == "quality" || table == "mesh" || table == "time" || table == "section";
 }
 
+/// Every value with every other, those of the last axis fastest.
+RunValues grid_values(const v1::SweepPlan& sweep) {
+  RunValues runs{{}};
+  for (const Axis& axis : sweep.axes()) {
+    RunValues longer;
+    for (const auto& run : runs)
+      for (const std::string& value : axis.values()) {
+        longer.push_back(run);
+        longer.back().push_back(value);
+      }
+    runs = std::move(longer);
+  }
+  return runs;
+}
+
+RunValues hypercube_values(const v1::CreateStudyRequest& request) {
+  const v1::SweepPlan& sweep = request.sweep();
+  const auto places = statistics::hypercube(sweep.runs(), sweep.axes_size(), sweep.seed());
+  RunValues runs(sweep.runs());
+  for (int axis = 0; axis < sweep.axes_size(); ++axis) {
+    const Axis& ends = sweep.axes(axis);
+    const Range range(request.case_(), ends.key(), ends.values(0), ends.values(1));
+    for (int run = 0; run < sweep.runs(); ++run) runs[run].push_back(range.at(places(run, axis)));
+  }
+  return runs;
+}
+
+/// The case itself, then each axis alone at its two ends; what is empty is as in the case.
+RunValues end_values(const v1::SweepPlan& sweep) {
+  const std::vector<std::string> itself(sweep.axes_size());
+  RunValues runs{itself};
+  for (int axis = 0; axis < sweep.axes_size(); ++axis)
+    for (const std::string& end : sweep.axes(axis).values()) {
+      runs.push_back(itself);
+      runs.back()[axis] = end;
+    }
+  return runs;
+}
+
+/// Of a sweep without faults.
+RunValues sweep_values(const v1::CreateStudyRequest& request) {
+  const v1::SweepPlan& sweep = request.sweep();
+  if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);
+  if (sweep.design() == v1::SweepPlan::ENDS) return end_values(sweep);
+  if (sweep.design() == v1::SweepPlan::GRID) return grid_values(sweep);
+  RunValues runs(sweep.axes(0).values_size());
+  for (const Axis& axis : sweep.axes())
+    for (int run = 0; run < axis.values_size(); ++run) runs[run].push_back(axis.values(run));
+  return runs;
+}
+
 class Sweep final : public StudyPlan {
 public:
   explicit Sweep(const v1::CreateStudyRequest& request)
@@ -244,16 +281,16 @@ public:
   int runs() const override { return static_cast<int>(values_.size()); }
 
   PlannedRun run(int number) const override {
-    PlannedRun run{std::to_string(number + 1), "run " + std::to_string(number + 1), base_, {}};
+    std::string name = "run " + key(number);
+    std::vector<v1::CaseChange> changes;
     for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
       if (value(number, axis).empty()) continue;  // as in the case
-      run.name += run.changes.empty() ? " (" : ", ";
-      run.changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
-      run.name += run.changes.back().key() + " = " + value(number, axis);
+      changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
+      name += (changes.size() == 1 ? " (" : ", ") + changes.back().key() + " = " +
+              changes.back().value();
     }
-    run.name += run.changes.empty() ? " (the case itself)" : ")";
-    case_file::apply_changes(run.description, run.changes);
-    return run;
+    name += changes.empty() ? " (the case itself)" : ")";
+    return planned(number, std::move(name), base_, std::move(changes));
   }
 
   void describe(int number, v1::StudyRun& run) const override {
@@ -267,69 +304,23 @@ public:
   }
 
 private:
-  const std::string& value(int number, int axis) const {
-    return values_[static_cast<std::size_t>(number)][static_cast<std::size_t>(axis)];
-  }
+  const std::string& value(int number, int axis) const { return values_[number][axis]; }
 
   v1::Case base_;
   v1::SweepPlan sweep_;
-  std::vector<std::vector<std::string>> values_;
+  RunValues values_;
   std::map<std::pair<int, std::string>, double> numbers_;  ///< by axis and value
   bool one_error_;  ///< of mesh and time steps, for all runs: base_error_
   std::optional<double> base_error_;
 };
 
-std::vector<std::vector<int>> indices_of(const v1::SweepPlan& sweep) {
-  if (sweep.design() == v1::SweepPlan::GRID) {
-    std::vector<int> sizes;
-    for (const Axis& axis : sweep.axes()) sizes.push_back(axis.values_size());
-    return statistics::grid(sizes);
-  }
-  std::vector<std::vector<int>> indices;
-  for (int i = 0; i < sweep.axes(0).values_size(); ++i)
-    indices.emplace_back(static_cast<std::size_t>(sweep.axes_size()), i);
-  return indices;
-}
-
-std::vector<std::vector<std::string>> hypercube_values(const v1::CreateStudyRequest& request) {
-  const v1::SweepPlan& sweep = request.sweep();
-  std::vector<Range> ranges;
-  for (const Axis& axis : sweep.axes()) ranges.emplace_back(request.case_(), axis);
-  std::vector<std::vector<std::string>> values;
-  for (const auto& place :
-       statistics::latin_hypercube(sweep.runs(), sweep.axes_size(), sweep.seed())) {
-    auto& run = values.emplace_back();
-    for (std::size_t axis = 0; axis < ranges.size(); ++axis)
-      run.push_back(ranges[axis].at(place[axis]));
-  }
-  return values;
-}
-
-/// The case itself, then each axis alone at its two ends; what is empty is as in the case.
-std::vector<std::vector<std::string>> end_values(const v1::SweepPlan& sweep) {
-  const std::vector<std::string> itself(static_cast<std::size_t>(sweep.axes_size()));
-  std::vector<std::vector<std::string>> values{itself};
-  for (int axis = 0; axis < sweep.axes_size(); ++axis)
-    for (const std::string& end : sweep.axes(axis).values()) {
-      values.push_back(itself);
-      values.back()[static_cast<std::size_t>(axis)] = end;
-    }
-  return values;
-}
-
 }  // namespace
 
-std::vector<std::vector<std::string>> sweep_values(const v1::CreateStudyRequest& request) {
-  const v1::SweepPlan& sweep = request.sweep();
-  if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);
-  if (sweep.design() == v1::SweepPlan::ENDS) return end_values(sweep);
-  std::vector<std::vector<std::string>> values;
-  for (const auto& indices : indices_of(sweep)) {
-    auto& run = values.emplace_back();
-    for (std::size_t axis = 0; axis < indices.size(); ++axis)
-      run.push_back(sweep.axes(static_cast<int>(axis)).values(indices[axis]));
-  }
-  return values;
+v1::CaseChange change_of(const std::string& key, const std::string& value) {
+  v1::CaseChange change;
+  change.set_key(key);
+  change.set_value(value);
+  return change;
 }
 
 double number_of(const v1::Case& base, const std::string& key, const std::string& value) {
@@ -349,18 +340,17 @@ std::optional<double> relative_curl_error(v1::Case description) {
   return case_file::relative_discretisation_error(description);
 }
 
-std::string value_between(const v1::Case& base, const Axis& ends, double place) {
-  return Range(base, ends).at(place);
+std::string value_between(const v1::Case& base, const std::string& key, const std::string& low,
+                          const std::string& high, double place) {
+  return Range(base, key, low, high).at(place);
 }
 
 std::vector<v1::Fault> sweep_faults(const v1::CreateStudyRequest& request) {
   auto faults = axis_faults(request.sweep());
-  if (!faults.empty()) return faults;
-  faults = design_faults(request.sweep());
-  if (!faults.empty()) return faults;
-  faults = measurement_faults(request);
-  if (!faults.empty()) return faults;
-  return value_faults(request);
+  if (faults.empty()) faults = design_faults(request.sweep());
+  if (faults.empty()) faults = measurement_faults(request);
+  if (faults.empty()) faults = value_faults(request);
+  return faults;
 }
 
 std::unique_ptr<StudyPlan> sweep_plan(const v1::CreateStudyRequest& request) {

@@ -7,7 +7,6 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/uncertainty.hpp"
-#include "server/intake/attachment_names.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/translate/case_to_core.hpp"
 #include "server/translate/to_proto.hpp"

@@ -1,4 +1,4 @@
-#include "core/statistics/posterior.hpp"
+#include "core/statistics/calibration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -83,7 +83,6 @@ TEST(Posterior, WithoutObservationsIsThePrior) {
   const auto drawn = draw_posterior(
       [](const Eigen::MatrixXd& places) { return Eigen::VectorXd::Zero(places.rows()).eval(); }, 2,
       1000, 5);
-  EXPECT_EQ(drawn.stages, 1);
   EXPECT_NEAR(drawn.log_evidence, 0.0, 1e-12);
   EXPECT_NEAR(drawn.places.array().square().mean(), 1.0, 0.12);
 }
@@ -95,11 +94,6 @@ TEST(Posterior, IsTheSameEachTime) {
                           3, 200, 1);
   };
   EXPECT_EQ(again().places, again().places);
-}
-
-TEST(UniformPlace, IsTheNormalDistribution) {
-  EXPECT_DOUBLE_EQ(uniform_place(0.0), 0.5);
-  EXPECT_NEAR(uniform_place(1.6448536), 0.95, 1e-7);
 }
 
 }  // namespace

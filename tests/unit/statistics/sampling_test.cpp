@@ -1,6 +1,5 @@
 #include "core/statistics/sampling.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
@@ -8,17 +7,18 @@
 namespace dccast::statistics {
 namespace {
 
-using ::testing::ElementsAre;
-
 TEST(Sampling, SpreadsItsPlaces) {
-  const auto places = latin_hypercube(10, 2, 3);
-  for (std::size_t axis = 0; axis < 2; ++axis) {
+  const auto places = hypercube(10, 2, 3);
+  for (int axis = 0; axis < 2; ++axis) {
     std::set<int> parts;
-    for (const auto& place : places) parts.insert(static_cast<int>(10 * place[axis]));
+    for (const double place : places.col(axis)) parts.insert(static_cast<int>(10 * place));
     EXPECT_EQ(parts.size(), 10u);
   }
-  EXPECT_EQ(grid({2, 3}).size(), 6u);
-  EXPECT_THAT(grid({2, 3})[4], ElementsAre(1, 1));
+}
+
+TEST(Sampling, NormalBelowIsTheNormalDistribution) {
+  EXPECT_DOUBLE_EQ(normal_below(0.0), 0.5);
+  EXPECT_NEAR(normal_below(1.6448536), 0.95, 1e-7);
 }
 
 }  // namespace

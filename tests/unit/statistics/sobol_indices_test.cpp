@@ -1,4 +1,4 @@
-#include "core/statistics/sobol_indices.hpp"
+#include "core/statistics/sampling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ ClosedForm exact_ishigami() {
   const double p4 = std::pow(pi, 4), p8 = p4 * p4;
   const double alone = 0.5 * std::pow(1.0 + 0.1 * p4 / 5.0, 2), second = 49.0 / 8.0;
   const double both = 0.01 * p8 * 8.0 / 225.0;
-  ClosedForm exact{Eigen::Vector3d(alone, second, 0.0),
-                   Eigen::Vector3d(alone + both, second, both), alone + second + both};
+  ClosedForm exact{Eigen::Vector3d(alone, second, 0.0), Eigen::Vector3d(alone + both, second, both),
+                   alone + second + both};
   exact.first /= exact.variance;
   exact.total /= exact.variance;
   return exact;
@@ -40,8 +40,7 @@ const Eigen::VectorXd weights = (Eigen::VectorXd(6) << 0.0, 0.5, 3.0, 9.0, 99.0,
 Eigen::MatrixXd g_function(const Eigen::MatrixXd& places) {
   Eigen::MatrixXd values = Eigen::MatrixXd::Ones(places.rows(), 1);
   for (Eigen::Index j = 0; j < places.cols(); ++j)
-    values.array() *=
-        ((4.0 * places.col(j).array() - 2.0).abs() + weights(j)) / (1.0 + weights(j));
+    values.array() *= ((4.0 * places.col(j).array() - 2.0).abs() + weights(j)) / (1.0 + weights(j));
   return values;
 }
 

@@ -32,17 +32,18 @@ SurfaceRun run_at(const std::vector<double>& place) {
   return run;
 }
 
-std::vector<double> place_in_domain(const std::vector<double>& unit) {
+std::vector<double> place_in_domain(const Eigen::RowVectorXd& unit) {
   std::vector<double> place;
-  for (std::size_t j = 0; j < unit.size(); ++j)
-    place.push_back(domain[j].low + unit[j] * (domain[j].high - domain[j].low));
+  for (std::size_t j = 0; j < domain.size(); ++j)
+    place.push_back(domain[j].low +
+                    unit[static_cast<Eigen::Index>(j)] * (domain[j].high - domain[j].low));
   return place;
 }
 
 CurlSurface surface_of(int runs) {
   std::vector<SurfaceRun> all;
-  for (const auto& unit : statistics::latin_hypercube(runs, 2, 1))
-    all.push_back(run_at(place_in_domain(unit)));
+  const Eigen::MatrixXd places = statistics::hypercube(runs, 2, 1);
+  for (const auto& unit : places.rowwise()) all.push_back(run_at(place_in_domain(unit)));
   return CurlSurface(domain, all, {"corner", "elsewhere"});
 }
 
@@ -52,7 +53,8 @@ TEST(CurlSurface, PredictsCurvesItHasNotSeenWithinWhatItSays) {
   EXPECT_LT(surface.cross_validated_error_m(), 0.05e-3);
   int inside = 0, asked = 0;
   double square = 0.0;
-  for (const auto& unit : statistics::latin_hypercube(50, 2, 77)) {
+  const Eigen::MatrixXd unseen = statistics::hypercube(50, 2, 77);
+  for (const auto& unit : unseen.rowwise()) {
     const auto place = place_in_domain(unit);
     const auto curves = surface.predict(place);
     ASSERT_EQ(curves.size(), 2u);
@@ -81,8 +83,9 @@ TEST(CurlSurface, MoreRunsMakeItBetter) {
 
 TEST(CurlSurface, WantsTheRunThatItKnowsLeastOf) {
   std::vector<SurfaceRun> runs;  // nothing at high speed
-  for (const auto& unit : statistics::latin_hypercube(20, 2, 1))
-    runs.push_back(run_at(place_in_domain({0.5 * unit[0], unit[1]})));
+  const Eigen::MatrixXd places = statistics::hypercube(20, 2, 1);
+  for (const auto& unit : places.rowwise())
+    runs.push_back(run_at(place_in_domain(Eigen::RowVector2d(0.5 * unit[0], unit[1]))));
   const CurlSurface surface(domain, runs, {"corner"});
   EXPECT_GT(surface.next_place()[0], 0.85);
 }

@@ -84,8 +84,8 @@ MeasuredCasting casting_of(const v1::MeasuredCurve& curve, int runs = 20) {
   MeasuredCasting casting;
   casting.request = hypercube();
   *casting.request.mutable_sweep()->add_measured() = curve;
-  for (const auto& place : statistics::latin_hypercube(runs, 2, 1))
-    casting.runs.push_back(run_at(place[0], place[1]));
+  const Eigen::MatrixXd places = statistics::hypercube(runs, 2, 1);
+  for (const auto& place : places.rowwise()) casting.runs.push_back(run_at(place[0], place[1]));
   return casting;
 }
 
@@ -130,7 +130,8 @@ TEST(CalibrationOf, HoldsHiddenValuesOnARoughSurfaceToo) {
   std::mt19937_64 random(11);
   MeasuredCasting casting = casting_of(measured(0.5, 0.5));
   casting.runs.clear();
-  for (const auto& place : statistics::latin_hypercube(20, 2, 1))
+  const Eigen::MatrixXd places = statistics::hypercube(20, 2, 1);
+  for (const auto& place : places.rowwise())
     casting.runs.push_back(run_at(place[0], place[1], 0.0, 1.0));
   int held = 0;
   for (int k = 0; k < castings; ++k) {

@@ -8,6 +8,8 @@
 namespace dccast::studies {
 namespace {
 
+using frames::SteadyFace;
+
 constexpr double length = 0.66, wanted = 0.285;
 const MouldTarget half_a_millimetre{wanted, 0.5e-3, {length, 0.066, wanted, 1.3 * wanted}};
 
@@ -34,21 +36,21 @@ double that_bends(const Place& at) {
   return of_plants(at) + 0.3 * (at.opening - at.mean) + 0.1 * (at.middle - wanted);
 }
 
-MouldTrial cast(const Opening& opening, const Law& law) {
-  MouldTrial trial;
+SteadyFace cast(const Opening& opening, const Law& law) {
+  SteadyFace trial;
   double mean = 0.0;
   constexpr int nodes = 23;
   for (int i = 0; i < nodes; ++i) mean += opening(length * i / (nodes - 1)) / nodes;
   for (int i = 0; i < nodes; ++i) {
     const double x = length * i / (nodes - 1);
-    trial.x.push_back(x);
-    trial.opening.push_back(opening(x));
-    trial.cold.push_back(opening(x) - law({x, opening(x), opening(0.0), mean}));
+    trial.x_m.push_back(x);
+    trial.mould_m.push_back(opening(x));
+    trial.cold_m.push_back(opening(x) - law({x, opening(x), opening(0.0), mean}));
   }
   return trial;
 }
 
-MouldTrial cast_in_rectangle(const Law& law) {
+SteadyFace cast_in_rectangle(const Law& law) {
   return cast([](double) { return wanted; }, law);
 }
 
@@ -72,8 +74,8 @@ void expect_sound(const MouldOpening& o, const OpeningBounds& bounds) {
 }
 
 /// Casts until the rule finds no further opening to try. @return all trials
-std::vector<MouldTrial> search(const Law& law, const MouldTarget& target, MouldTrial first) {
-  std::vector<MouldTrial> history{std::move(first)};
+std::vector<SteadyFace> search(const Law& law, const MouldTarget& target, SteadyFace first) {
+  std::vector<SteadyFace> history{std::move(first)};
   while (history.size() < 12) {
     const auto next = next_opening(history, target);
     if (!next) break;
@@ -83,8 +85,8 @@ std::vector<MouldTrial> search(const Law& law, const MouldTarget& target, MouldT
   return history;
 }
 
-double reached(const std::vector<MouldTrial>& history) {
-  return best_trial(history, wanted)->residual(wanted);
+double reached(const std::vector<SteadyFace>& history) {
+  return best_trial(history, wanted)->residual_m(wanted);
 }
 
 TEST(NextOpening, AContractionThatDoesNotDependOnTheMouldIsMetAtOnce) {
@@ -133,7 +135,7 @@ TEST(NextOpening, KeepsToItsBounds) {
 }
 
 TEST(NextOpening, AnswersOfTheSameTrialsAreTheSame) {
-  const std::vector<MouldTrial> history{cast_in_rectangle(that_bends)};
+  const std::vector<SteadyFace> history{cast_in_rectangle(that_bends)};
   EXPECT_EQ(next_opening(history, half_a_millimetre), next_opening(history, half_a_millimetre));
 }
 

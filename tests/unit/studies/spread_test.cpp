@@ -1,4 +1,4 @@
-#include "server/studies/spread.hpp"
+#include "server/studies/curl_surface.hpp"
 
 #include <gtest/gtest.h>
 

@@ -113,7 +113,7 @@ TEST_F(StudyStoreTest, SaysWhatIsToBeQueued) {
   late.number = 2;
   late.job = "x";
   EXPECT_FALSE(store_.set_job(first.id, late));  // cancelled meanwhile
-  store_.queue_again(first.id, {2});
+  store_.queue_again(first.id, {{.number = 2, .failure = {}}});
   EXPECT_EQ(store_.next_to_queue(first.id)->number, 2);
 }
 

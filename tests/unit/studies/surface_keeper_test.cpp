@@ -1,4 +1,4 @@
-#include "server/studies/surface_keeper.hpp"
+#include "server/studies/predictions.hpp"
 
 #include <gtest/gtest.h>
 

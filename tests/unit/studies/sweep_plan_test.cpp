@@ -1,12 +1,10 @@
-#include "server/studies/sweep_plan.hpp"
+#include "server/studies/study_plan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
-
-#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 namespace {
@@ -26,6 +24,18 @@ v1::CreateStudyRequest sweep_of(v1::SweepPlan::Design design,
     for (std::size_t i = 1; i < axis.size(); ++i) added.add_values(axis[i]);
   }
   return request;
+}
+
+/// (run, axis)
+std::vector<std::vector<std::string>> values_of(const v1::CreateStudyRequest& request) {
+  const auto plan = study_plan(request);
+  std::vector<std::vector<std::string>> values;
+  for (int number = 0; number < plan->runs(); ++number) {
+    v1::StudyRun run;
+    plan->describe(number, run);
+    values.emplace_back(run.values().begin(), run.values().end());
+  }
+  return values;
 }
 
 TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
@@ -90,7 +100,7 @@ TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
       v1::SweepPlan::LATIN_HYPERCUBE,
       {{"schedule.casting_speed", "40 mm/min", "1.5 mm/s"}, {"mesh.rows", "10", "49"}}, 20);
   ASSERT_TRUE(plan_faults(request).empty());
-  const auto values = sweep_values(request);
+  const auto values = values_of(request);
   ASSERT_EQ(values.size(), 20u);
   std::set<int> parts;
   for (const auto& run : values) {
@@ -102,10 +112,10 @@ TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
     EXPECT_EQ(run[1].find('.'), std::string::npos) << run[1];
   }
   EXPECT_EQ(parts.size(), 20u);
-  EXPECT_EQ(sweep_values(request), values);
+  EXPECT_EQ(values_of(request), values);
   auto other = request;
   other.mutable_sweep()->set_seed(7);
-  EXPECT_NE(sweep_values(other), values);
+  EXPECT_NE(values_of(other), values);
 }
 
 TEST(SweepPlan, EndsMoveOneKeyAtATime) {
