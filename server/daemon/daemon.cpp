@@ -232,11 +232,7 @@ std::optional<std::string> owner_of(const Found& found) {
 
 /// @return SIGTERM or SIGINT, or SIGUSR1, which leaves running jobs to their workers
 int wait_for_signal() {
-  sigset_t awaited;
-  sigemptyset(&awaited);
-  sigaddset(&awaited, SIGTERM);
-  sigaddset(&awaited, SIGINT);
-  sigaddset(&awaited, SIGUSR1);
+  const sigset_t awaited = awaited_signals();
   int signal = 0;
   while (::sigwait(&awaited, &signal) != 0) {
   }
@@ -361,6 +357,13 @@ std::unique_ptr<MetricsServer> serve_metrics(const v1::DaemonConfig& config,
 }
 
 }  // namespace
+
+sigset_t awaited_signals() {
+  sigset_t awaited;
+  sigemptyset(&awaited);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&awaited, signal);
+  return awaited;
+}
 
 int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;

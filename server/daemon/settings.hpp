@@ -1,12 +1,19 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "dccast/v1/config.pb.h"
 #include "server/daemon/administration.hpp"
-#include "server/daemon/worker_policy.hpp"
 
 namespace dccast::daemon {
+
+/// What becomes of running workers when their daemon goes.
+struct WorkerPolicy {
+  double patience_s = 300.0;  ///< [s] a worker runs on without a daemon; 0: it ends with its own
+  bool left_running = false;  ///< by an orderly stop too, which else stops them at a checkpoint
+};
 
 enum class Command { serve, check, backup, restore, administrate };
 
@@ -25,5 +32,16 @@ struct CommandLine {
 
 /// Reads the command line; prints help, version or what is wrong with it.
 CommandLine read_command_line(int argc, char** argv);
+
+/// The settings are not usable; the text names every fault, one a line.
+class InvalidConfig : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads the settings: file, then overrides, then defaults, all by the schema of config.proto.
+/// @param file       TOML; empty: none
+/// @param overrides  "key=value" @throws InvalidConfig
+v1::DaemonConfig read_config(const std::string& file, const std::vector<std::string>& overrides);
 
 }  // namespace dccast::daemon
