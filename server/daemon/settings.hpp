@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dccast/v1/config.pb.h"
-#include "server/daemon/administration.hpp"
+#include "server/access/audit.hpp"
 
 namespace dccast::daemon {
 
@@ -13,6 +13,18 @@ namespace dccast::daemon {
 struct WorkerPolicy {
   double patience_s = 300.0;  ///< [s] a worker runs on without a daemon; 0: it ends with its own
   bool left_running = false;  ///< by an orderly stop too, which else stops them at a checkpoint
+};
+
+/// What `dccastd user`, `pki` and `audit` are asked for.
+struct AdministrationCommand {
+  std::string verb;  ///< "user add", "pki show", "audit"
+  std::string name;  ///< of a user
+  std::string role = "submitter";
+  std::string directory;  ///< of pki issue
+  std::vector<std::string>
+      names;                   ///< of pki init and renew; empty: those of before, or this machine's
+  int days = 0;                ///< 0: as usual
+  access::AuditFilter filter;  ///< of audit
 };
 
 enum class Command { serve, check, backup, restore, administrate };

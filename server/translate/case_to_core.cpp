@@ -1,9 +1,6 @@
 #include <google/protobuf/util/json_util.h>
 
-#include <algorithm>
-#include <initializer_list>
 #include <optional>
-#include <utility>
 
 #include "core/material/thermal_properties.hpp"
 #include "proto/case_file/quality.hpp"
@@ -14,13 +11,6 @@ namespace dccast::translate {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The core's enumerator for one of the schema. @param otherwise  for one that is not in the table
-template <class To, class From>
-To counterpart(From from, std::initializer_list<std::pair<From, To>> table, To otherwise) {
-  const auto found = std::ranges::find(table, from, &std::pair<From, To>::first);
-  return found == table.end() ? otherwise : found->second;
-}
 
 /// What a case leaves open has no value.
 std::optional<double> given(bool is_given, double value) {

@@ -35,54 +35,6 @@ v1::Fault to_proto(const Fault& from) {
   return to;
 }
 
-}  // namespace
-
-v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
-  v1::ValidateCaseResponse verdict;
-  for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
-  for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
-  if (!checked.faults.empty()) return verdict;
-  auto* estimate = verdict.mutable_estimate();
-  estimate->set_nodes(checked.estimate.nodes);
-  estimate->set_elements(checked.estimate.elements);
-  estimate->set_steps(checked.estimate.steps);
-  estimate->set_solver_s(checked.estimate.solver_seconds);
-  estimate->set_memory_bytes(checked.estimate.memory_bytes);
-  return verdict;
-}
-
-std::string in_words(const std::vector<Fault>& faults) {
-  std::string text;
-  for (const Fault& fault : faults) {
-    if (!text.empty()) text += "; ";
-    text += fault.field + " = " + fault.value + ": " + fault.message;
-    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
-  }
-  return escaped(text);
-}
-
-v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
-  v1::Frame to;
-  to.set_time_s(frame.time);
-  to.set_cast_length_m(frame.cast_length);
-  to.set_dimension(frame.dimension);
-  to.set_nodes_per_element(frame.nodes_per_element);
-  fill(frame.node, to.mutable_node_m());
-  fill(frame.element_node, to.mutable_element_node());
-  fill(frame.temperature, to.mutable_temperature_c());
-  fill(frame.displacement, to.mutable_displacement_m());
-  fill(frame.bottom_node, to.mutable_bottom_node());
-  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
-  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
-  to.set_metal_level_m(frame.metal_level);
-  to.set_liquidus_c(header.liquidus);
-  to.set_solidus_c(header.solidus);
-  to.set_shell_c(header.shell);
-  return to;
-}
-
-namespace {
-
 using Field = google::protobuf::FieldDescriptor;
 
 // Members of a report, as results::HistoryField has them; the field of the message has their type.
@@ -139,7 +91,117 @@ v1::Failure::Kind kind_named(const std::string& name) {
   return kind;
 }
 
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// "SUCCEEDED" as "succeeded"; "STUDY_FAILED" as "failed".
+std::string lower(std::string name) {
+  const std::string prefix = "STUDY_";
+  if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+/// Entry `index` of a field that may be shorter than the table's row.
+template <class Field>
+double number_at(const Field& field, int index) {
+  return index < field.size() ? field.Get(index) : unknown;
+}
+
+const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monitor) {
+  const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
+  return found == run.curves().end() ? nullptr : &*found;
+}
+
+void add_values(const v1::StudyRun& run, results::StudyTable& table) {
+  for (int i = 0; i < static_cast<int>(table.key.size()); ++i) {
+    table.value.push_back(i < run.values_size() ? run.values(i) : "");
+    table.number.push_back(number_at(run.numbers(), i));
+  }
+  for (int i = 0; i < static_cast<int>(table.monitor.size()); ++i)
+    table.end_curl.push_back(number_at(run.end_curl_m(), i));
+}
+
+void add_curve(const v1::StudyRun& run, results::StudyTable& table) {
+  const int samples = run.curves_size() > 0 ? run.curves(0).time_s_size() : 0;
+  for (int i = 0; i < samples; ++i) {
+    table.time.push_back(run.curves(0).time_s(i));
+    table.cast_length.push_back(number_at(run.curves(0).cast_length_m(), i));
+    for (const std::string& monitor : table.monitor) {
+      const v1::CurlCurve* const curve = curve_of(run, monitor);
+      table.curl.push_back(curve ? number_at(curve->curl_m(), i) : unknown);
+    }
+  }
+  table.curve_start.push_back(static_cast<std::int64_t>(table.time.size()));
+}
+
+void add_findings(const v1::StudyRun& run, results::StudyTable& table) {
+  for (const v1::Finding& finding : run.findings()) {
+    table.finding_run.push_back(static_cast<std::int32_t>(table.runs()));
+    table.finding_code.push_back(finding.code());
+    table.finding_severity.push_back(lower(v1::Finding::Severity_Name(finding.severity())));
+    table.finding_time.push_back(finding.has_time_s() ? finding.time_s() : unknown);
+  }
+}
+
+void add_run(const v1::StudyRun& run, results::StudyTable& table) {
+  add_findings(run, table);  // counts the runs before this one
+  add_values(run, table);
+  add_curve(run, table);
+  table.job.push_back(run.job());
+  table.run_state.push_back(lower(v1::JobState_Name(run.state())));
+  table.relative_curl_error.push_back(run.has_relative_curl_error() ? run.relative_curl_error()
+                                                                    : unknown);
+  table.solver_seconds.push_back(run.solver_s());
+  table.refinement.push_back(run.refinement());
+  table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);
+  table.failure.push_back(run.failure().message());
+}
+
 }  // namespace
+
+v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
+  v1::ValidateCaseResponse verdict;
+  for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
+  for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
+  if (!checked.faults.empty()) return verdict;
+  auto* estimate = verdict.mutable_estimate();
+  estimate->set_nodes(checked.estimate.nodes);
+  estimate->set_elements(checked.estimate.elements);
+  estimate->set_steps(checked.estimate.steps);
+  estimate->set_solver_s(checked.estimate.solver_seconds);
+  estimate->set_memory_bytes(checked.estimate.memory_bytes);
+  return verdict;
+}
+
+std::string in_words(const std::vector<Fault>& faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    if (!text.empty()) text += "; ";
+    text += fault.field + " = " + fault.value + ": " + fault.message;
+    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
+  }
+  return escaped(text);
+}
+
+v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  to.set_dimension(frame.dimension);
+  to.set_nodes_per_element(frame.nodes_per_element);
+  fill(frame.node, to.mutable_node_m());
+  fill(frame.element_node, to.mutable_element_node());
+  fill(frame.temperature, to.mutable_temperature_c());
+  fill(frame.displacement, to.mutable_displacement_m());
+  fill(frame.bottom_node, to.mutable_bottom_node());
+  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
+  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
+  to.set_metal_level_m(frame.metal_level);
+  to.set_liquidus_c(header.liquidus);
+  to.set_solidus_c(header.solidus);
+  to.set_shell_c(header.shell);
+  return to;
+}
 
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors) {
@@ -230,76 +292,6 @@ v1::Finding to_proto(const results::Finding& finding) {
   fill(finding.worst->place, to.mutable_worst()->mutable_place_m());
   return to;
 }
-
-namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-/// "SUCCEEDED" as "succeeded"; "STUDY_FAILED" as "failed".
-std::string lower(std::string name) {
-  const std::string prefix = "STUDY_";
-  if (name.starts_with(prefix)) name.erase(0, prefix.size());
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
-}
-
-/// Entry `index` of a field that may be shorter than the table's row.
-template <class Field>
-double number_at(const Field& field, int index) {
-  return index < field.size() ? field.Get(index) : unknown;
-}
-
-const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monitor) {
-  const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
-  return found == run.curves().end() ? nullptr : &*found;
-}
-
-void add_values(const v1::StudyRun& run, results::StudyTable& table) {
-  for (int i = 0; i < static_cast<int>(table.key.size()); ++i) {
-    table.value.push_back(i < run.values_size() ? run.values(i) : "");
-    table.number.push_back(number_at(run.numbers(), i));
-  }
-  for (int i = 0; i < static_cast<int>(table.monitor.size()); ++i)
-    table.end_curl.push_back(number_at(run.end_curl_m(), i));
-}
-
-void add_curve(const v1::StudyRun& run, results::StudyTable& table) {
-  const int samples = run.curves_size() > 0 ? run.curves(0).time_s_size() : 0;
-  for (int i = 0; i < samples; ++i) {
-    table.time.push_back(run.curves(0).time_s(i));
-    table.cast_length.push_back(number_at(run.curves(0).cast_length_m(), i));
-    for (const std::string& monitor : table.monitor) {
-      const v1::CurlCurve* const curve = curve_of(run, monitor);
-      table.curl.push_back(curve ? number_at(curve->curl_m(), i) : unknown);
-    }
-  }
-  table.curve_start.push_back(static_cast<std::int64_t>(table.time.size()));
-}
-
-void add_findings(const v1::StudyRun& run, results::StudyTable& table) {
-  for (const v1::Finding& finding : run.findings()) {
-    table.finding_run.push_back(static_cast<std::int32_t>(table.runs()));
-    table.finding_code.push_back(finding.code());
-    table.finding_severity.push_back(lower(v1::Finding::Severity_Name(finding.severity())));
-    table.finding_time.push_back(finding.has_time_s() ? finding.time_s() : unknown);
-  }
-}
-
-void add_run(const v1::StudyRun& run, results::StudyTable& table) {
-  add_findings(run, table);  // counts the runs before this one
-  add_values(run, table);
-  add_curve(run, table);
-  table.job.push_back(run.job());
-  table.run_state.push_back(lower(v1::JobState_Name(run.state())));
-  table.relative_curl_error.push_back(run.has_relative_curl_error() ? run.relative_curl_error()
-                                                                    : unknown);
-  table.solver_seconds.push_back(run.solver_s());
-  table.refinement.push_back(run.refinement());
-  table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);
-  table.failure.push_back(run.failure().message());
-}
-
-}  // namespace
 
 results::StudyTable to_table(const v1::StudyResult& result) {
   results::StudyTable table;

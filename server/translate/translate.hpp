@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/case/case.hpp"
@@ -15,6 +18,14 @@
 #include "dccast/v1/study.pb.h"
 
 namespace dccast::translate {
+
+/// The core's enumerator for one of the schema, or the other way round. @param otherwise  for one
+/// that is not in the table
+template <class To, class From>
+To counterpart(From from, std::initializer_list<std::pair<From, To>> table, To otherwise) {
+  const auto found = std::ranges::find(table, from, &std::pair<From, To>::first);
+  return found == table.end() ? otherwise : found->second;
+}
 
 /// The core's form of a case.
 /// @param complete     with defaults and alloy card filled in, checked against the schema; what is

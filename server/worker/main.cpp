@@ -40,7 +40,6 @@ namespace {
 constexpr int exit_not_begun = 1;
 constexpr int exit_link_broken = 1;
 constexpr int exit_usage = 2;
-constexpr int exit_daemon_gone = 70;
 
 /// A worker without a job, or without a claim on the folder of one, does not outlive its daemon:
 /// the next one would not find it. Checkpoints are complete at any moment, so the kill costs no

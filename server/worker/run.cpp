@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int exit_daemon_gone = 70;
-
 /// Between two synchronisations of the log, the most that a crash of the machine takes back.
 constexpr std::chrono::milliseconds sync_interval{500};
 
@@ -119,19 +117,13 @@ void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
 }
 
 v1::RunEnd::Outcome to_proto(casting::RunEnd end) {
-  switch (end) {
-    case casting::RunEnd::succeeded:
-      return v1::RunEnd::SUCCEEDED;
-    case casting::RunEnd::failed:
-      return v1::RunEnd::FAILED;
-    case casting::RunEnd::stopped:
-      return v1::RunEnd::STOPPED;
-    case casting::RunEnd::cancelled:
-      return v1::RunEnd::CANCELLED;
-    case casting::RunEnd::other_version:
-      return v1::RunEnd::OTHER_VERSION_FOUND;
-  }
-  return v1::RunEnd::OUTCOME_UNSPECIFIED;
+  return translate::counterpart(end,
+                                {{casting::RunEnd::succeeded, v1::RunEnd::SUCCEEDED},
+                                 {casting::RunEnd::failed, v1::RunEnd::FAILED},
+                                 {casting::RunEnd::stopped, v1::RunEnd::STOPPED},
+                                 {casting::RunEnd::cancelled, v1::RunEnd::CANCELLED},
+                                 {casting::RunEnd::other_version, v1::RunEnd::OTHER_VERSION_FOUND}},
+                                v1::RunEnd::OUTCOME_UNSPECIFIED);
 }
 
 v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
@@ -154,22 +146,21 @@ v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& 
   return finished;
 }
 
-casting::OtherVersion to_core(v1::OtherVersion what) {
-  if (what == v1::PAUSE) return casting::OtherVersion::wait;
-  return what == v1::FAIL ? casting::OtherVersion::fail : casting::OtherVersion::begin_anew;
-}
-
 v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   const fs::path directory = order.directory();
   const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
   ReportingObserver observer(link, casting_case);
-  const auto outcome = casting::run(casting_case,
-                                    {.path = directory,
-                                     .resume = order.resume(),
-                                     .other_version = to_core(order.other_version()),
-                                     .leaves_run_files = true,
-                                     .keeps_nothing = order.job_id().empty()},
-                                    observer, std::max(order.threads(), 1));
+  const auto outcome = casting::run(
+      casting_case,
+      {.path = directory,
+       .resume = order.resume(),
+       .other_version = translate::counterpart(
+           order.other_version(),
+           {{v1::PAUSE, casting::OtherVersion::wait}, {v1::FAIL, casting::OtherVersion::fail}},
+           casting::OtherVersion::begin_anew),
+       .leaves_run_files = true,
+       .keeps_nothing = order.job_id().empty()},
+      observer, std::max(order.threads(), 1));
   return to_finished(outcome, order);
 }
 

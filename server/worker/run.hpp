@@ -15,6 +15,8 @@
 
 namespace dccast::worker {
 
+inline constexpr int exit_daemon_gone = 70;
+
 /// Where the events of a run go, and where requests to stop it come from.
 class RunLink {
 public:
