@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"

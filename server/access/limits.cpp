@@ -11,22 +11,25 @@ constexpr std::size_t most_buckets = 10000;  // then the full ones are forgotten
 
 }  // namespace
 
-bool CallRate::take(const std::string& who, Time now) {
-  const double most = std::max(1.0, seconds_held * per_s_);
-  const std::lock_guard guard(mutex_);
-  const auto left_at = [&](const Bucket& bucket) {
-    const std::chrono::duration<double> passed = now - bucket.seen;
-    return std::min(most, bucket.left + passed.count() * per_s_);
-  };
-  if (buckets_.size() >= most_buckets)
-    std::erase_if(buckets_, [&](const auto& one) { return left_at(one.second) >= most; });
-  const auto [at, is_new] = buckets_.try_emplace(who, Bucket{most, now});
-  Bucket& bucket = at->second;
-  bucket.left = left_at(bucket);
-  bucket.seen = now;
-  if (bucket.left < 1.0) return false;
-  bucket.left -= 1.0;
+double Allowance::left_at(Time now) const {
+  if (last_ == Time{}) return left_;
+  return std::min(at_once_, left_ + per_s_ * std::chrono::duration<double>(now - last_).count());
+}
+
+bool Allowance::take(Time now) {
+  left_ = left_at(now);
+  last_ = now;
+  if (left_ < 1.0) return false;
+  left_ -= 1.0;
   return true;
+}
+
+bool CallRate::take(const std::string& who, Time now) {
+  const std::lock_guard guard(mutex_);
+  if (buckets_.size() >= most_buckets)
+    std::erase_if(buckets_, [&](const auto& one) { return one.second.is_full(now); });
+  const double most = std::max(1.0, seconds_held * per_s_);
+  return buckets_.try_emplace(who, per_s_, most).first->second.take(now);
 }
 
 std::string OpenCount::enter(const std::string& who, const std::string& what) {

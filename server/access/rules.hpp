@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "dccast/v1/access.pb.h"
 #include "server/access/users.hpp"

@@ -1,6 +1,5 @@
-#include "server/daemon/administration.hpp"
+#include "server/daemon/daemon.hpp"
 
-#include <pwd.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -10,8 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
-#include <map>
+#include <ctime>
 #include <ostream>
 
 #include "core/storage/file.hpp"
@@ -19,6 +17,7 @@
 #include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
 #include "server/access/users.hpp"
+#include "server/service/gate.hpp"
 #include "server/state/state_folder.hpp"
 
 namespace dccast::daemon {
@@ -31,10 +30,6 @@ using access::Refused;
 constexpr int server_days = 90, user_days = 365;
 constexpr std::int64_t day_s = 86400;
 constexpr std::int64_t renewed_before_s = 30 * day_s;
-
-std::int64_t now() {
-  return ::time(nullptr);
-}
 
 std::string date(std::int64_t unix_s) {
   const std::time_t time = unix_s;
@@ -55,8 +50,7 @@ fs::path data_directory(const v1::DaemonConfig& config) {
 std::string who_commands() {
   if (const char* behind = std::getenv("SUDO_USER"); behind != nullptr && ::geteuid() == 0)
     return behind;
-  const passwd* entry = ::getpwuid(::getuid());
-  return entry == nullptr ? std::to_string(::getuid()) : entry->pw_name;
+  return service::user_name(::getuid());
 }
 
 /// What root has made here is the daemon's, whose user the directory belongs to.
@@ -136,8 +130,8 @@ void list_users(access::UserStore& users, std::ostream& out) {
     for (const v1::Credential& one : user.credential())
       out << "    " << (one.enrolment() ? "one-time line" : "token " + one.id())
           << (one.machine().empty() ? "" : " on " + one.machine())
-          << (one.expires_unix() <= now() ? ", expired " : ", until ") << date(one.expires_unix())
-          << '\n';
+          << (one.expires_unix() <= std::time(nullptr) ? ", expired " : ", until ")
+          << date(one.expires_unix()) << '\n';
   }
 }
 
@@ -148,13 +142,13 @@ void run_user(const AdministrationCommand& command, const v1::DaemonConfig& conf
   const std::string verb = command.verb.substr(5);
   const std::string& name = command.name;
   if (verb == "list") return list_users(users, out);
-  const std::int64_t ends = now() + std::llround(config.enrolment_lifetime_s());
+  const std::int64_t ends = std::time(nullptr) + std::llround(config.enrolment_lifetime_s());
   std::string done = verb + " " + name;
   if (verb == "add" || verb == "rotate") {
     reached_at(config);  // refused before anything is changed
-    const std::string secret = verb == "add"
-                                   ? users.add(name, access::role_of(command.role), now(), ends)
-                                   : users.rotate(name, now(), ends);
+    const std::string secret =
+        verb == "add" ? users.add(name, access::role_of(command.role), std::time(nullptr), ends)
+                      : users.rotate(name, std::time(nullptr), ends);
     if (verb == "add") done += " as " + command.role;
     print_line(command, config, secret, out);
   } else if (verb == "remove") {
@@ -173,7 +167,8 @@ void show(const std::string& what, const fs::path& file, std::ostream& out) {
   const access::Certificate certificate = read(file);
   out << what << "  " << certificate.name << "\n  file         " << file.string()
       << "\n  valid        " << date(certificate.begins_unix) << " to "
-      << date(certificate.ends_unix) << (certificate.ends_unix <= now() ? "  EXPIRED" : "")
+      << date(certificate.ends_unix)
+      << (certificate.ends_unix <= std::time(nullptr) ? "  EXPIRED" : "")
       << "\n  fingerprint  sha256:" << certificate.sha256 << '\n';
   if (certificate.names.empty()) return;
   out << "  names       ";
@@ -226,7 +221,7 @@ TlsFiles prepare_tls(const v1::DaemonConfig& config) {
   const access::Pki pki(data_directory(config));
   if (!pki.exists()) pki.init();
   const bool there = fs::exists(pki.server());
-  if (!there || read(pki.server()).ends_unix - now() < renewed_before_s)
+  if (!there || read(pki.server()).ends_unix - std::time(nullptr) < renewed_before_s)
     pki.issue_server(there ? read(pki.server()).names : server_names(config), server_days);
   return {pki.server(), pki.server_key(), pki.ca(), config.client_ca(), true};
 }

@@ -1,6 +1,5 @@
 #include "server/daemon/daemon.hpp"
 
-#include <pwd.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -21,7 +20,6 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/address.hpp"
-#include "server/daemon/administration.hpp"
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
@@ -177,11 +175,6 @@ void refuse_open_address(const std::string& listen) {
                            "to it, and listen to a loopback address such as 127.0.0.1:7117");
 }
 
-std::string own_user_name() {
-  const passwd* entry = ::getpwuid(::geteuid());
-  return entry == nullptr ? std::to_string(::geteuid()) : entry->pw_name;
-}
-
 /// Listens over TLS where the settings have it so.
 class TlsListener {
 public:
@@ -231,11 +224,7 @@ std::optional<std::string> owner_of(const Found& found) {
 
 /// @return SIGTERM or SIGINT, or SIGUSR1, which leaves running jobs to their workers
 int wait_for_signal() {
-  sigset_t awaited;
-  sigemptyset(&awaited);
-  sigaddset(&awaited, SIGTERM);
-  sigaddset(&awaited, SIGINT);
-  sigaddset(&awaited, SIGUSR1);
+  const sigset_t awaited = awaited_signals();
   int signal = 0;
   while (::sigwait(&awaited, &signal) != 0) {
   }
@@ -350,16 +339,14 @@ void serve_until_signal(service::PublicServer& server, service::Context& context
   log::info("dccastd has stopped");
 }
 
-/// @return null where the settings ask for none
-std::unique_ptr<MetricsServer> serve_metrics(const v1::DaemonConfig& config,
-                                             MetricSources sources) {
-  if (config.metrics().empty()) return nullptr;
-  auto server = std::make_unique<MetricsServer>(config.metrics(), std::move(sources));
-  log::info("metrics on http://{}/metrics", server->address());
-  return server;
-}
-
 }  // namespace
+
+sigset_t awaited_signals() {
+  sigset_t awaited;
+  sigemptyset(&awaited);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&awaited, signal);
+  return awaited;
+}
 
 int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;
@@ -372,7 +359,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   access::UserStore users(side.directory.path());
   access::AuditLog audit(side.directory.path());
   access::Authority authority(users, {.local_role = config.local_role(),
-                                      .own_user = own_user_name(),
+                                      .own_user = service::user_name(::geteuid()),
                                       .reads_own_only = config.read() == v1::OWN});
   service::Gate gate(
       authority, audit,
@@ -404,8 +391,10 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                    .time = whole_seconds(config.keep_time_s()),
                                    .bytes = std::llround(config.keep_size_bytes())},
                                   *side.store, side.scheduler);
-  const auto metrics =
-      serve_metrics(config, {context, side.tally, side.directory.path(), tls.certificate()});
+  std::shared_ptr<void> metrics;
+  if (!config.metrics().empty())
+    metrics = serve_metrics(config.metrics(),
+                            {context, side.tally, side.directory.path(), tls.certificate()});
   log_start(config, listener.address(), tls.address(), context, side.directory.path());
   serve_until_signal(server, context, side, workers, manager);
   return 0;

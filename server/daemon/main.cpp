@@ -12,9 +12,8 @@
 #include <system_error>
 
 #include "server/access/users.hpp"
-#include "server/daemon/command_line.hpp"
 #include "server/daemon/daemon.hpp"
-#include "server/daemon/daemon_config.hpp"
+#include "server/daemon/settings.hpp"
 #include "server/jobs/log.hpp"
 #include "server/state/check.hpp"
 
@@ -27,15 +26,11 @@ constexpr int exit_refused = 4;
 
 /// Before any thread: all of them inherit the mask, and one place waits for the signals.
 void prepare_signals() {
-  sigset_t awaited;
-  sigemptyset(&awaited);
-  sigaddset(&awaited, SIGTERM);
-  sigaddset(&awaited, SIGINT);
-  sigaddset(&awaited, SIGUSR1);
+  const sigset_t awaited = dccast::daemon::awaited_signals();
   ::pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGCHLD,
-           SIG_DFL);  // ignored by who started us, the ends of workers could not be learned
+  // Ignored by who started us, the ends of workers could not be learned.
+  ::signal(SIGCHLD, SIG_DFL);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
 }
 

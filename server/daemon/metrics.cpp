@@ -27,17 +27,12 @@ namespace {
 
 using Labels = std::initializer_list<std::pair<const char*, std::string>>;
 
-std::string number(double value) {
-  return fmt::format("{}", value);
-}
-
 /// @return `{state="QUEUED"}`; empty for none
 std::string text_of(const Labels& labels) {
   std::string text;
-  for (const auto& [name, value] : labels) {
-    text += (text.empty() ? "{" : ",") + std::string(name) + "=\"" +
-            values::escaped_in_quotes(value) + "\"";
-  }
+  for (const auto& [name, value] : labels)
+    text += fmt::format("{}{}=\"{}\"", text.empty() ? "{" : ",", name,
+                        values::escaped_in_quotes(value));
   return text.empty() ? text : text + "}";
 }
 
@@ -49,10 +44,12 @@ public:
     name_ = name;
     text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
   }
-  void sample(double value, const Labels& labels = {}, const char* suffix = "") {
-    text_ += name_ + suffix + text_of(labels) + " " + number(value) + "\n";
+  template <class Number>
+  void sample(Number value, const Labels& labels = {}, const char* suffix = "") {
+    text_ += fmt::format("{}{}{} {}\n", name_, suffix, text_of(labels), static_cast<double>(value));
   }
-  void gauge(const char* name, const char* help, double value) {
+  template <class Number>
+  void gauge(const char* name, const char* help, Number value) {
     begin(name, "gauge", help);
     sample(value);
   }
@@ -61,11 +58,11 @@ public:
     const std::string before = own.empty() ? "{" : own.substr(0, own.size() - 1) + ",";
     std::uint64_t so_far = 0;
     for (std::size_t i = 0; i < histogram.bounds().size(); ++i)
-      text_ += fmt::format("{}_bucket{}le=\"{}\"}} {}\n", name_, before,
-                           number(histogram.bounds()[i]), so_far += histogram.counts()[i]);
+      text_ += fmt::format("{}_bucket{}le=\"{}\"}} {}\n", name_, before, histogram.bounds()[i],
+                           so_far += histogram.counts()[i]);
     text_ += fmt::format("{}_bucket{}le=\"+Inf\"}} {}\n", name_, before, histogram.count());
     sample(histogram.sum(), labels, "_sum");
-    sample(static_cast<double>(histogram.count()), labels, "_count");
+    sample(histogram.count(), labels, "_count");
   }
   std::string text() && { return std::move(text_); }
 
@@ -82,13 +79,12 @@ void add_jobs(Exposition& to, const MetricSources& from) {
   const auto groups = from.context.store.groups();
   to.begin("dccast_jobs", "gauge", "Jobs in the store by state and owner.");
   for (const auto& group : groups)
-    to.sample(static_cast<double>(group.jobs),
-              {{"state", v1::JobState_Name(group.state)}, {"owner", group.owner}});
+    to.sample(group.jobs, {{"state", v1::JobState_Name(group.state)}, {"owner", group.owner}});
   to.begin("dccast_jobs_disk_bytes", "gauge",
            "What jobs hold on the disk, by owner; of one that has not ended its case alone.");
   std::map<std::string, std::int64_t> bytes;
   for (const auto& group : groups) bytes[group.owner] += group.bytes;
-  for (const auto& [owner, held] : bytes) to.sample(static_cast<double>(held), {{"owner", owner}});
+  for (const auto& [owner, held] : bytes) to.sample(held, {{"owner", owner}});
   double oldest = 0.0;
   for (const auto& group : groups)
     if (group.state == v1::QUEUED) oldest = std::max(oldest, seconds_since(group.oldest_ms));
@@ -100,7 +96,14 @@ void add_jobs(Exposition& to, const MetricSources& from) {
   to.gauge("dccast_jobs_running", "Jobs whose workers run.", from.context.scheduler.running());
   to.gauge("dccast_workers", "Jobs that may run at once.", from.context.workers);
   to.gauge("dccast_quarantined_folders", "Folders without a job.",
-           static_cast<double>(jobs::quarantined_folders(from.context.jobs_directory).size()));
+           jobs::quarantined_folders(from.context.jobs_directory).size());
+}
+
+/// 0 for a key that has not been counted.
+template <class Counts>
+auto count_of(const Counts& counts, const typename Counts::key_type& key) {
+  const auto found = counts.find(key);
+  return found == counts.end() ? typename Counts::mapped_type{} : found->second;
 }
 
 void add_tally(Exposition& to, const jobs::TallyFigures& tally) {
@@ -112,24 +115,18 @@ void add_tally(Exposition& to, const jobs::TallyFigures& tally) {
   to.begin("dccast_processor_seconds_total", "counter", "Processor time of ended jobs.");
   for (const auto& [owner, seconds] : tally.processor_s) to.sample(seconds, {{"owner", owner}});
   to.begin("dccast_jobs_ended_total", "counter", "Jobs that have ended, by how.");
-  for (const v1::JobState state : {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED}) {
-    const auto found = tally.ended.find(state);
-    to.sample(found == tally.ended.end() ? 0.0 : static_cast<double>(found->second),
-              {{"state", v1::JobState_Name(state)}});
-  }
+  for (const v1::JobState state : {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED})
+    to.sample(count_of(tally.ended, state), {{"state", v1::JobState_Name(state)}});
   to.begin("dccast_job_failures_total", "counter", "Jobs that have failed, by cause.");
   // All of them from the beginning: the first one of a kind is an increase, too.
   const auto* kinds = v1::Failure::Kind_descriptor();
   for (int i = 1; i < kinds->value_count(); ++i) {
-    const auto found =
-        tally.failures.find(static_cast<v1::Failure::Kind>(kinds->value(i)->number()));
-    to.sample(found == tally.failures.end() ? 0.0 : static_cast<double>(found->second),
-              {{"cause", kinds->value(i)->name()}});
+    const auto kind = static_cast<v1::Failure::Kind>(kinds->value(i)->number());
+    to.sample(count_of(tally.failures, kind), {{"cause", kinds->value(i)->name()}});
   }
   to.begin("dccast_findings_total", "counter", "Findings of ended jobs (docs/findings.md).");
   for (const auto& [key, count] : tally.findings)
-    to.sample(static_cast<double>(count),
-              {{"code", key.first}, {"severity", v1::Finding::Severity_Name(key.second)}});
+    to.sample(count, {{"code", key.first}, {"severity", v1::Finding::Severity_Name(key.second)}});
 }
 
 void add_calls(Exposition& to, service::Gate& gate) {
@@ -140,10 +137,9 @@ void add_calls(Exposition& to, service::Gate& gate) {
     to.histogram(seconds, {{"method", key.first}, {"code", key.second}});
   to.begin("dccast_refused_calls_total", "counter",
            "Calls that a limit has refused, by its setting.");
-  for (const auto& [limit, count] : calls.refused)
-    to.sample(static_cast<double>(count), {{"limit", limit}});
+  for (const auto& [limit, count] : calls.refused) to.sample(count, {{"limit", limit}});
   to.gauge("dccast_streams_open", "Watches, downloads and queries that are open.",
-           static_cast<double>(gate.open_streams()));
+           gate.open_streams());
 }
 
 void add_processes(Exposition& to) {
@@ -152,17 +148,15 @@ void add_processes(Exposition& to) {
            "Workers that this daemon has started, by what they are at.");
   for (const auto& [name, total] : processes) to.sample(total.number, {{"name", name}});
   to.begin("dccast_worker_resident_memory_bytes", "gauge", "Their memory.");
-  for (const auto& [name, total] : processes)
-    to.sample(static_cast<double>(total.resident_bytes), {{"name", name}});
-  to.gauge("process_resident_memory_bytes", "Memory of the daemon.",
-           static_cast<double>(jobs::resident_bytes("self")));
+  for (const auto& [name, total] : processes) to.sample(total.resident_bytes, {{"name", name}});
+  to.gauge("process_resident_memory_bytes", "Memory of the daemon.", jobs::resident_bytes("self"));
 }
 
 void add_disk(Exposition& to, const MetricSources& from) {
   const storage::SyncTotals syncs = storage::sync_totals();
   to.begin("dccast_fsync_seconds", "summary", "Waiting for the disk to take files and folders.");
   to.sample(syncs.seconds, {}, "_sum");
-  to.sample(static_cast<double>(syncs.count), {}, "_count");
+  to.sample(syncs.count, {}, "_count");
   struct statvfs disk {};
   if (::statvfs(from.data_directory.c_str(), &disk) == 0) {
     const double block = static_cast<double>(disk.f_frsize);
@@ -175,11 +169,8 @@ void add_disk(Exposition& to, const MetricSources& from) {
   const auto certificate =
       access::read_certificate(storage::read_file(from.certificate), from.certificate);
   to.gauge("dccast_certificate_expires_timestamp_seconds",
-           "When the certificate of listen_tls ends, since 1970.",
-           static_cast<double>(certificate.ends_unix));
+           "When the certificate of listen_tls ends, since 1970.", certificate.ends_unix);
 }
-
-}  // namespace
 
 std::string metrics_text(const MetricSources& sources) {
   Exposition to;
@@ -193,20 +184,22 @@ std::string metrics_text(const MetricSources& sources) {
   return std::move(to).text();
 }
 
-struct MetricsServer::Listener {
+struct Listener {
   httplib::Server server;
   std::jthread thread;
   ~Listener() { server.stop(); }
 };
 
-MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
-    : listener_(std::make_unique<Listener>()) {
+}  // namespace
+
+std::shared_ptr<void> serve_metrics(const std::string& address, MetricSources sources) {
   if (!values::is_loopback(address))
     throw std::runtime_error("metrics = \"" + address +
                              "\" can be reached from other machines; permitted: a loopback "
                              "address such as 127.0.0.1:9117");
   constexpr std::size_t threads = 2, most_request_bytes = 1024;
-  httplib::Server& server = listener_->server;
+  const auto listener = std::make_shared<Listener>();
+  httplib::Server& server = listener->server;
   server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
   server.set_payload_max_length(most_request_bytes);
   server.set_keep_alive_max_count(1);
@@ -225,11 +218,11 @@ MetricsServer::MetricsServer(const std::string& address, MetricSources sources)
   else if (!server.bind_to_port(named.host, port))
     port = -1;
   if (port < 0) throw std::runtime_error("cannot listen on " + address + " for metrics");
-  address_ = address.substr(0, address.rfind(':') + 1) + std::to_string(port);
-  listener_->thread = std::jthread([&server] { server.listen_after_bind(); });
+  listener->thread = std::jthread([&server] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  log::info("metrics on http://{}/metrics",
+            address.substr(0, address.rfind(':') + 1) + std::to_string(port));
+  return listener;
 }
-
-MetricsServer::~MetricsServer() = default;
 
 }  // namespace dccast::daemon

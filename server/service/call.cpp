@@ -69,7 +69,7 @@ public:
     gate_.record({}, caller, rule, shown.peer, status);
     return status;
   } catch (const std::exception& error) {
-    return {grpc::StatusCode::UNAVAILABLE, error.what()};
+    return {grpc::UNAVAILABLE, error.what()};
   }
 
 private:
@@ -107,7 +107,7 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
     shown_ = shown_of(context);
     if (shown_.over_tls) judge();
   } catch (const std::exception& error) {
-    refusal_ = {grpc::StatusCode::UNAVAILABLE, error.what()};
+    refusal_ = {grpc::UNAVAILABLE, error.what()};
   }
 }
 
@@ -118,7 +118,7 @@ void CallOrigin::judge() {
 }
 
 Call CallOrigin::admit(std::function<bool()> cancelled) {
-  if (cancelled()) refuse(grpc::StatusCode::CANCELLED, "the caller has left");
+  if (cancelled()) refuse(grpc::CANCELLED, "the caller has left");
   if (!caller_) judge();
   if (!refusal_.ok()) throw Refusal{refusal_};
   Call call{.caller = *caller_, .deadline = deadline_, .cancelled = std::move(cancelled)};
@@ -152,9 +152,9 @@ void CallOrigin::record_refusal(const grpc::Status& status) const {
 }
 
 void check_wanted(const Call& call) {
-  if (call.cancelled()) refuse(grpc::StatusCode::CANCELLED, "the caller has left");
+  if (call.cancelled()) refuse(grpc::CANCELLED, "the caller has left");
   if (std::chrono::system_clock::now() >= call.deadline)
-    refuse(grpc::StatusCode::DEADLINE_EXCEEDED, "the call waited until its deadline; try again");
+    refuse(grpc::DEADLINE_EXCEEDED, "the call waited until its deadline; try again");
 }
 
 jobs::CallLimits waiting_time(const Call& call, double most_s) {

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <cmath>
+#include <ctime>
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/shipped.hpp"
@@ -36,10 +37,9 @@ std::string text_of(const v1::ReadCaseRequest& request) {
   if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
-  refuse(grpc::StatusCode::NOT_FOUND,
-         fmt::format("no case called \"{}\" is built in; there are {}",
-                     values::escaped(values::shortened(request.shipped())),
-                     fmt::join(shipped::names_of(cases), ", ")));
+  refuse(grpc::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
+         values::escaped(values::shortened(request.shipped())),
+         fmt::join(shipped::names_of(cases), ", "));
 }
 
 void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
@@ -60,11 +60,10 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
       case_file::apply_changes_elsewhere(
           *response->mutable_case_(), {request->changes().begin(), request->changes().end()}, read);
     for (const v1::Fault& fault : read.faults) {
-      *response->add_faults() = fault;
       response->add_lines(read.source.find(fault.field()).line);
+      intake::make_printable(*response->add_faults() = fault);
     }
     response->mutable_files()->Assign(read.files.begin(), read.files.end());
-    for (v1::Fault& fault : *response->mutable_faults()) intake::make_printable(fault);
   });
 }
 
@@ -100,11 +99,9 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_maximum_steps(ceilings.steps);
     response->set_maximum_memory_bytes(ceilings.memory_bytes);
     response->set_worker_sandbox(context_.worker_sandbox);
-    // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
-    std::string& build = *response->mutable_build() = "g++ ";
-    build += __VERSION__;
-    build += ", gRPC " + grpc::Version() + ", protobuf " +
-             google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION);
+    response->set_build(
+        fmt::format("g++ {}, gRPC {}, protobuf {}", __VERSION__, grpc::Version(),
+                    google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION)));
   });
 }
 
@@ -112,11 +109,11 @@ Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
                                 v1::EnrolResponse* response) {
   return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
     check_text("machine", request->machine());
-    const std::int64_t now = unix_now();
+    const std::int64_t now = std::time(nullptr);
     const access::Caller user = context_.gate.authority().users().enrol(
         request->secret(), request->machine(), now,
         now + std::llround(context_.settings.token_lifetime_s()), *response->mutable_token());
-    if (!user.refusal.empty()) refuse(grpc::StatusCode::UNAUTHENTICATED, user.refusal);
+    if (!user.refusal.empty()) refuse(grpc::UNAUTHENTICATED, "{}", user.refusal);
     call.note->set_user(user.name);
     call.note->set_reason("a token was made for " + request->machine());
     describe(user, *response->mutable_user());
@@ -133,7 +130,7 @@ Unary* SimulationService::RevokeToken(Wire* wire, const v1::RevokeTokenRequest* 
                                       v1::RevokeTokenResponse*) {
   return answer(wire, *request, lanes_.durable, [this](const Call& call) {
     if (call.caller.credential.empty())
-      refuse(grpc::StatusCode::FAILED_PRECONDITION,
+      refuse(grpc::FAILED_PRECONDITION,
              "this call was not made with a token; there is nothing to revoke");
     context_.gate.authority().users().revoke(call.caller.name, call.caller.credential);
     call.note->set_reason("the token was revoked by its user");

@@ -44,6 +44,8 @@ struct Connection {
 
 class Connections {
 public:
+  std::atomic<std::size_t> most_unfinished{SIZE_MAX};
+
   void add(std::shared_ptr<Connection> connection) {
     const std::lock_guard lock(mutex_);
     all_[connection->descriptor] = std::move(connection);
@@ -54,8 +56,6 @@ public:
     const auto found = all_.find(descriptor);
     return found != all_.end() && found->second->is_open() ? found->second : nullptr;
   }
-
-  void bound(std::size_t most) { most_unfinished_ = most; }
 
   /// What a connection holds has changed.
   void grew(std::size_t bytes) {
@@ -68,7 +68,7 @@ public:
     for (;;) {
       std::size_t sum = 0;
       for (const auto& one : all_) sum += held(one);
-      if (sum <= most_unfinished_) return;
+      if (sum <= most_unfinished) return;
       Connection& largest = *std::ranges::max_element(all_, {}, held)->second;
       largest.end("requests that are not finished hold too much memory");
       largest.unfinished = 0;
@@ -80,7 +80,6 @@ private:
   std::mutex mutex_;
   std::unordered_map<int, std::shared_ptr<Connection>> all_;  ///< by descriptor
   std::atomic<std::size_t> grown_{0};
-  std::atomic<std::size_t> most_unfinished_{SIZE_MAX};
 };
 
 Connections& connections() {
@@ -155,7 +154,7 @@ std::string peer_read_last() {
 }
 
 void bound_unfinished_requests(std::size_t most) {
-  connections().bound(most);
+  connections().most_unfinished = most;
 }
 
 }  // namespace dccast::service

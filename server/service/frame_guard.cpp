@@ -27,14 +27,6 @@ constexpr int most_begun_before_acknowledgement = 100;
 
 }  // namespace
 
-bool FrameGuard::Allowance::take(Clock::time_point now) {
-  if (last_ != Clock::time_point{})
-    left_ = std::min(at_once_, left_ + per_s_ * std::chrono::duration<double>(now - last_).count());
-  last_ = now;
-  left_ -= 1.0;
-  return left_ >= 0.0;
-}
-
 std::string_view FrameGuard::take(std::string_view bytes, Clock::time_point now) {
   const auto skip = [&](std::size_t& left) {
     const std::size_t some = std::min(left, bytes.size());

@@ -7,6 +7,8 @@
 #include <map>
 #include <string_view>
 
+#include "server/access/limits.hpp"
+
 namespace dccast::service {
 
 /// Follows the frames of HTTP/2 (RFC 9113, 4.1) that one client sends, and finds what gRPC 1.51
@@ -24,17 +26,6 @@ public:
   std::size_t unfinished_bytes() const { return unfinished_bytes_; }
 
 private:
-  /// So many a second, and a number at once.
-  class Allowance {
-  public:
-    constexpr Allowance(double per_s, double at_once)
-        : per_s_(per_s), at_once_(at_once), left_(at_once) {}
-    bool take(Clock::time_point now);
-
-  private:
-    double per_s_, at_once_, left_;
-    Clock::time_point last_{};
-  };
   struct Frame {
     std::uint8_t kind = 0, flags = 0;
     std::uint32_t stream = 0;
@@ -49,7 +40,7 @@ private:
 
   // A client that looks at the first event of a job takes each call back, some hundred a second; an
   // update of a window stands for some 16 kB of an answer, and pings for seconds.
-  Allowance resets_{1000.0, 2000.0}, begun_{2000.0, 10000.0}, updates_{20000.0, 40000.0},
+  access::Allowance resets_{1000.0, 2000.0}, begun_{2000.0, 10000.0}, updates_{20000.0, 40000.0},
       others_{200.0, 1000.0};
   int begun_before_acknowledgement_ = 0;
   bool acknowledged_ = false;  ///< our settings, which bound the calls of a connection

@@ -3,8 +3,8 @@
 #include <absl/status/status.h>
 
 #include <condition_variable>
+#include <ctime>
 #include <exception>
-#include <utility>
 
 #include "server/jobs/log.hpp"
 #include "server/service/refusals.hpp"
@@ -38,16 +38,10 @@ std::string host_of(const std::string& peer) {
 }
 
 grpc::Status unauthenticated(const std::string& why) {
-  return {grpc::StatusCode::UNAUTHENTICATED, why};
+  return {grpc::UNAUTHENTICATED, why};
 }
 
 }  // namespace
-
-std::int64_t unix_now() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits,
            Owners owners, std::string address)
@@ -63,10 +57,10 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
 
 access::Caller Gate::identify(const Shown& shown) {
   if (!shown.over_tls) return authority_.local_user(local_users_.name_of(shown.peer));
-  if (!shown.token.empty()) return authority_.by_token(shown.token, unix_now());
+  if (!shown.token.empty()) return authority_.by_token(shown.token, std::time(nullptr));
   if (!shown.certificate_name.empty())
     return authority_.by_certificate(shown.certificate_name, shown.certificate_ends_unix,
-                                     unix_now());
+                                     std::time(nullptr));
   return {.by = access::ProvenBy::token,
           .refusal =
               "this call has no token; log in first: dccast login, with the line of "
@@ -75,19 +69,19 @@ access::Caller Gate::identify(const Shown& shown) {
 
 grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,
                           const std::string& peer) {
-  const bool proven = caller.refusal.empty();
+  const bool proven = caller.proven();
   const std::string who = proven && !caller.name.empty() ? caller.name : host_of(peer);
   access::CallRate& rate = proven ? rate_ : unproven_rate_;
   if (!rate.take(who, std::chrono::steady_clock::now()))
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED,
-            who + " makes more calls a second than maximum_calls_per_s = " +
-                std::to_string(rate_.per_s()) + " permits " +
-                (proven ? "one user" : "one who has proved nothing (a tenth of it)") +
-                "; wait a moment, then try again"};
+    return {grpc::RESOURCE_EXHAUSTED,
+            fmt::format("{} makes more calls a second than maximum_calls_per_s = {:f} permits {}; "
+                        "wait a moment, then try again",
+                        who, rate_.per_s(),
+                        proven ? "one user" : "one who has proved nothing (a tenth of it)")};
   if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
   if (!proven) return unauthenticated(caller.refusal);
   if (const std::string fault = authority_.role_fault(caller, rule); !fault.empty())
-    return {grpc::StatusCode::PERMISSION_DENIED, fault};
+    return {grpc::PERMISSION_DENIED, fault};
   return grpc::Status::OK;
 }
 
@@ -100,12 +94,12 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
   const std::string fault =
       authority_.owner_fault(caller, rule, *owner, (of_study ? "study " : "job ") + id);
   if (fault.empty()) return grpc::Status::OK;
-  return {grpc::StatusCode::PERMISSION_DENIED, fault};
+  return {grpc::PERMISSION_DENIED, fault};
 }
 
 void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
   if (const std::string limit = streams_.enter(caller.name, "streams"); !limit.empty())
-    refuse(grpc::StatusCode::RESOURCE_EXHAUSTED, limit + "; end one, then try again");
+    refuse(grpc::RESOURCE_EXHAUSTED, "{}; end one, then try again", limit);
   const std::lock_guard lock(mutex_);
   std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
   lasting_.push_back({caller, std::move(stream)});
@@ -120,7 +114,7 @@ void Gate::watch_for_lapses(const std::stop_token& stop) {
     if (lasting_.empty()) continue;
     lock.unlock();
     try {
-      end_lapsed(unix_now());
+      end_lapsed(std::time(nullptr));
     } catch (const std::exception& error) {
       log::error("{}", error.what());
     }
@@ -147,7 +141,7 @@ void Gate::count(const std::string& method, const grpc::Status& status,
   const std::lock_guard lock(figures_mutex_);
   figures_.seconds.try_emplace({method, name_of(status.error_code())}, CallFigures::bounds_s)
       .first->second.add(taken.count());
-  if (status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED)
+  if (status.error_code() == grpc::RESOURCE_EXHAUSTED)
     ++figures_.refused[limit_in(status.error_message())];
 }
 
@@ -158,8 +152,8 @@ CallFigures Gate::figures() {
 
 void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
                   const std::string& peer, const grpc::Status& status) {
-  const bool refused = status.error_code() == grpc::StatusCode::UNAUTHENTICATED ||
-                       status.error_code() == grpc::StatusCode::PERMISSION_DENIED;
+  const bool refused = status.error_code() == grpc::UNAUTHENTICATED ||
+                       status.error_code() == grpc::PERMISSION_DENIED;
   const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
   if (reads && !refused) return;
   if (refused && !recorded_refusals_.take("", std::chrono::steady_clock::now())) return;

@@ -19,7 +19,6 @@
 #include "server/access/limits.hpp"
 #include "server/access/rules.hpp"
 #include "server/jobs/tally.hpp"
-#include "server/service/local_users.hpp"
 
 namespace dccast::service {
 
@@ -44,6 +43,26 @@ struct Shown {
   std::string token{};
   std::string certificate_name{};          ///< verified; empty: none
   std::int64_t certificate_ends_unix = 0;  ///< [s since 1970]
+};
+
+/// The name of a user of this machine, or the number of one without a name.
+std::string user_name(unsigned id);
+
+/// Names of the users of this machine who call over loopback. The system knows whose socket the
+/// other end of a connection is. Safe to use from several threads.
+class LocalUsers {
+public:
+  /// @param address  where we listen: "127.0.0.1:7117", "[::1]:7117"
+  explicit LocalUsers(std::string address) : address_(std::move(address)) {}
+
+  /// @param peer  as gRPC writes it: "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000"
+  /// @return      as user_name(); empty when the system does not know
+  std::string name_of(const std::string& peer);
+
+private:
+  const std::string address_;
+  std::mutex mutex_;
+  std::map<unsigned, std::string> names_;  ///< by user id
 };
 
 /// Who owns a job or study; nothing where there is none.
@@ -110,8 +129,5 @@ private:
   std::vector<Lasting> lasting_;
   std::jthread watcher_;
 };
-
-/// Seconds since 1970, as tokens and certificates count.
-std::int64_t unix_now();
 
 }  // namespace dccast::service

@@ -26,9 +26,9 @@ void check_case_file(const std::string& text) {
 void check_time_limit(double seconds, double most) {
   const bool within = seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most);
   if (within || seconds == 0.0) return;
-  refuse("time_limit_s must be positive" +
-         (most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
-                     : std::string()));
+  refuse("time_limit_s must be positive{}",
+         most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
+                    : std::string());
 }
 
 /// It becomes a word of a command: no blank, and no option.
@@ -128,8 +128,8 @@ jobs::JobStore::Page wanted_by(const Context& context, const access::Caller& cal
   wanted.owner = request.owner();
   if (context.gate.authority().reads_own_only(caller)) {
     if (!wanted.owner.empty() && wanted.owner != caller.name)
-      refuse(grpc::StatusCode::PERMISSION_DENIED,
-             caller.name + " reads only jobs of their own (read = \"own\")");
+      refuse(grpc::PERMISSION_DENIED, "{} reads only jobs of their own (read = \"own\")",
+             caller.name);
     wanted.owner = caller.name;
   }
   wanted.since_ms = jobs::milliseconds(request.since());
@@ -206,9 +206,8 @@ private:
     log_ = context_.scheduler.log(request_.id());
     cursor_.sequence = std::max<std::int64_t>(request_.from_sequence(), 1);
     if (cursor_.sequence > log_->last_sequence() + 1)
-      refuse(grpc::StatusCode::OUT_OF_RANGE,
-             "job " + request_.id() + " has " + std::to_string(log_->last_sequence()) +
-                 " events so far; watch from one of them, or the next");
+      refuse(grpc::OUT_OF_RANGE, "job {} has {} events so far; watch from one of them, or the next",
+             request_.id(), log_->last_sequence());
     context_.logs.watch(request_.id(), std::static_pointer_cast<JobStream>(shared_from_this()));
   }
 
@@ -220,14 +219,13 @@ private:
       }
     } catch (const std::exception& error) {
       log::error("{}", error.what());
-      refuse(grpc::StatusCode::DATA_LOSS,
-             std::string(error.what()) + "; `dccastd check` says what is left of it");
+      refuse(grpc::DATA_LOSS, "{}; `dccastd check` says what is left of it", error.what());
     }
     if (log_->terminal_event()) return {.end = grpc::Status::OK};
     if (context_.leaving)
-      refuse(grpc::StatusCode::UNAVAILABLE,
-             "dccastd is shutting down; the job goes on when it is back: watch again from " +
-                 std::to_string(cursor_.sequence));
+      refuse(grpc::UNAVAILABLE,
+             "dccastd is shutting down; the job goes on when it is back: watch again from {}",
+             cursor_.sequence);
     return {};
   }
 

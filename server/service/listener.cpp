@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <memory>
 #include <stdexcept>
 
@@ -60,6 +59,11 @@ void set(int socket, int level, int option) {
   ::setsockopt(socket, level, option, &yes, sizeof yes);
 }
 
+/// The port stands at the same place for IPv4 and IPv6.
+std::string port_of(const sockaddr_storage& address) {
+  return std::to_string(ntohs(reinterpret_cast<const sockaddr_in*>(&address)->sin_port));
+}
+
 std::string host_of(const sockaddr_storage& address, socklen_t size) {
   std::array<char, NI_MAXHOST> host{};
   ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
@@ -69,10 +73,8 @@ std::string host_of(const sockaddr_storage& address, socklen_t size) {
 
 /// As gRPC writes it: "ipv4:192.0.2.1:40000", "ipv6:%5B::1%5D:40000".
 std::string peer_of(const std::string& host, const sockaddr_storage& address) {
-  // The port stands at the same place for IPv4 and IPv6.
-  const auto port = std::to_string(ntohs(reinterpret_cast<const sockaddr_in*>(&address)->sin_port));
-  return address.ss_family == AF_INET6 ? "ipv6:%5B" + host + "%5D:" + port
-                                       : "ipv4:" + host + ":" + port;
+  return (address.ss_family == AF_INET6 ? "ipv6:%5B" + host + "%5D:" : "ipv4:" + host + ":") +
+         port_of(address);
 }
 
 std::uint64_t bytes_received(int socket) {
@@ -80,14 +82,6 @@ std::uint64_t bytes_received(int socket) {
   socklen_t size = sizeof info;
   if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return UINT64_MAX;
   return info.tcpi_bytes_received;
-}
-
-int port_in_use(int socket) {
-  sockaddr_storage bound{};
-  socklen_t size = sizeof bound;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&bound), &size) != 0) return 0;
-  // The port stands at the same place for IPv4 and IPv6.
-  return ntohs(reinterpret_cast<const sockaddr_in*>(&bound)->sin_port);
 }
 
 }  // namespace
@@ -102,7 +96,10 @@ Listener::Listener(const std::string& address) : ended_(::eventfd(0, EFD_CLOEXEC
   if (::bind(socket_.get(), found->ai_addr, found->ai_addrlen) != 0 ||
       ::listen(socket_.get(), SOMAXCONN) != 0)
     fail(address, ::strerror(errno));
-  address_ = host_of(numeric(address)) + ":" + std::to_string(port_in_use(socket_.get()));
+  sockaddr_storage bound{};
+  socklen_t size = sizeof bound;
+  ::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&bound), &size);
+  address_ = host_of(numeric(address)) + ":" + port_of(bound);
 }
 
 Listener::~Listener() {

@@ -1,4 +1,4 @@
-#include "server/service/local_users.hpp"
+#include "server/service/gate.hpp"
 
 #include <arpa/inet.h>
 #include <linux/inet_diag.h>
@@ -86,6 +86,8 @@ std::optional<unsigned> owner(const Endpoint& client, const Endpoint& server) {
   return message.idiag_uid;
 }
 
+}  // namespace
+
 std::string user_name(unsigned id) {
   passwd entry;
   passwd* found = nullptr;
@@ -93,8 +95,6 @@ std::string user_name(unsigned id) {
   const int error = ::getpwuid_r(id, &entry, texts.data(), texts.size(), &found);
   return error == 0 && found != nullptr ? entry.pw_name : std::to_string(id);
 }
-
-}  // namespace
 
 std::string LocalUsers::name_of(const std::string& peer) {
   const auto client = parse_peer(peer);

@@ -280,8 +280,8 @@ private:
       answer_query(context_, call, request_,
                    [this](Response response) { send(std::move(response)); });
     });
-    if (status.error_code() == grpc::StatusCode::CANCELLED && context_.leaving)
-      status = {grpc::StatusCode::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+    if (status.error_code() == grpc::CANCELLED && context_.leaving)
+      status = {grpc::UNAVAILABLE, "dccastd is shutting down; ask again later"};
     const std::lock_guard lock(mutex_);
     end_ = std::move(status);
   }

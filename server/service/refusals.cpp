@@ -33,14 +33,14 @@ constexpr std::size_t largest_details = 4096;
 
 grpc::Status disk_refuses(const std::string& what) {
   return {
-      grpc::StatusCode::RESOURCE_EXHAUSTED,
+      grpc::RESOURCE_EXHAUSTED,
       what + "; the server's data directory takes nothing more: free space there, then try again"};
 }
 
 grpc::Status internal(const std::string& what) {
   const std::string shown = values::escaped(what, values::Lines::several);
   log::error("{}", values::escaped(what));
-  return {grpc::StatusCode::INTERNAL, shown};
+  return {grpc::INTERNAL, shown};
 }
 
 /// The log has the SQL that failed; a caller receives what is wrong with the store and who repairs
@@ -58,13 +58,12 @@ grpc::Status store_refuses(const jobs::StoreError& error) {
     case sqlite_corrupt:
     case sqlite_not_a_database:
       return {
-          grpc::StatusCode::DATA_LOSS,
+          grpc::DATA_LOSS,
           "the job store of this dccastd, jobs.sqlite in its data directory, is damaged; stop it "
           "and run `dccastd check --repair`, or restore a backup with `dccastd restore`"};
     default:
-      return {grpc::StatusCode::INTERNAL,
-              "the job store did not answer as it should (SQLite code " +
-                  std::to_string(error.code()) + "); the log of dccastd says more"};
+      return {grpc::INTERNAL, "the job store did not answer as it should (SQLite code " +
+                                  std::to_string(error.code()) + "); the log of dccastd says more"};
   }
 }
 
@@ -75,17 +74,17 @@ grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
   log::warn("{}", what);
   switch (error.why()) {
     case Why::called_off:
-      return {grpc::StatusCode::CANCELLED, what};
+      return {grpc::CANCELLED, what};
     case Why::not_started:
     case Why::killed:
-      return {grpc::StatusCode::UNAVAILABLE, what + "; try again"};
+      return {grpc::UNAVAILABLE, what + "; try again"};
     case Why::too_slow:
-      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+      return {grpc::RESOURCE_EXHAUSTED,
               what +
                   " (check_timeout in the settings of dccastd); try again, or make mesh and "
                   "tables of the case smaller"};
     case Why::too_large:
-      return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+      return {grpc::RESOURCE_EXHAUSTED,
               what + " of memory; make mesh and tables of the case smaller"};
     default:
       return internal(what +
@@ -95,11 +94,8 @@ grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
 
 void check_uuid(const std::string& given, const std::string& of_what, const std::string& origin) {
   if (values::is_uuid(given)) return;
-  // Pieced together with +=: g++ 12 sees a wrong overlap in operator+ here.
-  std::string message = "\"";
-  message += values::escaped(values::shortened(given));
-  message += "\" is not a " + of_what + " id; an id is a UUID in lower case, " + origin;
-  refuse(message);
+  refuse("\"{}\" is not a {} id; an id is a UUID in lower case, {}",
+         values::escaped(values::shortened(given)), of_what, origin);
 }
 
 bool read_age_token(const std::string& token, AgePage& page) {
@@ -112,19 +108,10 @@ bool read_age_token(const std::string& token, AgePage& page) {
 }
 
 [[noreturn]] void refuse_unknown_job(const std::string& id) {
-  refuse(grpc::StatusCode::NOT_FOUND,
-         "there is no job " + id + " here; the list of jobs names those there are");
+  refuse(grpc::NOT_FOUND, "there is no job {} here; the list of jobs names those there are", id);
 }
 
 }  // namespace
-
-void refuse(grpc::StatusCode code, const std::string& why) {
-  throw Refusal{{code, why}};
-}
-
-void refuse(const std::string& why) {
-  refuse(grpc::StatusCode::INVALID_ARGUMENT, why);
-}
 
 grpc::Status guarded(const std::function<void()>& handler) {
   try {
@@ -133,13 +120,13 @@ grpc::Status guarded(const std::function<void()>& handler) {
   } catch (const Refusal& refusal) {
     return refusal.status;
   } catch (const jobs::QueueFull& error) {
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
+    return {grpc::RESOURCE_EXHAUSTED, error.what()};
   } catch (const jobs::RequestIdTaken& error) {
-    return {grpc::StatusCode::ALREADY_EXISTS, error.what()};
+    return {grpc::ALREADY_EXISTS, error.what()};
   } catch (const jobs::StorageHeld& error) {
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.what()};
+    return {grpc::RESOURCE_EXHAUSTED, error.what()};
   } catch (const jobs::ShuttingDown& error) {
-    return {grpc::StatusCode::UNAVAILABLE, error.what()};
+    return {grpc::UNAVAILABLE, error.what()};
   } catch (const jobs::StoreError& error) {
     return store_refuses(error);
   } catch (const jobs::WorkerDidNotAnswer& error) {
@@ -150,7 +137,7 @@ grpc::Status guarded(const std::function<void()>& handler) {
     return disk_refuses(error.what());
   } catch (const std::bad_alloc&) {
     log::error("out of memory");
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
+    return {grpc::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
   } catch (const std::exception& error) {
     return internal(error.what());
   } catch (...) {
@@ -159,7 +146,7 @@ grpc::Status guarded(const std::function<void()>& handler) {
 }
 
 grpc::Status too_many_waiting() {
-  return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+  return {grpc::RESOURCE_EXHAUSTED,
           "too many calls of this kind are waiting already; try again in a moment"};
 }
 
@@ -176,21 +163,20 @@ void check_study_of_job(const std::string& study) {
 }
 
 void check_text(const std::string& name, const std::string& text) {
-  if (const std::string fault = values::too_long(name, text); !fault.empty()) refuse(fault);
+  if (const std::string fault = values::too_long(name, text); !fault.empty()) refuse("{}", fault);
   if (const auto character = values::unprintable(text))
-    refuse(name + " contains " + *character + "; leave that character out");
+    refuse("{} contains {}; leave that character out", name, *character);
 }
 
 void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels) {
   if (labels.size() > most_labels)
-    refuse("there are " + std::to_string(labels.size()) + " labels; a job has at most " +
-           std::to_string(most_labels));
+    refuse("there are {} labels; a job has at most {}", labels.size(), most_labels);
   for (const std::string& label : labels) {
     const std::string given = "the label \"" + values::escaped(values::shortened(label)) + "\" ";
     if (label.empty() || label.size() > longest_label)
-      refuse(given + "is not one line of 1 to " + std::to_string(longest_label) + " bytes");
+      refuse("{}is not one line of 1 to {} bytes", given, longest_label);
     if (const auto character = values::unprintable(label))
-      refuse(given + "contains " + *character + "; leave that character out");
+      refuse("{}contains {}; leave that character out", given, *character);
   }
 }
 
@@ -200,11 +186,11 @@ void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& cha
     bytes += change.ByteSizeLong();
     for (const std::string& text : {change.key(), change.value()})
       if (const auto character = values::unprintable(text, values::Lines::several))
-        refuse("a change of the case contains " + *character);
+        refuse("a change of the case contains {}", *character);
   }
   if (bytes > most_bytes_of_changes)
-    refuse("the changes of the case take " + std::to_string(bytes) + " bytes; at most " +
-           std::to_string(most_bytes_of_changes) + " are kept: write them into the case");
+    refuse("the changes of the case take {} bytes; at most {} are kept: write them into the case",
+           bytes, most_bytes_of_changes);
 }
 
 void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& whose) {
@@ -224,7 +210,7 @@ void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& w
                " given here; validating the case gives all)";
   const v1::Fault& first = verdict.faults(0);
   message += "; first: " + first.field() + ": " + first.message().substr(0, 512);
-  throw Refusal{{grpc::StatusCode::INVALID_ARGUMENT, message, details.SerializeAsString()}};
+  throw Refusal{{grpc::INVALID_ARGUMENT, message, details.SerializeAsString()}};
 }
 
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
@@ -236,28 +222,28 @@ intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Ca
 }
 
 void check_may_queue(Context& context, const Call& call, const std::string& request_id) {
-  using grpc::StatusCode::RESOURCE_EXHAUSTED;
+  using grpc::RESOURCE_EXHAUSTED;
   const access::Caller& caller = call.caller;
   const v1::DaemonConfig& settings = context.settings;
   if (caller.role >= v1::ADMIN) return;
   if (const auto before =
           request_id.empty() ? std::nullopt : context.store.find_request(request_id)) {
     if (before->job.owner() == caller.name) return;
-    refuse(grpc::StatusCode::ALREADY_EXISTS,
+    refuse(grpc::ALREADY_EXISTS,
            "another user has submitted a job with this request_id; choose a new one");
   }
   if (const double most = settings.maximum_disk_per_user_bytes(); most > 0.0)
     if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
-      refuse(RESOURCE_EXHAUSTED, "the jobs of " + caller.name + " hold " + std::to_string(held) +
-                                     " bytes on the server; maximum_disk_per_user = " +
-                                     std::to_string(std::llround(most)) +
-                                     " bytes; delete some (dccast delete)");
+      refuse(RESOURCE_EXHAUSTED,
+             "the jobs of {} hold {} bytes on the server; maximum_disk_per_user = {} bytes; delete "
+             "some (dccast delete)",
+             caller.name, held, std::llround(most));
   const int unfinished = context.store.unfinished_of(caller.name);
   if (unfinished >= settings.maximum_queued_per_user())
-    refuse(RESOURCE_EXHAUSTED, caller.name + " has " + std::to_string(unfinished) +
-                                   " jobs that have not ended; maximum_queued_per_user = " +
-                                   std::to_string(settings.maximum_queued_per_user()) +
-                                   "; submit again when some have ended");
+    refuse(RESOURCE_EXHAUSTED,
+           "{} has {} jobs that have not ended; maximum_queued_per_user = {}; submit again when "
+           "some have ended",
+           caller.name, unfinished, settings.maximum_queued_per_user());
 }
 
 v1::Job find_job(Context& context, const std::string& id) {
@@ -266,15 +252,14 @@ v1::Job find_job(Context& context, const std::string& id) {
 }
 
 void refuse_unknown_study(const std::string& id) {
-  refuse(grpc::StatusCode::NOT_FOUND,
-         "there is no study " + id + " here; the list of studies names those there are");
+  refuse(grpc::NOT_FOUND, "there is no study {} here; the list of studies names those there are",
+         id);
 }
 
 void refuse_state(const v1::Job& job, const std::string& remedy) {
   const bool ended = jobs::is_terminal(job.state());
-  refuse(grpc::StatusCode::FAILED_PRECONDITION,
-         "job " + job.id() + " is " + v1::JobState_Name(job.state()) + "; " +
-             (ended ? "it has ended, submit its case again for another run" : remedy));
+  refuse(grpc::FAILED_PRECONDITION, "job {} is {}; {}", job.id(), v1::JobState_Name(job.state()),
+         ended ? "it has ended, submit its case again for another run" : remedy);
 }
 
 v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string& remedy) {
@@ -282,8 +267,7 @@ v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string&
   if (reply.kind == Kind::not_found) refuse_unknown_job(id);
   if (reply.kind == Kind::wrong_state) refuse_state(reply.job, remedy);
   if (reply.kind == Kind::being_cancelled)
-    refuse(grpc::StatusCode::ABORTED,
-           "job " + id + " is being cancelled; try again when its worker has left it");
+    refuse(grpc::ABORTED, "job {} is being cancelled; try again when its worker has left it", id);
   return reply.job;
 }
 
@@ -291,15 +275,15 @@ v1::Study done(const studies::StudyReply& reply, const std::string& id, const st
   using Kind = studies::StudyReply::Kind;
   if (reply.kind == Kind::not_found) refuse_unknown_study(id);
   if (reply.kind == Kind::wrong_state)
-    refuse(grpc::StatusCode::FAILED_PRECONDITION,
-           "study " + id + " is " + v1::StudyState_Name(reply.study.state()) + "; " + remedy);
+    refuse(grpc::FAILED_PRECONDITION, "study {} is {}; {}", id,
+           v1::StudyState_Name(reply.study.state()), remedy);
   return reply.study;
 }
 
 AgePage read_page(const std::string& list, const std::string& token, int size) {
   AgePage page;
   if (!read_age_token(token, page))
-    refuse("the page_token is not one of " + list + "; begin again without it");
+    refuse("the page_token is not one of {}; begin again without it", list);
   if (size < 0) refuse("page_size must not be negative");
   if (size > 0) page.size = std::min(size, largest_page);
   return page;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/core.h>
 #include <google/protobuf/repeated_ptr_field.h>
 #include <grpcpp/support/status.h>
 
@@ -28,8 +29,16 @@ struct Context;
 struct Refusal {
   grpc::Status status;
 };
-[[noreturn]] void refuse(grpc::StatusCode code, const std::string& why);
-[[noreturn]] void refuse(const std::string& why);  ///< INVALID_ARGUMENT
+template <class... Arguments>
+[[noreturn]] void refuse(grpc::StatusCode code, fmt::format_string<Arguments...> why,
+                         Arguments&&... arguments) {
+  throw Refusal{{code, fmt::format(why, std::forward<Arguments>(arguments)...)}};
+}
+/// With INVALID_ARGUMENT.
+template <class... Arguments>
+[[noreturn]] void refuse(fmt::format_string<Arguments...> why, Arguments&&... arguments) {
+  refuse(grpc::INVALID_ARGUMENT, why, std::forward<Arguments>(arguments)...);
+}
 
 /// Runs a handler; what it throws becomes a status with a remedy. Nothing gets past it.
 grpc::Status guarded(const std::function<void()>& handler);

@@ -50,7 +50,7 @@ void add_steps(Context& context, const v1::QueryResultRequest& request,
   const auto page = context.step_indexes.of(request.id())
                         ->page(*context.scheduler.log(request.id()), place, most, most_bytes);
   if (!page)
-    refuse(grpc::StatusCode::ABORTED,
+    refuse(grpc::ABORTED,
            "the run has gone back behind the page before this one; begin again without page_token");
   response.mutable_steps()->Add(page->steps.begin(), page->steps.end());
   if (page->next)
@@ -70,9 +70,8 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   const int frames = stored.frame_time_s_size();
   if (frames == 0) refuse_state(job, "its results hold no frame");
   if (!stored.has_frame())
-    refuse(grpc::StatusCode::OUT_OF_RANGE,
-           "job " + request.id() + " has " + std::to_string(frames) +
-               " frames; ask for one of 1 to " + std::to_string(frames) + ", or 0 for the last");
+    refuse(grpc::OUT_OF_RANGE, "job {} has {} frames; ask for one of 1 to {}, or 0 for the last",
+           request.id(), frames, frames);
   response.MergeFrom(stored);
 }
 
@@ -81,9 +80,9 @@ void add_case_and_frame(Context& context, const Call& call, const v1::QueryResul
                         const v1::Job& job, v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
   if (!jobs::read_complete_case(context.jobs_directory / request.id(), *response.mutable_case_()))
-    refuse(grpc::StatusCode::DATA_LOSS, "the case of job " + request.id() +
-                                            " cannot be read any more; " +
-                                            "dccastd check says what else is damaged");
+    refuse(grpc::DATA_LOSS,
+           "the case of job {} cannot be read any more; dccastd check says what else is damaged",
+           request.id());
   intake::make_printable(*response.mutable_case_());
   if (const auto error = case_file::relative_discretisation_error(response.case_()))
     response.set_relative_curl_error(*error);
@@ -100,7 +99,7 @@ void check_size(const v1::QueryResultResponse& response) {
   const std::size_t frame = response.has_frame() ? response.frame().ByteSizeLong() : 0;
   const std::size_t rest = response.ByteSizeLong() - frame;
   const std::string held = ", more than an answer of 4 MiB holds; fetch results.h5";
-  refuse(grpc::StatusCode::RESOURCE_EXHAUSTED,
+  refuse(grpc::RESOURCE_EXHAUSTED, "{}",
          frame > rest ? "the frame has " + megabytes(frame) + held + ", which has it too"
                       : "case and first step have " + megabytes(rest) + held);
 }
@@ -125,8 +124,7 @@ private:
   void open(const Call& call) override {
     file_ = open_file_(call);
     if (next_ < 0 || next_ > file_.size)
-      refuse(grpc::StatusCode::OUT_OF_RANGE,
-             file_.name + " has " + std::to_string(file_.size) + " bytes; begin again from 0");
+      refuse(grpc::OUT_OF_RANGE, "{} has {} bytes; begin again from 0", file_.name, file_.size);
   }
 
   /// At least one chunk, which may be empty: size and digest travel with it.
@@ -140,7 +138,7 @@ private:
     chunk.set_sha256(file_.sha256);
     chunk.mutable_data()->resize(size);
     if (file_.file.read_at(next_, *chunk.mutable_data()) != size)
-      refuse(grpc::StatusCode::DATA_LOSS, "the file became shorter while it was read");
+      refuse(grpc::DATA_LOSS, "the file became shorter while it was read");
     next_ += static_cast<std::int64_t>(size);
     return {.message = std::move(chunk)};
   }
@@ -166,8 +164,7 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
   auto path = folder / name;
   if (!std::filesystem::exists(path)) {
     if (name != jobs::submitted_file)
-      refuse(grpc::StatusCode::NOT_FOUND,
-             "job " + job.id() + " has no worker.log: it has not begun");
+      refuse(grpc::NOT_FOUND, "job {} has no worker.log: it has not begun", job.id());
     made.emplace(context.query_directory, jobs::Attachments{});
     path = made->path() / name;
     write_case_file(folder, path);
@@ -188,15 +185,15 @@ SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) 
   const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
   const v1::Artifact* artifact = artifact_of(job, name);
   if (!artifact)
-    refuse(grpc::StatusCode::NOT_FOUND,
-           "job " + request.id() + " has no result \"" + name + "\"; the job lists those it has");
+    refuse(grpc::NOT_FOUND, "job {} has no result \"{}\"; the job lists those it has", request.id(),
+           name);
   SentFile sent{.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
                 .name = name,
                 .size = artifact->size_bytes(),
                 .sha256 = artifact->sha256()};
   if (sent.file.size() != sent.size)
-    refuse(grpc::StatusCode::DATA_LOSS,
-           name + " on the server has not the size its worker wrote; run the job again");
+    refuse(grpc::DATA_LOSS, "{} on the server has not the size its worker wrote; run the job again",
+           name);
   return sent;
 }
 
@@ -218,7 +215,7 @@ SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequ
                 .sha256 = values::sha256_of_file(path)};
   sent.size = sent.file.size();
   if (!request.sha256().empty() && request.sha256() != sent.sha256)
-    refuse(grpc::StatusCode::ABORTED, "the study went on meanwhile; begin again from 0");
+    refuse(grpc::ABORTED, "the study went on meanwhile; begin again from 0");
   return sent;
 }
 

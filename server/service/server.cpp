@@ -63,17 +63,13 @@ std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls
   return credentials;
 }
 
-std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_with(
-    grpc::ServerBuilder& builder, std::shared_ptr<grpc::ServerCredentials> credentials) {
-  return builder.experimental().AddExternalConnectionAcceptor(
+/// @return what hands accepted connections to gRPC, see Listener
+std::function<void(int)> hand_over(grpc::ServerBuilder& builder,
+                                   std::shared_ptr<grpc::ServerCredentials> credentials) {
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       std::move(credentials));
-}
-
-/// Hands accepted connections to gRPC, see Listener.
-std::function<void(int)> hand_over(
-    std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor) {
-  return [acceptor = std::move(acceptor)](int connection) {
+  return [acceptor = std::shared_ptr(std::move(acceptor))](int connection) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.fd = connection;
     acceptor->HandleNewConnection(&parameters);
@@ -85,10 +81,10 @@ using grpc::experimental::InterceptionHookPoints;
 grpc::Status readable_status(const std::string& method) {
   if (method_at(method) != nullptr)
     return {
-        grpc::StatusCode::INVALID_ARGUMENT,
+        grpc::INVALID_ARGUMENT,
         "the request of " + method +
             " cannot be read as the message that service.proto names; use a client made from it"};
-  return {grpc::StatusCode::UNIMPLEMENTED, "dccastd has no call " + method};
+  return {grpc::UNIMPLEMENTED, "dccastd has no call " + method};
 }
 
 /// Lives as long as its call.
@@ -100,7 +96,7 @@ public:
     if (batch->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
       const grpc::Status status = batch->GetSendStatus();
       // No handler of ours answers so: each that refuses gives its reason.
-      if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_message().empty())
+      if (status.error_code() == grpc::UNIMPLEMENTED && status.error_message().empty())
         batch->ModifySendStatus(readable_status(method_));
     }
     batch->Proceed();
@@ -137,9 +133,9 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  auto local_acceptor = acceptor_with(builder, grpc::InsecureServerCredentials());
-  const auto tls_acceptor =
-      tls_ ? acceptor_with(builder, tls_credentials(*tls_, context.gate)) : nullptr;
+  const auto admit = hand_over(builder, grpc::InsecureServerCredentials());
+  const auto admit_over_tls =
+      tls_ ? hand_over(builder, tls_credentials(*tls_, context.gate)) : nullptr;
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<UnreadableRequests>());
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
@@ -156,14 +152,13 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot serve on " + local_.address());
   const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
-  local_.start({.connections = connections, .greeting_bytes = greeting_bytes},
-               hand_over(std::move(local_acceptor)));
+  local_.start({.connections = connections, .greeting_bytes = greeting_bytes}, admit);
   if (tls_)
     tls_->listener.start({.connections = connections,
                           .per_peer = tls_->connections_per_peer,
                           .greeting_bytes = tls_greeting_bytes,
                           .over_tls = true},
-                         hand_over(tls_acceptor));
+                         admit_over_tls);
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });
 }

@@ -42,11 +42,11 @@ v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request)
   try {
     return of_study(request.id(), context.studies.predict(request));
   } catch (const studies::OutsideDomain& outside) {
-    refuse(grpc::StatusCode::OUT_OF_RANGE, outside.what());
+    refuse(grpc::OUT_OF_RANGE, "{}", outside.what());
   } catch (const studies::FaultyPlace& fault) {
-    refuse(fault.what());
+    refuse("{}", fault.what());
   } catch (const studies::CannotPredict& reason) {
-    refuse(grpc::StatusCode::FAILED_PRECONDITION, reason.what());
+    refuse(grpc::FAILED_PRECONDITION, "{}", reason.what());
   }
 }
 
@@ -78,7 +78,7 @@ private:
     }
     if (over) return {.end = grpc::Status::OK};
     if (leaving)
-      refuse(grpc::StatusCode::UNAVAILABLE,
+      refuse(grpc::UNAVAILABLE,
              "dccastd is shutting down; the study goes on when it is back: watch again");
     return {};
   }

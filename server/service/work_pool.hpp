@@ -20,8 +20,8 @@ struct WaitingBound {
 /// A few threads for calls that wait for the disk or compute: gRPC's own threads must not.
 class WorkPool {
 public:
-  /// Its end does what was posted.
-  explicit WorkPool(int threads, const WaitingBound& bound = {});
+  /// Its end does what was posted first.
+  WorkPool(int threads, const WaitingBound& bound);
   /// With one thread, work is done in the order it was posted. What it throws is logged.
   /// @param bytes  that it keeps in memory
   /// @return       false when too much is waiting: the work was not taken
@@ -45,26 +45,22 @@ private:
 
 /// Threads for unary calls, by what a call waits for: one that takes long holds up only its like.
 struct Lanes {
-  /// @param checkers                checks at once
-  /// @param query_workers           queries at once
-  /// @param maximum_waiting_checks  beyond those, of each; further ones are refused
-  Lanes(int checkers, int query_workers, int maximum_waiting_checks)
-      : checks(checkers, bound(maximum_waiting_checks)),
-        queries(query_workers, bound(maximum_waiting_checks)) {}
+  /// @param checkers         checks at once
+  /// @param query_workers    queries at once
+  /// @param maximum_waiting  beyond those, of each; further ones are refused
+  Lanes(int checkers, int query_workers, int maximum_waiting)
+      : few{.number = static_cast<std::size_t>(maximum_waiting), .bytes = many.bytes},
+        checks(checkers, few),
+        queries(query_workers, few) {}
 
-  static constexpr std::size_t waiting_bytes = 64'000'000;  ///< of requests, for each lane
-  static constexpr WaitingBound many{.number = 3000, .bytes = waiting_bytes};
+  static constexpr WaitingBound many{.number = 3000, .bytes = 64'000'000};  ///< for each lane
+  const WaitingBound few;
 
   WorkPool status{4, many};     ///< one look into the store
   WorkPool histories{2, many};  ///< reads event logs
   WorkPool durable{4, many};    ///< syncs new jobs and requests to disk
   WorkPool checks;              ///< asks a worker; one thread for each that may be at work
   WorkPool queries;             ///< from the check of a case to the end of its run; likewise
-
-private:
-  static WaitingBound bound(int waiting) {
-    return {.number = static_cast<std::size_t>(waiting), .bytes = waiting_bytes};
-  }
 };
 
 }  // namespace dccast::service

@@ -1,10 +1,10 @@
-#include "server/translate/case_to_core.hpp"
-
 #include <google/protobuf/util/json_util.h>
+
+#include <optional>
 
 #include "core/material/thermal_properties.hpp"
 #include "proto/case_file/quality.hpp"
-#include "server/translate/case_parts.hpp"
+#include "server/translate/translate.hpp"
 
 namespace dccast::translate {
 
@@ -12,67 +12,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Abscissa abscissa_of(v1::Abscissa abscissa) {
-  switch (abscissa) {
-    case v1::TIME:
-      return Abscissa::time;
-    case v1::CAST_LENGTH:
-      return Abscissa::cast_length;
-    case v1::TEMPERATURE:
-      return Abscissa::temperature;
-    case v1::GAP:
-      return Abscissa::gap;
-    case v1::DISTANCE:
-      return Abscissa::distance;
-    case v1::LIQUID_FRACTION:
-      return Abscissa::liquid_fraction;
-    default:
-      return Abscissa::none;
-  }
+/// What a case leaves open has no value.
+std::optional<double> given(bool is_given, double value) {
+  return is_given ? std::optional(value) : std::nullopt;
+}
+
+Abscissa abscissa_of(v1::Abscissa from) {
+  return counterpart(from,
+                     {{v1::TIME, Abscissa::time},
+                      {v1::CAST_LENGTH, Abscissa::cast_length},
+                      {v1::TEMPERATURE, Abscissa::temperature},
+                      {v1::GAP, Abscissa::gap},
+                      {v1::DISTANCE, Abscissa::distance},
+                      {v1::LIQUID_FRACTION, Abscissa::liquid_fraction}},
+                     Abscissa::none);
 }
 
 fs::path attached(const std::string& name, const fs::path& attachments) {
   return name.empty() ? fs::path() : attachments / name;
 }
 
-mesh::ElementKind element(v1::ElementKind from) {
-  switch (from) {
-    case v1::P1:
-      return mesh::ElementKind::p1;
-    case v1::Q1:
-      return mesh::ElementKind::q1;
-    default:
-      return mesh::ElementKind::q1_bending;
-  }
-}
-
-mesh::SectionKind section_kind(v1::Section::Kind from) {
-  switch (from) {
-    case v1::Section::AXISYMMETRIC:
-      return mesh::SectionKind::axisymmetric;
-    case v1::Section::QUARTER_SLAB:
-      return mesh::SectionKind::quarter_slab;
-    default:
-      return mesh::SectionKind::plane_strain;
-  }
-}
-
 mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   mesh::SectionSpec to;
-  to.kind = section_kind(from.section().kind());
+  to.kind = counterpart(from.section().kind(),
+                        {{v1::Section::AXISYMMETRIC, mesh::SectionKind::axisymmetric},
+                         {v1::Section::QUARTER_SLAB, mesh::SectionKind::quarter_slab}},
+                        mesh::SectionKind::plane_strain);
   to.half_width = from.section().half_width_m();
   to.half_thickness = to_core(from.section().half_thickness_m());
   to.corner_radius = from.section().corner_radius_m();
   to.initial_depth = from.section().initial_depth_m();
   const v1::Mesh& mesh = from.mesh();
-  to.element = element(mesh.element());
+  to.element = counterpart(mesh.element(),
+                           {{v1::P1, mesh::ElementKind::p1}, {v1::Q1, mesh::ElementKind::q1}},
+                           mesh::ElementKind::q1_bending);
   to.columns = mesh.columns();
   to.rows = mesh.rows();
   to.layers = mesh.layers();
   to.side_cell = mesh.side_cell_m();
   to.wide_side_cell = mesh.wide_side_cell_m();
   to.bottom_cell = mesh.bottom_cell_m();
-  if (mesh.has_growth_cell_m()) to.growth_cell = mesh.growth_cell_m();
+  to.growth_cell = given(mesh.has_growth_cell_m(), mesh.growth_cell_m());
   to.merging = {mesh.merge_below_m(), mesh.merged_cell_m()};
   to.refinement = mesh.refinement();
   to.file = attached(mesh.file(), attachments);
@@ -133,54 +113,190 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   return to;
 }
 
-casting::ThermalOptions thermal_options(const v1::Thermal& from, const fs::path& attachments) {
-  casting::ThermalOptions to;
-  if (from.has_initial_temperature_c()) to.initial_temperature = from.initial_temperature_c();
-  to.tolerance = from.tolerance();
-  to.maximum_iterations = from.maximum_iterations();
-  to.file = attached(from.file(), attachments);
+Curve factor(const v1::Curve& from) {
+  return from.value_size() == 0 ? Curve(1.0) : to_core(from);
+}
+
+thermal::SideZone zone(const v1::SideZone& from) {
+  return {.name = from.name(),
+          .from = from.from_m(),
+          .to = from.to_m(),
+          .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
+          .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
+          .temperature = to_core(from.temperature_c()),
+          .face = counterpart<std::optional<thermal::Face>>(
+              from.face(),
+              {{v1::SideZone::WIDE, thermal::Face::wide},
+               {v1::SideZone::NARROW, thermal::Face::narrow}},
+              std::nullopt)};
+}
+
+thermal::Wetting wetting(const v1::Wetting& from) {
+  return {.flow_exponent = from.flow_exponent(),
+          .falling_film_share = from.falling_film_share(),
+          .jet_length = from.jet_length_m(),
+          .rewetting_saturated = from.rewetting_saturated_c(),
+          .rewetting_rise = from.rewetting_rise_k(),
+          .rewetting_limit = from.rewetting_limit_c(),
+          .rewetting_width = from.rewetting_width_k(),
+          .lag = from.lag_s(),
+          .jet_film_coefficient = from.jet_film_coefficient_w_per_m2_k(),
+          .film_coefficient = from.film_coefficient_w_per_m2_k(),
+          .throw_off_length = from.throw_off_length_m(),
+          .least_flow = from.least_flow_m2_per_s(),
+          .evaporation_from = from.evaporation_from_c()};
+}
+
+/// Conductivity and heat capacity of the two materials at 200 °C, recalled; docs/bottom-block.md.
+std::optional<thermal::BlockBody> body(const v1::BottomBlock& from) {
+  if (!from.has_thickness_m()) return std::nullopt;
+  const bool steel = from.material() == v1::BottomBlock::STEEL;
+  return thermal::BlockBody{.thickness = from.thickness_m(),
+                            .conductivity = steel ? 45.0 : 170.0,
+                            .heat_capacity = steel ? 4.1e6 : 2.6e6,
+                            .cooling_coefficient = from.cooling_coefficient_w_per_m2_k()};
+}
+
+thermal::Water water(const v1::Water& from) {
+  return {.enabled = from.enabled(),
+          .from = from.from_m(),
+          .start = from.start_s(),
+          .temperature = to_core(from.temperature_c()),
+          .critical_heat_flux = from.critical_heat_flux_w_per_m2(),
+          .film_boiling = from.film_boiling(),
+          .film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k(),
+          .film_boiling_above = from.film_boiling_above_c(),
+          .boiling_follows_flow = from.boiling_follows_flow(),
+          .wetting = wetting(from.wetting()),
+          .pulse_period = from.pulse_period_s(),
+          .pulse_share = from.pulse_share(),
+          .pulse_end = from.pulse_end_s(),
+          .coefficient = to_core(from.coefficient_w_per_m2_k())};
+}
+
+casting::Schedule schedule(const v1::Schedule& from) {
+  return {.hold = from.hold_s(),
+          .filling = from.filling_s(),
+          .casting_speed = to_core(from.casting_speed_m_per_s()),
+          .casting_temperature = to_core(from.casting_temperature_c()),
+          .water_flow = to_core(from.water_flow_m2_per_s()),
+          .narrow_water_flow = to_core(from.narrow_water_flow_m2_per_s()),
+          .casting_speed_factor = factor(from.casting_speed_factor()),
+          .water_flow_factor = factor(from.water_flow_factor()),
+          .casting_speed_shift = from.casting_speed_shift_s(),
+          .water_flow_shift = from.water_flow_shift_s()};
+}
+
+thermal::CoolingSpec cooling(const v1::Cooling& from) {
+  thermal::CoolingSpec to;
+  for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
+  to.water = water(from.water());
+  if (from.has_narrow_water()) to.narrow_water = water(from.narrow_water());
+  const v1::BottomBlock& block = from.bottom_block();
+  to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
+                     .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
+                     .temperature_factor = to_core(block.temperature_factor()),
+                     .temperature = to_core(block.temperature_c()),
+                     .body = body(block),
+                     .wet_coefficient = given(block.has_wet_coefficient_w_per_m2_k(),
+                                              block.wet_coefficient_w_per_m2_k()),
+                     .wet_gap = block.wet_gap_m(),
+                     .profile_x = to_core(block.profile_x_m()),
+                     .profile_y = to_core(block.profile_y_m())};
+  to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
+  to.ambient_temperature = from.ambient_temperature_c();
+  to.top = counterpart(
+      from.top(),
+      {{v1::Cooling::INSULATED, thermal::Top::insulated}, {v1::Cooling::HELD, thermal::Top::held}},
+      thermal::Top::pouring);
+  to.level_coefficient = from.level_coefficient_w_per_m2_k();
   return to;
 }
 
-casting::TimeControl time_control(const v1::TimeControl& from) {
-  casting::TimeControl to;
-  to.end = from.end_s();
-  to.step = to_core(from.step_s());
-  to.minimum_step = from.minimum_step_s();
+/// Absent: corotational where the butt turns by several degrees, in a quarter slab.
+mechanics::Kinematics kinematics_of(const v1::Case& from) {
+  using mechanics::Kinematics;
+  const bool solid = from.section().kind() == v1::Section::QUARTER_SLAB;
+  return counterpart(from.mechanics().kinematics(),
+                     {{v1::Mechanics::SMALL_STRAIN, Kinematics::small_strain},
+                      {v1::Mechanics::COROTATIONAL, Kinematics::corotational}},
+                     solid ? Kinematics::corotational : Kinematics::small_strain);
+}
+
+mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
+  return {.gamma_p = from.gamma_p_per_pa_s(),
+          .lambda_p = given(from.has_lambda_p_pa_s(), from.lambda_p_pa_s()),
+          .gamma_c = from.gamma_c_pa_per_m(),
+          .lambda_c = given(from.has_lambda_c_m_per_pa(), from.lambda_c_m_per_pa()),
+          .relaxation = from.relaxation()};
+}
+
+/// @param complete  its section decides the kinematics where the case leaves it open
+casting::MechanicsCase mechanics_case(const v1::Case& complete) {
+  const v1::Mechanics& from = complete.mechanics();
+  casting::MechanicsCase to;
+  to.enabled = from.enabled();
+  to.start = from.start_s();
+  mechanics::Options& options = to.options;
+  options.algorithm = counterpart(from.algorithm(),
+                                  {{v1::Mechanics::VNBM, mechanics::Algorithm::vnbm},
+                                   {v1::Mechanics::SBM, mechanics::Algorithm::sbm},
+                                   {v1::Mechanics::NBM, mechanics::Algorithm::nbm}},
+                                  mechanics::Algorithm::newton);
+  options.kinematics = kinematics_of(complete);
+  options.gravity = from.gravity_m_per_s2();
+  options.liquid = counterpart(from.liquid(),
+                               {{v1::Mechanics::WEAK, mechanics::Liquid::weak},
+                                {v1::Mechanics::SOLID, mechanics::Liquid::solid}},
+                               mechanics::Liquid::prestressed);
+  options.liquid_modulus = from.liquid_modulus_pa();
+  options.liquid_epsilon = from.liquid_epsilon();
+  options.liquid_delta = from.liquid_delta();
+  options.liquid_beta = from.liquid_beta();
+  options.confinement = from.confinement();
+  if (from.hold() == v1::Mechanics::PENALTY)
+    options.confinement_by = mechanics::Confinement::penalty;
+  options.confinement_stiffness = from.mould_penalty_pa_per_m();
+  options.mould_wall = from.mould_wall();
+  options.contact = from.contact();
+  options.tolerance = from.tolerance();
+  if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();
+  options.parameters = parameters(from.parameters());
   return to;
 }
 
 casting::Plausibility plausibility(const v1::Plausibility& from) {
-  casting::Plausibility to;
-  to.minimum_superheat = from.minimum_superheat_k();
-  to.minimum_shell = from.minimum_shell_m();
-  to.maximum_mush_strain = from.maximum_mush_strain();
-  to.maximum_sump_share = from.maximum_sump_share();
-  if (from.has_least_curl_m()) to.least_curl = from.least_curl_m();
-  if (from.has_greatest_curl_m()) to.greatest_curl = from.greatest_curl_m();
-  return to;
+  return {.minimum_superheat = from.minimum_superheat_k(),
+          .minimum_shell = from.minimum_shell_m(),
+          .maximum_mush_strain = from.maximum_mush_strain(),
+          .maximum_sump_share = from.maximum_sump_share(),
+          .least_curl = given(from.has_least_curl_m(), from.least_curl_m()),
+          .greatest_curl = given(from.has_greatest_curl_m(), from.greatest_curl_m())};
 }
 
 casting::Validity validity(const v1::Validity& from) {
-  casting::Validity to;
-  if (from.when_lost() == v1::Validity::CONTINUE) to.when_lost = casting::WhenLost::go_on;
-  to.maximum_liquid_pressure_error = from.maximum_liquid_pressure_error();
-  to.maximum_rotation = from.maximum_rotation_rad();
-  to.maximum_slip = from.maximum_slip_m();
-  to.minimum_shell = from.minimum_shell_m();
-  return to;
+  return {.when_lost = from.when_lost() == v1::Validity::CONTINUE ? casting::WhenLost::go_on
+                                                                  : casting::WhenLost::stop,
+          .maximum_liquid_pressure_error = from.maximum_liquid_pressure_error(),
+          .maximum_rotation = from.maximum_rotation_rad(),
+          .maximum_slip = from.maximum_slip_m(),
+          .minimum_shell = from.minimum_shell_m()};
 }
 
 casting::Monitor monitor(const v1::Monitor& from) {
-  casting::Monitor to{.name = from.name(), .x = from.x_m(), .y = from.y_m()};
-  if (from.has_z_m()) to.z = from.z_m();
-  return to;
+  return {.name = from.name(),
+          .x = from.x_m(),
+          .y = from.y_m(),
+          .z = given(from.has_z_m(), from.z_m())};
 }
 
 void small_tables(const v1::Case& from, casting::Case& to) {
   to.coupling.gap_feedback = from.coupling().gap_feedback();
   to.coupling.iterations = from.coupling().iterations();
   to.coupling.deformed_zones = from.coupling().deformed_zones();
+  to.time.end = from.time().end_s();
+  to.time.step = to_core(from.time().step_s());
+  to.time.minimum_step = from.time().minimum_step_s();
   for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
   to.output.frame_interval = from.output().frame_interval_s();
   to.output.stresses = from.output().stresses();
@@ -203,13 +319,17 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.title = complete.title();
   to.section = section(complete, attachments);
   to.alloy = alloy(complete.alloy());
-  if (complete.alloy().has_coherency_solid_fraction())
-    to.coherency_solid_fraction = complete.alloy().coherency_solid_fraction();
-  to.schedule = schedule_to_core(complete.schedule());
-  to.cooling = cooling_to_core(complete.cooling());
-  to.thermal = thermal_options(complete.thermal(), attachments);
-  to.mechanics = mechanics_to_core(complete);
-  to.time = time_control(complete.time());
+  to.coherency_solid_fraction = given(complete.alloy().has_coherency_solid_fraction(),
+                                      complete.alloy().coherency_solid_fraction());
+  to.schedule = schedule(complete.schedule());
+  to.cooling = cooling(complete.cooling());
+  const v1::Thermal& thermal = complete.thermal();
+  to.thermal.initial_temperature =
+      given(thermal.has_initial_temperature_c(), thermal.initial_temperature_c());
+  to.thermal.tolerance = thermal.tolerance();
+  to.thermal.maximum_iterations = thermal.maximum_iterations();
+  to.thermal.file = attached(thermal.file(), attachments);
+  to.mechanics = mechanics_case(complete);
   to.validity = validity(complete.validity());
   to.plausibility = plausibility(complete.plausibility());
   small_tables(complete, to);

@@ -1,4 +1,4 @@
-#include "server/translate/to_proto.hpp"
+#include "server/translate/translate.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <variant>
 
 #include "core/results/step_report.hpp"
 #include "proto/values/printable.hpp"
@@ -19,6 +20,11 @@ std::string escaped(const std::string& text) {
   return values::escaped(text, values::Lines::several);
 }
 
+template <class Numbers, class Field>
+void fill(const Numbers& from, Field* to) {
+  to->Add(from.begin(), from.end());
+}
+
 v1::Fault to_proto(const Fault& from) {
   v1::Fault to;
   to.set_field(escaped(from.field));
@@ -29,64 +35,20 @@ v1::Fault to_proto(const Fault& from) {
   return to;
 }
 
-}  // namespace
-
-v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
-  v1::ValidateCaseResponse verdict;
-  for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
-  for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
-  if (!checked.faults.empty()) return verdict;
-  auto* estimate = verdict.mutable_estimate();
-  estimate->set_nodes(checked.estimate.nodes);
-  estimate->set_elements(checked.estimate.elements);
-  estimate->set_steps(checked.estimate.steps);
-  estimate->set_solver_s(checked.estimate.solver_seconds);
-  estimate->set_memory_bytes(checked.estimate.memory_bytes);
-  return verdict;
-}
-
-std::string in_words(const std::vector<Fault>& faults) {
-  std::string text;
-  for (const Fault& fault : faults) {
-    if (!text.empty()) text += "; ";
-    text += fault.field + " = " + fault.value + ": " + fault.message;
-    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
-  }
-  return escaped(text);
-}
-
-namespace {
-
-template <class Number, class Field>
-void fill(const std::vector<Number>& from, Field* to) {
-  to->Add(from.begin(), from.end());
-}
-
-}  // namespace
-
-v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
-  v1::Frame to;
-  to.set_time_s(frame.time);
-  to.set_cast_length_m(frame.cast_length);
-  to.set_dimension(frame.dimension);
-  to.set_nodes_per_element(frame.nodes_per_element);
-  fill(frame.node, to.mutable_node_m());
-  fill(frame.element_node, to.mutable_element_node());
-  fill(frame.temperature, to.mutable_temperature_c());
-  fill(frame.displacement, to.mutable_displacement_m());
-  fill(frame.bottom_node, to.mutable_bottom_node());
-  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
-  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
-  to.set_metal_level_m(frame.metal_level);
-  to.set_liquidus_c(header.liquidus);
-  to.set_solidus_c(header.solidus);
-  to.set_shell_c(header.shell);
-  return to;
-}
-
-namespace {
-
 using Field = google::protobuf::FieldDescriptor;
+
+// Members of a report, as results::HistoryField has them; the field of the message has their type.
+using Real = double results::StepReport::*;
+using Int = int results::StepReport::*;
+using Long = std::int64_t results::StepReport::*;
+using Flag = bool results::StepReport::*;
+
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
 
 /// The fields of the message, in the order of history_fields().
 /// @throws std::logic_error  the message lacks one
@@ -111,165 +73,23 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
     auto* value = to.add_monitors();
     if (i < monitors.size()) value->set_name(monitors[i].name);
-    for (const double component : report.monitor_displacement[i])
-      value->add_displacement_m(component);
+    fill(report.monitor_displacement[i], value->mutable_displacement_m());
     if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
       value->set_temperature_c(report.monitor_temperature[i]);
   }
 }
 
-v1::Failure::Kind to_proto(casting::FailureKind kind) {
-  switch (kind) {
-    case casting::FailureKind::solve_failed:
-      return v1::Failure::SOLVE_FAILED;
-    case casting::FailureKind::check_failed:
-      return v1::Failure::CHECK_FAILED;
-    case casting::FailureKind::shell_melted_through:
-      return v1::Failure::SHELL_MELTED_THROUGH;
-    case casting::FailureKind::motion_too_large:
-      return v1::Failure::MOTION_TOO_LARGE;
-    case casting::FailureKind::liquid_pressure_lost:
-      return v1::Failure::LIQUID_PRESSURE_LOST;
-    case casting::FailureKind::storage:
-      return v1::Failure::STORAGE;
-    case casting::FailureKind::other_version:
-      return v1::Failure::OTHER_VERSION;
-  }
-  return v1::Failure::INTERNAL;
-}
-
-v1::Finding::Severity to_proto(results::Severity severity) {
-  switch (severity) {
-    case results::Severity::note:
-      return v1::Finding::NOTE;
-    case results::Severity::warning:
-      return v1::Finding::WARNING;
-    case results::Severity::danger:
-      return v1::Finding::DANGER;
-  }
-  return v1::Finding::SEVERITY_UNSPECIFIED;
+std::string upper(std::string name) {
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
+  return name;
 }
 
 /// By its name in results.h5, which is that of the schema in lower case.
-v1::Failure::Kind kind_named(std::string name) {
-  std::ranges::transform(name, name.begin(), [](char c) {
-    return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  });
+v1::Failure::Kind kind_named(const std::string& name) {
   v1::Failure::Kind kind = v1::Failure::KIND_UNSPECIFIED;
-  v1::Failure::Kind_Parse(name, &kind);
+  v1::Failure::Kind_Parse(upper(name), &kind);
   return kind;
 }
-
-}  // namespace
-
-v1::StepReport to_proto(const results::StepReport& report,
-                        const std::vector<casting::Monitor>& monitors) {
-  v1::StepReport to;
-  const auto& reflection = *to.GetReflection();
-  const Field* const* next = fields_of(report.dimension).data();
-  for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = *next++;
-    switch (of_message->cpp_type()) {
-      case Field::CPPTYPE_DOUBLE:
-        reflection.SetDouble(&to, of_message, results::value_of<double>(field, report));
-        break;
-      case Field::CPPTYPE_BOOL:
-        reflection.SetBool(&to, of_message, results::value_of<bool>(field, report));
-        break;
-      case Field::CPPTYPE_INT32:
-        reflection.SetInt32(&to, of_message, results::value_of<std::int32_t>(field, report));
-        break;
-      default:
-        reflection.SetInt64(&to, of_message, results::value_of<std::int64_t>(field, report));
-    }
-  }
-  add_monitors(report, monitors, to);
-  to.set_solver_s(report.solver_seconds);
-  to.set_process_s(report.process_seconds);
-  return to;
-}
-
-results::StepReport to_core(const v1::StepReport& report, int dimension) {
-  results::StepReport to;
-  to.dimension = dimension;
-  const auto& reflection = *report.GetReflection();
-  const Field* const* next = fields_of(dimension).data();
-  for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = *next++;
-    switch (of_message->cpp_type()) {
-      case Field::CPPTYPE_DOUBLE:
-        results::set_value(field, to, reflection.GetDouble(report, of_message));
-        break;
-      case Field::CPPTYPE_BOOL:
-        results::set_value(field, to, reflection.GetBool(report, of_message));
-        break;
-      case Field::CPPTYPE_INT32:
-        results::set_value(field, to, reflection.GetInt32(report, of_message));
-        break;
-      default:
-        results::set_value(field, to, reflection.GetInt64(report, of_message));
-    }
-  }
-  for (const v1::MonitorValue& value : report.monitors()) {
-    to.monitor_displacement.emplace_back(value.displacement_m().begin(),
-                                         value.displacement_m().end());
-    to.monitor_temperature.push_back(value.has_temperature_c() ? value.temperature_c()
-                                                               : std::nan(""));
-  }
-  to.solver_seconds = report.solver_s();
-  to.process_seconds = report.process_s();
-  return to;
-}
-
-v1::Failure to_proto(const casting::RunFailures& failures) {
-  const casting::RunFailure& failure = failures.at(0);
-  v1::Failure to;
-  to.set_kind(to_proto(failure.kind));
-  to.set_message(failure.message);
-  to.set_time_s(failure.time);
-  to.set_time_step_s(failure.time_step);
-  to.mutable_residual_history()->Add(failure.residual_history.begin(),
-                                     failure.residual_history.end());
-  to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
-  to.set_finding(failure.finding);
-  for (std::size_t i = 1; i < failures.size(); ++i)
-    to.add_further_causes(v1::Failure::Kind_Name(to_proto(failures[i].kind)) + ": " +
-                          failures[i].message);
-  return to;
-}
-
-v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
-  v1::ValidityLoss to;
-  to.set_kind(kind_named(loss.kind));
-  to.set_message(loss.message);
-  to.set_time_s(loss.time);
-  to.mutable_place_m()->Add(loss.place.begin(), loss.place.end());
-  to.set_value(loss.value);
-  to.set_limit(loss.limit);
-  to.set_unit(loss.unit);
-  return to;
-}
-
-v1::Finding to_proto(const results::Finding& finding) {
-  v1::Finding to;
-  to.set_code(finding.code);
-  to.set_severity(to_proto(finding.severity));
-  to.set_message(finding.message);
-  if (finding.time) to.set_time_s(*finding.time);
-  to.mutable_place_m()->Add(finding.place.begin(), finding.place.end());
-  if (finding.value) to.set_value(*finding.value);
-  if (finding.limit) to.set_limit(*finding.limit);
-  to.set_unit(finding.unit);
-  to.set_key(finding.key);
-  if (!finding.worst) return to;
-  to.mutable_worst()->set_time_s(finding.worst->time);
-  to.mutable_worst()->set_value(finding.worst->value);
-  to.mutable_worst()->mutable_place_m()->Add(finding.worst->place.begin(),
-                                             finding.worst->place.end());
-  return to;
-}
-
-namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -277,9 +97,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 std::string lower(std::string name) {
   const std::string prefix = "STUDY_";
   if (name.starts_with(prefix)) name.erase(0, prefix.size());
-  std::ranges::transform(name, name.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   return name;
 }
 
@@ -340,6 +158,140 @@ void add_run(const v1::StudyRun& run, results::StudyTable& table) {
 }
 
 }  // namespace
+
+v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
+  v1::ValidateCaseResponse verdict;
+  for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
+  for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
+  if (!checked.faults.empty()) return verdict;
+  auto* estimate = verdict.mutable_estimate();
+  estimate->set_nodes(checked.estimate.nodes);
+  estimate->set_elements(checked.estimate.elements);
+  estimate->set_steps(checked.estimate.steps);
+  estimate->set_solver_s(checked.estimate.solver_seconds);
+  estimate->set_memory_bytes(checked.estimate.memory_bytes);
+  return verdict;
+}
+
+std::string in_words(const std::vector<Fault>& faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    if (!text.empty()) text += "; ";
+    text += fault.field + " = " + fault.value + ": " + fault.message;
+    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
+  }
+  return escaped(text);
+}
+
+v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  to.set_dimension(frame.dimension);
+  to.set_nodes_per_element(frame.nodes_per_element);
+  fill(frame.node, to.mutable_node_m());
+  fill(frame.element_node, to.mutable_element_node());
+  fill(frame.temperature, to.mutable_temperature_c());
+  fill(frame.displacement, to.mutable_displacement_m());
+  fill(frame.bottom_node, to.mutable_bottom_node());
+  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
+  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
+  to.set_metal_level_m(frame.metal_level);
+  to.set_liquidus_c(header.liquidus);
+  to.set_solidus_c(header.solidus);
+  to.set_shell_c(header.shell);
+  return to;
+}
+
+v1::StepReport to_proto(const results::StepReport& report,
+                        const std::vector<casting::Monitor>& monitors) {
+  v1::StepReport to;
+  const auto& reflection = *to.GetReflection();
+  const Field* const* next = fields_of(report.dimension).data();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const Field* of_message = *next++;
+    std::visit(Overloaded{[&](Real m) { reflection.SetDouble(&to, of_message, report.*m); },
+                          [&](Int m) { reflection.SetInt32(&to, of_message, report.*m); },
+                          [&](Long m) { reflection.SetInt64(&to, of_message, report.*m); },
+                          [&](Flag m) { reflection.SetBool(&to, of_message, report.*m); }},
+               field.member);
+  }
+  add_monitors(report, monitors, to);
+  to.set_solver_s(report.solver_seconds);
+  to.set_process_s(report.process_seconds);
+  return to;
+}
+
+results::StepReport to_core(const v1::StepReport& report, int dimension) {
+  results::StepReport to;
+  to.dimension = dimension;
+  const auto& reflection = *report.GetReflection();
+  const Field* const* next = fields_of(dimension).data();
+  for (const results::HistoryField& field : results::history_fields()) {
+    const Field* of_message = *next++;
+    std::visit(Overloaded{[&](Real m) { to.*m = reflection.GetDouble(report, of_message); },
+                          [&](Int m) { to.*m = reflection.GetInt32(report, of_message); },
+                          [&](Long m) { to.*m = reflection.GetInt64(report, of_message); },
+                          [&](Flag m) { to.*m = reflection.GetBool(report, of_message); }},
+               field.member);
+  }
+  for (const v1::MonitorValue& value : report.monitors()) {
+    to.monitor_displacement.emplace_back(value.displacement_m().begin(),
+                                         value.displacement_m().end());
+    to.monitor_temperature.push_back(value.has_temperature_c() ? value.temperature_c()
+                                                               : std::nan(""));
+  }
+  to.solver_seconds = report.solver_s();
+  to.process_seconds = report.process_s();
+  return to;
+}
+
+v1::Failure to_proto(const casting::RunFailures& failures) {
+  const casting::RunFailure& failure = failures.at(0);
+  v1::Failure to;
+  to.set_kind(kind_named(casting::name_of(failure.kind)));
+  to.set_message(failure.message);
+  to.set_time_s(failure.time);
+  to.set_time_step_s(failure.time_step);
+  fill(failure.residual_history, to.mutable_residual_history());
+  fill(failure.place, to.mutable_place_m());
+  to.set_finding(failure.finding);
+  for (std::size_t i = 1; i < failures.size(); ++i)
+    to.add_further_causes(upper(casting::name_of(failures[i].kind)) + ": " + failures[i].message);
+  return to;
+}
+
+v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
+  v1::ValidityLoss to;
+  to.set_kind(kind_named(loss.kind));
+  to.set_message(loss.message);
+  to.set_time_s(loss.time);
+  fill(loss.place, to.mutable_place_m());
+  to.set_value(loss.value);
+  to.set_limit(loss.limit);
+  to.set_unit(loss.unit);
+  return to;
+}
+
+v1::Finding to_proto(const results::Finding& finding) {
+  v1::Finding to;
+  to.set_code(finding.code);
+  v1::Finding::Severity severity = v1::Finding::SEVERITY_UNSPECIFIED;
+  v1::Finding::Severity_Parse(upper(results::name_of(finding.severity)), &severity);
+  to.set_severity(severity);
+  to.set_message(finding.message);
+  if (finding.time) to.set_time_s(*finding.time);
+  fill(finding.place, to.mutable_place_m());
+  if (finding.value) to.set_value(*finding.value);
+  if (finding.limit) to.set_limit(*finding.limit);
+  to.set_unit(finding.unit);
+  to.set_key(finding.key);
+  if (!finding.worst) return to;
+  to.mutable_worst()->set_time_s(finding.worst->time);
+  to.mutable_worst()->set_value(finding.worst->value);
+  fill(finding.worst->place, to.mutable_worst()->mutable_place_m());
+  return to;
+}
 
 results::StudyTable to_table(const v1::StudyResult& result) {
   results::StudyTable table;

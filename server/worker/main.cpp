@@ -1,5 +1,3 @@
-#include "server/worker/main.hpp"
-
 #include <fcntl.h>
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>
@@ -16,17 +14,22 @@
 #include <iostream>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
+#include "core/case/case_check.hpp"
+#include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
+#include "core/findings/judge.hpp"
+#include "core/results/result_reader.hpp"
+#include "core/results/study_table.hpp"
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/job_folder.hpp"
-#include "server/jobs/worker_claim.hpp"
 #include "server/jobs/processes.hpp"
-#include "server/worker/job_run.hpp"
-#include "server/worker/memory_exhaustion.hpp"
-#include "server/worker/run_job.hpp"
+#include "server/jobs/worker_claim.hpp"
+#include "server/translate/translate.hpp"
+#include "server/worker/run.hpp"
 #include "server/worker/sandbox.hpp"
 
 namespace dccast::worker {
@@ -34,13 +37,8 @@ namespace dccast::worker {
 namespace {
 
 constexpr int exit_not_begun = 1;
+constexpr int exit_link_broken = 1;
 constexpr int exit_usage = 2;
-constexpr int exit_daemon_gone = 70;
-
-int refuse_to_run_alone() {
-  std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
-  return exit_usage;
-}
 
 /// A worker without a job, or without a claim on the folder of one, does not outlive its daemon:
 /// the next one would not find it. Checkpoints are complete at any moment, so the kill costs no
@@ -77,33 +75,14 @@ void read_case(v1::SolveCase& order) {
                              " cannot be read");
 }
 
-v1::RunEnd unreadable_case(const std::exception& error) {
-  v1::RunEnd end;
-  end.set_outcome(v1::RunEnd::FAILED);
-  end.mutable_failure()->set_kind(v1::Failure::STORAGE);
-  end.mutable_failure()->set_message(std::string("the folder of the job is damaged: ") +
-                                     error.what());
-  return end;
-}
-
-/// A disk that is full is waited for; this is no more writable later.
-v1::RunEnd too_large_a_file(std::int64_t most) {
-  v1::RunEnd end;
-  end.set_outcome(v1::RunEnd::FAILED);
-  end.mutable_failure()->set_kind(v1::Failure::INVALID_CASE);
-  end.mutable_failure()->set_message(
-      "the case makes a file larger than " + storage::megabytes(most) +
-      ": store fewer frames, or have worker_file raised in the settings of dccastd");
-  return end;
-}
-
 v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
   try {
     read_case(order);
   } catch (const std::system_error&) {
     throw;  // the disk
   } catch (const std::runtime_error& error) {
-    return unreadable_case(error);
+    return failed_run(v1::Failure::STORAGE,
+                      std::string("the folder of the job is damaged: ") + error.what());
   }
   return run_job(order, run);
 }
@@ -127,7 +106,11 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
-    end = too_large_a_file(order.file_bytes());
+    // A disk that is full is waited for; this is no more writable later.
+    end = failed_run(
+        v1::Failure::INVALID_CASE,
+        "the case makes a file larger than " + storage::megabytes(order.file_bytes()) +
+            ": store fewer frames, or have worker_file raised in the settings of dccastd");
   end.set_attempt(order.attempt());
   end.set_solver(casting::solver_identity());
   run.end(std::move(end));
@@ -178,6 +161,82 @@ std::optional<jobs::StartRank> rank_of(const v1::SolveCase& order) {
   return jobs::StartRank{.attempt = order.attempt()};
 }
 
+/// A run without a job: every event goes to the daemon. Who wants no more of it kills this process.
+///
+/// A message wakes the daemon, which costs the solver's core more than the message itself. Steps
+/// that follow each other quickly are therefore sent together.
+class EventsToDaemon : public RunLink {
+public:
+  explicit EventsToDaemon(int socket) : stream_(socket) {}
+  void send(v1::JobEvent event) override {
+    const bool may_wait = event.has_step() && Clock::now() - sent_ < together;
+    v1::WorkerAnswer answer;
+    *answer.mutable_event() = std::move(event);
+    const bool written =
+        google::protobuf::util::SerializeDelimitedToZeroCopyStream(answer, &stream_);
+    if (!written || !(may_wait || stream_.Flush())) ::_exit(exit_link_broken);
+    if (!may_wait) sent_ = Clock::now();
+  }
+  casting::Order order() const override { return casting::Order::go_on; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds together{5};
+
+  google::protobuf::io::FileOutputStream stream_;  ///< sends what waits when it is destroyed
+  Clock::time_point sent_{};
+};
+
+/// The verdict on a case; where it is asked for with findings: whether a case that can be run is
+/// one that a plant could run.
+v1::ValidateCaseResponse verdict_on(const v1::CheckCase& asked) {
+  const std::filesystem::path folder = asked.directory();
+  const casting::Case c = translate::to_core(asked.case_(), folder / jobs::attachments_folder);
+  v1::ValidateCaseResponse verdict = translate::to_proto(
+      casting::check(c, {asked.faulty_keys().begin(), asked.faulty_keys().end()}));
+  if (!asked.findings() || verdict.faults_size() > 0 || asked.faulty_keys_size() > 0)
+    return verdict;
+  for (const auto& found : {casting::findings_of_case(c), casting::forecast(c)})
+    for (const results::Finding& finding : found)
+      *verdict.add_findings() = translate::to_proto(finding);
+  return verdict;
+}
+
+v1::QueryResultResponse stored_frame(const v1::ReadFrame& asked) {
+  const results::ResultReader reader(std::filesystem::path(asked.directory()) / "results.h5");
+  v1::QueryResultResponse found;
+  const auto times = reader.frame_times();
+  found.mutable_frame_time_s()->Add(times.begin(), times.end());
+  const auto number = asked.number() == 0 ? times.size() : static_cast<std::size_t>(asked.number());
+  if (number >= 1 && number <= times.size())
+    *found.mutable_frame() = translate::to_proto(reader.frame(number - 1), reader.header());
+  return found;
+}
+
+/// Answers a request that is not the run of a job. May throw anything.
+void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
+  switch (request.request_case()) {
+    case v1::WorkerRequest::kCheck:
+      *answer.mutable_verdict() = verdict_on(request.check());
+      return;
+    case v1::WorkerRequest::kReadFrame:
+      *answer.mutable_stored() = stored_frame(request.read_frame());
+      return;
+    case v1::WorkerRequest::kWriteTable:
+      return results::write_study_table(request.write_table().path(),
+                                        translate::to_table(request.write_table().study()));
+    case v1::WorkerRequest::kSolve: {
+      EventsToDaemon events(STDIN_FILENO);
+      *answer.mutable_run_end() = run_job(request.solve(), events);
+      return;
+    }
+    case v1::WorkerRequest::kNameSolver:
+      return answer.set_solver(casting::solver_identity());
+    case v1::WorkerRequest::REQUEST_NOT_SET:
+      throw std::runtime_error("there is no such request");
+  }
+}
+
 /// Answers requests until the daemon closes the link, or one is the run of a job.
 /// @param scratch  where files of answers are written
 int serve_daemon(const std::filesystem::path& scratch) {
@@ -196,15 +255,20 @@ int serve_daemon(const std::filesystem::path& scratch) {
     }
     // What an answer reads may take this process over: it never gets a job.
     if (confined.empty()) confined = confine_writing_to(scratch);
-    v1::WorkerAnswer answered = answer(request, STDIN_FILENO);
+    v1::WorkerAnswer answered;
+    try {
+      fill(answered, request);
+    } catch (const std::exception& error) {
+      answered.set_refused(error.what());
+    }
     answered.set_sandbox(request.has_name_solver() ? isolation + ", " + confined : "");
-    if (!send_answer(STDIN_FILENO, answered)) return exit_link_broken;
+    if (!google::protobuf::util::SerializeDelimitedToFileDescriptor(answered, STDIN_FILENO))
+      return exit_link_broken;
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// @return the exit code, see main()
+int work(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
   name_memory_exhaustion();
@@ -213,7 +277,10 @@ int main(int argc, char** argv) {
     if (argc == 4 && argv[1] == std::string("--run"))
       return run_ordered(argv[2], std::atoi(argv[3]));
     const std::string parent = jobs::take_variable("DCCAST_WORKER_PARENT");
-    if (parent.empty()) return refuse_to_run_alone();
+    if (parent.empty()) {
+      std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
+      return exit_usage;
+    }
     const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
     return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
@@ -225,4 +292,20 @@ int main(int argc, char** argv) {
   }
 }
 
+}  // namespace
+
 }  // namespace dccast::worker
+
+/// The worker program. dccastd starts it, with its own process id in the environment, and sends it
+/// requests on its standard input: worker.proto. As `dccast-worker --run FOLDER ATTEMPT` it runs
+/// codes:
+///   0  the daemon has closed the link, or the end of the run is in the event log of the job
+///   1  it could not begin: another worker writes into the folder of the job, for example
+///  70  the folder of the job is gone, a later start of the job has it, or no daemon
+///     came in time and the run did not stop
+///  75  the attempt has begun before
+///  71, 74  jobs::exit_out_of_memory, jobs::exit_storage
+/// Once it has claimed the folder of a job it outlives the daemon, as long as the order permits.
+int main(int argc, char** argv) {
+  return dccast::worker::work(argc, argv);
+}

@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -18,10 +19,13 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstddef>
+#include <new>
 #include <vector>
 
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
+#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::worker {
 
@@ -140,22 +144,15 @@ constexpr std::uint64_t writing(long version) {
   return writes;
 }
 
-Ruleset ruleset_of(long version) {
-  return {.files = writing(version),
-          .network = version >= 4 ? tcp : 0,
-          .scope = version >= 6 ? others : 0};
-}
-
-/// A kernel takes no field that it does not know.
-std::size_t size_of_ruleset(long version) {
-  return (version >= 6 ? 3 : version >= 4 ? 2 : 1) * sizeof(std::uint64_t);
-}
-
 /// @return 0, or -1 and errno
 long restrict_writing(long version, const std::filesystem::path& folder) {
-  const Ruleset rules = ruleset_of(version);
-  const storage::FileDescriptor ruleset(static_cast<int>(
-      ::syscall(SYS_landlock_create_ruleset, &rules, size_of_ruleset(version), 0)));
+  const Ruleset rules{.files = writing(version),
+                      .network = version >= 4 ? tcp : 0,
+                      .scope = version >= 6 ? others : 0};
+  // A kernel takes no field that it does not know.
+  const std::size_t size = (version >= 6 ? 3 : version >= 4 ? 2 : 1) * sizeof(std::uint64_t);
+  const storage::FileDescriptor ruleset(
+      static_cast<int>(::syscall(SYS_landlock_create_ruleset, &rules, size, 0)));
   if (!ruleset) return -1;
   if (!folder.empty()) {
     const storage::FileDescriptor beneath(::open(folder.c_str(), O_PATH | O_CLOEXEC));
@@ -194,6 +191,32 @@ extern "C" void note_file_bound(int) {
   file_bound_met = true;
 }
 
+/// A process that cannot map this much more has no memory left to run a step in.
+constexpr std::size_t probe_bytes = 64u << 20;
+
+std::atomic<bool> allocation_failed = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void note_failed_allocation() {
+  allocation_failed = true;
+  throw std::bad_alloc();
+}
+
+bool memory_is_exhausted() {
+  if (allocation_failed) return true;
+  void* probe = ::mmap(nullptr, probe_bytes, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (probe == MAP_FAILED) return true;
+  ::munmap(probe, probe_bytes);
+  return false;
+}
+
+extern "C" void on_crash(int signal) {
+  if (memory_is_exhausted()) ::_exit(jobs::exit_out_of_memory);
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
 }  // namespace
 
 std::string isolate() {
@@ -229,6 +252,17 @@ std::string bound(const Bounds& bounds) {
 
 bool met_file_bound() {
   return file_bound_met;
+}
+
+void name_memory_exhaustion() {
+  static std::array<std::byte, 65536> stack;  // of the handler: the crash may be an overflow
+  const stack_t alternative{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
+  ::sigaltstack(&alternative, nullptr);
+  struct sigaction action {};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK | SA_NODEFER;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) ::sigaction(signal, &action, nullptr);
+  std::set_new_handler(note_failed_allocation);
 }
 
 }  // namespace dccast::worker

@@ -207,6 +207,13 @@ class Marks(QueueTest):
         self.dccast("label", job, *(f"label-{i}" for i in range(21)), code=2)
         self.assertEqual(list(self.client.job(job).labels), ["checked"])
 
+    def test_labels_that_are_refused_leave_a_running_job_as_it_was(self):
+        job = self.client.submit(fake_case("steps=500 sleep_ms=10"), labels=["trial-7"]).id
+        self.client.until_step(job, 3)
+        self.dccast("label", job, *(f"label-{i}" for i in range(21)), code=2)
+        self.assertEqual(list(self.client.job(job).labels), ["trial-7"])
+        self.client.cancel(job)
+
     def test_they_outlive_the_store(self):
         jobs = [self.client.submit(fake_case("steps=5"), labels=["before"]).id for _ in range(2)]
         for job in jobs:

@@ -6,7 +6,7 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
-#include "server/translate/case_to_core.hpp"
+#include "server/translate/translate.hpp"
 
 namespace dccast::support {
 

@@ -8,8 +8,7 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "server/intake/case_intake.hpp"
-#include "server/translate/case_to_core.hpp"
-#include "server/translate/to_proto.hpp"
+#include "server/translate/translate.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 using namespace dccast;

@@ -1,5 +1,5 @@
 // The settings of dccastd: a line as --set has it, then a file.
-#include "server/daemon/daemon_config.hpp"
+#include "server/daemon/settings.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 using namespace dccast;

@@ -1,4 +1,4 @@
-#include "server/translate/case_to_core.hpp"
+#include "server/translate/translate.hpp"
 
 #include <gtest/gtest.h>
 

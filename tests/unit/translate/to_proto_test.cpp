@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/results/step_report.hpp"
-#include "server/translate/to_proto.hpp"
+#include "server/translate/translate.hpp"
 
 namespace dccast::translate {
 namespace {

@@ -1,10 +1,11 @@
-#include "server/worker/job_run.hpp"
+#include "server/worker/run.hpp"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
 #include "core/storage/file.hpp"
+#include "server/jobs/job_folder.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::worker {

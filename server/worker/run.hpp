@@ -2,17 +2,40 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
-#include <mutex>
+#include <string>
 #include <thread>
+#include <vector>
 
+#include "core/casting/casting_run.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/event_log.hpp"
-#include "server/jobs/job_folder.hpp"
 #include "server/jobs/worker_claim.hpp"
-#include "server/worker/run_job.hpp"
 
 namespace dccast::worker {
+
+inline constexpr int exit_daemon_gone = 70;
+
+/// Where the events of a run go, and where requests to stop it come from.
+class RunLink {
+public:
+  virtual ~RunLink() = default;
+  /// @throws std::system_error  the event cannot be kept: the run must not go on
+  virtual void send(v1::JobEvent event) = 0;
+  virtual casting::Order order() const = 0;
+  /// The reports of the first steps that earlier attempts have sent, as the run that goes on has
+  /// them; at most so many.
+  virtual std::vector<v1::StepReport> steps(std::size_t) const { return {}; }
+  /// Waits until what was sent is on the disk. @throws std::system_error
+  virtual void sync() {}
+};
+
+/// Runs a case to its end. Never throws: whatever goes wrong is a failure of the job.
+v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link);
+
+/// The end of a run that failed.
+v1::RunEnd failed_run(v1::Failure::Kind kind, const std::string& message);
 
 /// The run of a job, in the folder of the job: appends to its event log, gives signs of life, and
 /// looks for requests. It needs no daemon; the daemons that come and go read the same files.
@@ -26,7 +49,6 @@ public:
   /// @param claim  on the folder of the job; outlives this
   /// @throws std::system_error  the log cannot be written
   JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim);
-  ~JobRun() override;
 
   /// Findings and the loss of validity stand in the log once, however often the run goes on from a
   /// checkpoint.

@@ -1,0 +1,272 @@
+#include "server/worker/run.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <iostream>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "core/casting/simulation.hpp"
+#include "core/storage/storage_error.hpp"
+#include "proto/values/digests.hpp"
+#include "server/jobs/events.hpp"
+#include "server/jobs/job_folder.hpp"
+#include "server/jobs/step_index.hpp"
+#include "server/translate/translate.hpp"
+
+namespace dccast::worker {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Between two synchronisations of the log, the most that a crash of the machine takes back.
+constexpr std::chrono::milliseconds sync_interval{500};
+
+/// From the request to stop, because no daemon came, to the end of the process: for a run that is
+/// in the middle of a long step.
+constexpr std::chrono::seconds last_step_time{60};
+
+// Set by a signal handler, read by the thread of the run: only a lock-free atomic serves both.
+std::atomic<bool> terminated = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void note_termination(int) {
+  terminated = true;
+}
+
+JobRun::Clock::duration duration_of(double seconds) {
+  return std::chrono::duration_cast<JobRun::Clock::duration>(
+      std::chrono::duration<double>(seconds));
+}
+
+/// The files of the run are whole at any moment: the next attempt goes on from the checkpoint.
+[[noreturn]] void leave(const std::string& why) {
+  std::cerr << "dccast-worker: " << why << std::endl;
+  ::_exit(exit_daemon_gone);
+}
+
+/// Makes events of what the run reports, and brings it requests to stop.
+class ReportingObserver : public casting::StepObserver {
+public:
+  ReportingObserver(RunLink& link, const casting::Case& of_run) : link_(link), case_(of_run) {}
+
+  casting::Order on_step(const results::StepReport& report) override {
+    send([&](v1::JobEvent& event) {
+      *event.mutable_step() = translate::to_proto(report, case_.monitors);
+    });
+    return link_.order();
+  }
+
+  std::vector<results::StepReport> reported_steps(std::int64_t step) override {
+    std::vector<results::StepReport> reports;
+    for (const v1::StepReport& each : link_.steps(static_cast<std::size_t>(step)))
+      reports.push_back(translate::to_core(each, mesh::dimension_of(case_.section.kind)));
+    return reports;
+  }
+
+  void sync_reports() override { link_.sync(); }
+
+  void on_resumed(std::int64_t step, double time) override {
+    send([&](v1::JobEvent& event) {
+      event.mutable_resumed()->set_step(step);
+      event.mutable_resumed()->set_time_s(time);
+    });
+  }
+
+  void on_validity_lost(const results::ValidityLoss& loss) override {
+    send([&](v1::JobEvent& event) { *event.mutable_validity_lost() = translate::to_proto(loss); });
+  }
+
+  void on_finding(const results::Finding& finding) override {
+    send([&](v1::JobEvent& event) { *event.mutable_finding() = translate::to_proto(finding); });
+  }
+
+  void on_message(std::string_view text) override {
+    link_.send(jobs::message_event(std::string(text), v1::JobEvent::Message::INFO));
+  }
+
+private:
+  template <class Fill>
+  void send(Fill fill) {
+    v1::JobEvent event;
+    fill(event);
+    link_.send(std::move(event));
+  }
+
+  RunLink& link_;
+  const casting::Case& case_;
+};
+
+/// What the run left, with sizes and checksums: computed once, here, while the files are still in
+/// the page cache and the daemon has better things to do.
+void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
+  for (const char* name : {"results.h5", "results.xdmf"}) {
+    if (!fs::exists(directory / name)) continue;
+    auto* artifact = finished.add_artifacts();
+    artifact->set_name(name);
+    artifact->set_size_bytes(static_cast<std::int64_t>(fs::file_size(directory / name)));
+    artifact->set_sha256(values::sha256_of_file(directory / name));
+  }
+}
+
+v1::RunEnd::Outcome to_proto(casting::RunEnd end) {
+  return translate::counterpart(end,
+                                {{casting::RunEnd::succeeded, v1::RunEnd::SUCCEEDED},
+                                 {casting::RunEnd::failed, v1::RunEnd::FAILED},
+                                 {casting::RunEnd::stopped, v1::RunEnd::STOPPED},
+                                 {casting::RunEnd::cancelled, v1::RunEnd::CANCELLED},
+                                 {casting::RunEnd::other_version, v1::RunEnd::OTHER_VERSION_FOUND}},
+                                v1::RunEnd::OUTCOME_UNSPECIFIED);
+}
+
+v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
+  v1::RunEnd finished;
+  finished.set_outcome(to_proto(outcome.end));
+  if (!outcome.failures.empty())
+    *finished.mutable_failure() = translate::to_proto(outcome.failures);
+  const bool ended =
+      outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::failed;
+  if (!ended || order.job_id().empty()) return finished;
+  try {
+    add_artifacts(order.directory(), finished);
+  } catch (const std::system_error& error) {
+    // What keeps the artifacts from being read comes after what the run failed with.
+    if (finished.has_failure())
+      finished.mutable_failure()->add_further_causes(std::string("STORAGE: ") + error.what());
+    else
+      finished = failed_run(v1::Failure::STORAGE, error.what());
+  }
+  return finished;
+}
+
+v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
+  const fs::path directory = order.directory();
+  const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+  ReportingObserver observer(link, casting_case);
+  const auto outcome = casting::run(
+      casting_case,
+      {.path = directory,
+       .resume = order.resume(),
+       .other_version = translate::counterpart(
+           order.other_version(),
+           {{v1::PAUSE, casting::OtherVersion::wait}, {v1::FAIL, casting::OtherVersion::fail}},
+           casting::OtherVersion::begin_anew),
+       .leaves_run_files = true,
+       .keeps_nothing = order.job_id().empty()},
+      observer, std::max(order.threads(), 1));
+  return to_finished(outcome, order);
+}
+
+}  // namespace
+
+v1::RunEnd failed_run(v1::Failure::Kind kind, const std::string& message) {
+  v1::RunEnd end;
+  end.set_outcome(v1::RunEnd::FAILED);
+  end.mutable_failure()->set_kind(kind);
+  end.mutable_failure()->set_message(message);
+  return end;
+}
+
+v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link) {
+  try {
+    return run(order, link);
+  } catch (const InvalidCase& error) {
+    return failed_run(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
+  } catch (const std::system_error& error) {
+    if (storage::is_memory_fault(error.code()))
+      return failed_run(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
+    return failed_run(v1::Failure::STORAGE, error.what());
+  } catch (const std::bad_alloc&) {
+    return failed_run(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
+  } catch (const std::exception& error) {
+    return failed_run(v1::Failure::INTERNAL, error.what());
+  }
+}
+
+void JobRun::prepare_signals() {
+  ::signal(SIGTERM, note_termination);
+}
+
+JobRun::JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim)
+    : folder_(order.directory()),
+      claim_(claim),
+      heartbeat_(duration_of(order.heartbeat_interval_s())),
+      patience_(duration_of(order.daemon_patience_s())),
+      log_(folder_ / "events.log"),
+      daemon_seen_(Clock::now()) {
+  log_.take_over();
+  keeper_ = std::jthread([this](const std::stop_token& stop) { keep(stop); });
+}
+
+void JobRun::send(v1::JobEvent event) {
+  if (event.has_finding() && log_.has(event.finding())) return;
+  if (event.has_validity_lost() && log_.has_validity_loss()) return;
+  log_.append(event);
+}
+
+std::vector<v1::StepReport> JobRun::steps(std::size_t most) const {
+  auto page = jobs::StepIndex().page(log_, {}, most, std::numeric_limits<std::size_t>::max());
+  return std::move(page.value().steps);
+}
+
+casting::Order JobRun::order() const {
+  const auto request = jobs::read_request(folder_);
+  if (request && request->action == jobs::RequestedAction::cancel) return casting::Order::cancel;
+  return request || terminated || gave_up_ ? casting::Order::stop_at_checkpoint
+                                           : casting::Order::go_on;
+}
+
+void JobRun::end(v1::RunEnd end) {
+  v1::JobEvent event;
+  *event.mutable_run_ended() = std::move(end);
+  log_.append(event);
+  log_.sync();
+}
+
+/// Without a daemon the run stops at a checkpoint after a while, and the process ends at last. A
+/// daemon is there as long as it touches its file.
+void JobRun::look_for_daemon(Clock::time_point now) {
+  std::error_code ignored;
+  const auto sign =
+      std::filesystem::last_write_time(jobs::daemon_file(folder_.parent_path()), ignored);
+  if (std::exchange(daemon_sign_, sign) != sign) daemon_seen_ = now;
+  if (patience_ == Clock::duration::zero()) return;
+  const auto waited = now - daemon_seen_;
+  if (waited > patience_ + last_step_time) leave("no dccastd came, and the run does not stop");
+  if (waited <= patience_ || gave_up_.exchange(true)) return;
+  std::cerr << "dccast-worker: no dccastd came: the run stops at a checkpoint" << std::endl;
+}
+
+void JobRun::keep(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  auto next_sign = Clock::now();
+  while (!stop.stop_requested()) {
+    const auto now = Clock::now();
+    if (const std::string loss = claim_.loss(); !loss.empty()) leave(loss);
+    if (heartbeat_ > Clock::duration::zero() && now >= next_sign) {
+      claim_.touch();
+      next_sign = now + heartbeat_;
+    }
+    look_for_daemon(now);
+    try {
+      log_.sync();
+    } catch (const std::system_error& error) {
+      std::cerr << "dccast-worker: " << error.what() << std::endl;  // the next event is refused
+    }
+    const auto interval = heartbeat_ > Clock::duration::zero()
+                              ? std::min<Clock::duration>(sync_interval, heartbeat_)
+                              : Clock::duration(sync_interval);
+    stopped.wait_for(lock, stop, interval, [] { return false; });
+  }
+}
+
+}  // namespace dccast::worker

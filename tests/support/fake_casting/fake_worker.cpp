@@ -1,5 +1,0 @@
-#include "server/worker/main.hpp"
-
-int main(int argc, char** argv) {
-  return dccast::worker::main(argc, argv);
-}
