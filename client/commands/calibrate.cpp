@@ -3,14 +3,14 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/data_study_page.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/model/measured_csv.hpp"
 #include "client/session/calibration.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/data_study.hpp"
-#include "client/text/calibration_text.hpp"
+#include "client/text/data_study_text.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client::commands {

@@ -7,7 +7,7 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/studies.hpp"

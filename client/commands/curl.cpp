@@ -4,7 +4,6 @@
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/curl_history.hpp"
 #include "client/model/json.hpp"
 #include "client/session/failure.hpp"
 #include "client/session/jobs.hpp"

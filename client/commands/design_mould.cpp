@@ -2,7 +2,7 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/study_page.hpp"
+#include "client/html/pages.hpp"
 #include "client/model/json.hpp"
 #include "client/session/failure.hpp"
 #include "client/session/plan_requests.hpp"

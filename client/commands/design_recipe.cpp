@@ -2,14 +2,14 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/recipe_page.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/recipe_study.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/plant_units.hpp"
-#include "client/text/recipe_text.hpp"
+#include "client/text/data_study_text.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::client::commands {

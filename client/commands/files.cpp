@@ -4,7 +4,7 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/job_report.hpp"
+#include "client/html/pages.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"

@@ -6,11 +6,11 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/comparison.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
-#include "client/text/answer_text.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client/text/progress.hpp"
 

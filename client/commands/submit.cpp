@@ -2,7 +2,7 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"

@@ -4,8 +4,8 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/study_page.hpp"
-#include "client/model/case_changes.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/plan_requests.hpp"

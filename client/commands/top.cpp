@@ -10,7 +10,7 @@
 #include "client/commands/commands.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/terminal.hpp"
-#include "client/text/top_text.hpp"
+#include "client/text/job_text.hpp"
 
 namespace dccast::client::commands {
 namespace {

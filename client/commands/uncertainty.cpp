@@ -3,8 +3,8 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/data_study_page.hpp"
-#include "client/model/effects.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/study.hpp"
 #include "client/model/json.hpp"
 #include "client/session/data_study.hpp"
 #include "client/session/jobs.hpp"

@@ -1,11 +1,9 @@
-#include "client/html/casting_drawing.hpp"
-
 #include <algorithm>
-#include <vector>
 
-#include "client/html/report_style.hpp"
-#include "client/html/svg_chart.hpp"
-#include "client/text/casting_text.hpp"
+#include <fmt/core.h>
+
+#include "client/html/html_parts.hpp"
+#include "client/html/pages.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
 #include "proto/frames/contraction.hpp"
@@ -47,22 +45,18 @@ Start start_of(const v1::Case& c) {
 }
 
 std::string box(double x, double y, double wide, double high, const std::string& style) {
-  return "<rect x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "' width='" + fixed(wide, 1) +
-         "' height='" + fixed(high, 1) + "' style='" + style + "'/>";
+  return fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' style='{}'/>", x,
+                     y, wide, high, style);
 }
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
-  return "<line x1='" + fixed(x1, 1) + "' y1='" + fixed(y1, 1) + "' x2='" + fixed(x2, 1) +
-         "' y2='" + fixed(y2, 1) + "' style='" + style + "'/>";
+  return fmt::format("<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' style='{}'/>", x1, y1,
+                     x2, y2, style);
 }
 
 std::string text_at(double x, double y, const std::string& text, const std::string& more = {}) {
-  return "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "'" + more + ">" +
-         html_escaped(text) + "</text>";
-}
-
-std::string millimetres(double metres) {
-  return plant_number(1e3 * metres) + " mm";
+  return fmt::format("<text class='label' x='{:.1f}' y='{:.1f}'{}>{}</text>", x, y, more,
+                     html_escaped(text));
 }
 
 /// A name beside the mould, and where it points to.
@@ -88,12 +82,11 @@ std::string labels(std::vector<Label> all) {
 
 std::string section_labels(const v1::Case& c, const Start& start) {
   std::vector<Label> all{{level_y, "metal level"},
-                         {start.y(start.water), "water line, " + millimetres(start.water)},
-                         {start.y(start.block), "block at the start, " + millimetres(start.block)}};
+                         {start.y(start.water), "water line, " + plant_mm(start.water)},
+                         {start.y(start.block), "block at the start, " + plant_mm(start.block)}};
   for (const v1::SideZone& zone : c.cooling().zone())
-    all.push_back(
-        {start.y((zone.from_m() + zone.to_m()) / 2.0),
-         zone.name() + ", " + millimetres(zone.from_m()) + " to " + millimetres(zone.to_m())});
+    all.push_back({start.y((zone.from_m() + zone.to_m()) / 2.0),
+                   zone.name() + ", " + plant_mm(zone.from_m()) + " to " + plant_mm(zone.to_m())});
   return labels(std::move(all));
 }
 
@@ -101,28 +94,28 @@ std::string section_part(const v1::Case& c) {
   const Start start = start_of(c);
   const double right = axis_x + start.scale * start.half;
   const double foot = start.y(start.water), block = start.y(start.block), end = start.y(start.foot);
-  std::string svg;
-  svg += box(axis_x, level_y, right - axis_x, block - level_y, "fill:var(--line-1);opacity:.35");
-  svg += box(axis_x, block, right - axis_x - 3, end - block, "fill:var(--zero);opacity:.55");
-  svg += box(right, level_y - 25, wall, foot - level_y + 25, "fill:var(--soft);opacity:.7");
+  const double middle = (axis_x + right) / 2;
+  const auto centred = [&](double y, const std::string& text) {
+    return text_at(middle, y, text, " text-anchor='middle'");
+  };
+  std::string svg =
+      box(axis_x, level_y, right - axis_x, block - level_y, "fill:var(--line-1);opacity:.35") +
+      box(axis_x, block, right - axis_x - 3, end - block, "fill:var(--zero);opacity:.55") +
+      box(right, level_y - 25, wall, foot - level_y + 25, "fill:var(--soft);opacity:.7");
   for (const v1::SideZone& zone : c.cooling().zone())
     svg += line(right, start.y(zone.to_m()), right + wall, start.y(zone.to_m()),
                 "stroke:var(--card);stroke-width:2");
   // The jet leaves the foot of the mould, and the film runs down face and block.
-  svg += line(right + wall, foot - 6, right, foot, "stroke:var(--line-0);stroke-width:3") +
-         line(right + 1, foot, right + 1, end, "stroke:var(--line-0);stroke-width:3");
   svg +=
-      line(axis_x, level_y - 30, axis_x, end + 8, "stroke:var(--zero);stroke-dasharray:12 4 2 4");
-  svg += line(axis_x, level_y, right, level_y, "stroke:var(--line-1);stroke-width:2");
-  svg +=
-      text_at((axis_x + right) / 2, (level_y + block) / 2 + 4, "metal", " text-anchor='middle'") +
-      text_at((axis_x + right) / 2, (block + end) / 2 + 4, "bottom block", " text-anchor='middle'");
-  svg += text_at((axis_x + right) / 2, end + 24,
-                 millimetres(start.half) + (c.section().kind() == v1::Section::AXISYMMETRIC
-                                                ? " to the axis"
-                                                : " to the symmetry plane"),
-                 " text-anchor='middle'");
-  return "<g transform='translate(" + fixed(wall_x - right, 1) + " 0)'>" + svg + "</g>" +
+      line(right + wall, foot - 6, right, foot, "stroke:var(--line-0);stroke-width:3") +
+      line(right + 1, foot, right + 1, end, "stroke:var(--line-0);stroke-width:3") +
+      line(axis_x, level_y - 30, axis_x, end + 8, "stroke:var(--zero);stroke-dasharray:12 4 2 4") +
+      line(axis_x, level_y, right, level_y, "stroke:var(--line-1);stroke-width:2") +
+      centred((level_y + block) / 2 + 4, "metal") + centred((block + end) / 2 + 4, "bottom block") +
+      centred(end + 24, plant_mm(start.half) + (c.section().kind() == v1::Section::AXISYMMETRIC
+                                                    ? " to the axis"
+                                                    : " to the symmetry plane"));
+  return fmt::format("<g transform='translate({:.1f} 0)'>{}</g>", wall_x - right, svg) +
          section_labels(c, start);
 }
 
@@ -143,36 +136,31 @@ std::string ramp_chart(const std::string& name, const std::string& unit, const v
   return svg_chart({name, by_length ? "cast length, mm" : "time, s", name + ", " + unit, {ramp}});
 }
 
-/// A chart of its own size inside the drawing.
-std::string placed(const std::string& chart, double y) {
-  const std::string begin = "<svg ";
-  return "<svg x='620' y='" + fixed(y, 0) +
-         "' width='410' height='230' style='width:410px;height:230px' " +
-         chart.substr(begin.size());
-}
-
 }  // namespace
 
 std::string casting_drawing(const v1::Case& c) {
   const v1::Schedule& recipe = c.schedule();
-  std::string svg =
-      "<?xml version='1.0' encoding='UTF-8'?>\n<svg xmlns='http://www.w3.org/2000/svg' "
-      "viewBox='0 0 " +
-      fixed(width, 0) + " " + fixed(height, 0) +
-      "' font-family='system-ui,\"DejaVu Sans\",sans-serif' role='img' aria-label='" +
-      html_escaped(c.title()) + "'><style>" + report_style + "</style>" +
-      box(0, 0, width, height, "fill:var(--card)") +
-      text_at(20, 26, c.title(), " style='font-size:17px;font-weight:650'") +
-      text_at(20, 46, casting_summary(c)) + section_part(c);
-  if (recipe.casting_speed_m_per_s().value_size() > 0)
-    svg += placed(ramp_chart("casting speed", "mm/min", recipe.casting_speed_m_per_s(), mm_per_min,
-                             0.0, c.time().end_s()),
-                  70);
-  if (recipe.water_flow_m2_per_s().value_size() > 0)
-    svg += placed(ramp_chart("water", "l/min/m", recipe.water_flow_m2_per_s(), litres_per_min_per_m,
-                             c.cooling().water().start_s(), c.time().end_s()),
-                  310);
-  return svg + "</svg>\n";
+  std::string svg = box(0, 0, width, height, "fill:var(--card)") +
+                    text_at(20, 26, c.title(), " style='font-size:17px;font-weight:650'") +
+                    text_at(20, 46, casting_summary(c)) + section_part(c);
+  // A chart of its own size inside the drawing.
+  const auto add_chart = [&](const std::string& name, const std::string& unit,
+                             const v1::Curve& table, double factor, double from_s, double y) {
+    if (table.value().empty()) return;
+    const std::string begin = "<svg ";
+    svg += fmt::format(
+               "<svg x='620' y='{:.0f}' width='410' height='230' style='width:410px;height:230px' ",
+               y) +
+           ramp_chart(name, unit, table, factor, from_s, c.time().end_s()).substr(begin.size());
+  };
+  add_chart("casting speed", "mm/min", recipe.casting_speed_m_per_s(), mm_per_min, 0.0, 70);
+  add_chart("water", "l/min/m", recipe.water_flow_m2_per_s(), litres_per_min_per_m,
+            c.cooling().water().start_s(), 310);
+  return svg_file(
+      fmt::format("viewBox='0 0 {:.0f} {:.0f}' font-family='system-ui,\"DejaVu Sans\",sans-serif' "
+                  "role='img' aria-label='{}'",
+                  width, height, html_escaped(c.title())),
+      svg);
 }
 
 }  // namespace dccast::client::render

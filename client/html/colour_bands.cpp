@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "client/html/svg_chart.hpp"
 #include "client/text/table.hpp"
@@ -11,9 +12,26 @@
 namespace dccast::client::render {
 namespace {
 
-Point crossing(const Point& a, const Point& b, double value_a, double value_b, double level) {
-  const double part = (level - value_a) / (value_b - value_a);
+/// @param part  0 at a, 1 at b
+Point between(const Point& a, const Point& b, double part) {
   return {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)};
+}
+
+using ValuedPoint = std::pair<Point, double>;
+
+/// The part of a polygon where sign * (value - level) is not negative.
+std::vector<ValuedPoint> cut(const std::vector<ValuedPoint>& polygon, double level, double sign) {
+  std::vector<ValuedPoint> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const auto& [a, value_a] = polygon[i];
+    const auto& [b, value_b] = polygon[(i + 1) % polygon.size()];
+    const double above_a = sign * (value_a - level), above_b = sign * (value_b - level);
+    if (above_a >= 0.0) kept.push_back(polygon[i]);
+    if ((above_a > 0.0 && above_b < 0.0) || (above_a < 0.0 && above_b > 0.0)) {
+      kept.push_back({between(a, b, above_a / (above_a - above_b)), level});
+    }
+  }
+  return kept;
 }
 
 }  // namespace
@@ -29,47 +47,22 @@ std::vector<Segment> isotherm(const std::vector<Point>& node, const std::vector<
                 b = triangle[static_cast<std::size_t>((i + 1) % 3)];
       if ((value[a] < level) == (value[b] < level)) continue;
       segment[static_cast<std::size_t>(found++)] =
-          crossing(node[a], node[b], value[a], value[b], level);
+          between(node[a], node[b], (level - value[a]) / (value[b] - value[a]));
     }
     if (found == 2) segments.push_back(segment);
   }
   return segments;
 }
 
-namespace {
-
-using ValuedPoint = std::pair<Point, double>;
-
-/// The part of a polygon where sign * (value - level) is not negative.
-std::vector<ValuedPoint> cut(const std::vector<ValuedPoint>& polygon, double level, double sign) {
-  std::vector<ValuedPoint> kept;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const auto& [a, value_a] = polygon[i];
-    const auto& [b, value_b] = polygon[(i + 1) % polygon.size()];
-    const double above_a = sign * (value_a - level), above_b = sign * (value_b - level);
-    if (above_a >= 0.0) kept.push_back(polygon[i]);
-    if ((above_a > 0.0 && above_b < 0.0) || (above_a < 0.0 && above_b > 0.0)) {
-      const double part = above_a / (above_a - above_b);
-      kept.push_back({{a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, level});
-    }
-  }
-  return kept;
-}
-
-}  // namespace
-
-std::string band_colour(double part) {
+std::string ColourBands::colour(int band) const {
   static constexpr double stops[6][3] = {{43, 58, 125},  {73, 97, 184},  {143, 92, 177},
                                          {214, 89, 120}, {243, 142, 79}, {252, 216, 106}};
-  const double place = std::clamp(part, 0.0, 1.0) * 5.0;
-  const int from = std::min(static_cast<int>(place), 4);
-  char text[16];
-  int rgb[3];
-  for (int c = 0; c < 3; ++c)
-    rgb[c] = static_cast<int>(
-        std::lround(stops[from][c] + (place - from) * (stops[from + 1][c] - stops[from][c])));
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
-  return text;
+  const double place = (band + 0.5) / count * 5.0;
+  const int from = static_cast<int>(place);
+  const auto part = [&](int c) {
+    return std::lround(stops[from][c] + (place - from) * (stops[from + 1][c] - stops[from][c]));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", part(0), part(1), part(2));
 }
 
 int ColourBands::band_of(double value) const {
@@ -100,20 +93,18 @@ std::string colour_bar(const ColourBands& bands, const std::string& unit, double
                        double height) {
   std::string svg;
   for (int band = 0; band < bands.count; ++band)
-    svg += "<rect x='" + fixed(x, 1) + "' y='" +
-           fixed(top + height * (bands.count - 1 - band) / bands.count, 1) +
-           "' width='12' height='" + fixed(height / bands.count + 0.5, 1) + "' fill='" +
-           bands.colour(band) + "'/>";
+    svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='12' height='{:.1f}' fill='{}'/>", x,
+                       top + height * (bands.count - 1 - band) / bands.count,
+                       height / bands.count + 0.5, bands.colour(band));
   const auto ticks = round_ticks(bands.low, bands.high, 5);
   const int decimals =
       std::max(0, static_cast<int>(std::ceil(-std::log10(ticks[1] - ticks[0]) - 1e-9)));
   for (const double level : ticks)
     if (level >= bands.low - 1e-9 && level <= bands.high + 1e-9)
-      svg += "<text class='tick' x='" + fixed(x + 17, 1) + "' y='" +
-             fixed(top + height * (bands.high - level) / (bands.high - bands.low) + 4, 1) + "'>" +
-             fixed(level, decimals) + "</text>";
-  return svg + "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(top - 8, 1) + "'>" + unit +
-         "</text>";
+      svg += svg_text("class='tick'", x + 17,
+                      top + height * (bands.high - level) / (bands.high - bands.low) + 4,
+                      fixed(level, decimals));
+  return svg + svg_text("class='label'", x, top - 8, unit);
 }
 
 }  // namespace dccast::client::render

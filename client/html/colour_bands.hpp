@@ -20,12 +20,8 @@ using Segment = std::array<Point, 2>;
 std::vector<Segment> isotherm(const std::vector<Point>& node, const std::vector<double>& value,
                               const std::vector<std::array<int, 3>>& triangles, double level);
 
-/// Colour map from cold blue over violet to hot yellow, with uniform steps of lightness, readable
-/// on white and on black.
-/// @param part  0 to 1 [1], limited to this range
-std::string band_colour(double part);
-
-/// A range of values divided into bands of one colour each. Units: values in any unit.
+/// A range of values [any unit] divided into bands of one colour each, from cold blue over violet
+/// to hot yellow, with uniform steps of lightness, readable on white and on black.
 struct ColourBands {
   double low = 0.0;
   double high = 1.0;  ///< above low
@@ -33,7 +29,7 @@ struct ColourBands {
 
   double level(int band) const { return low + band * (high - low) / count; }
   int band_of(double value) const;  ///< 0 to count - 1, also for a value outside
-  std::string colour(int band) const { return band_colour((band + 0.5) / count); }
+  std::string colour(int band) const;
 };
 
 struct BandPiece {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/html/report_style.hpp"
+#include "client/html/html_parts.hpp"
+#include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/text/answer_text.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/table.hpp"
@@ -11,52 +11,51 @@
 namespace dccast::client::render {
 namespace {
 
-std::string cell(const std::string& text, const char* element = "td") {
-  return std::string("<") + element + ">" + html_escaped(text) + "</" + element + ">";
-}
-
-std::string card(const std::string& heading, const std::string& content) {
-  return "<section class='card'><h2>" + html_escaped(heading) + "</h2>" + content + "</section>";
-}
-
 std::string run_name(const std::vector<Answer>& answers, std::size_t i) {
   return std::to_string(i + 1) + " " + answers[i].name;
+}
+
+/// @param rows  cells of each, the first one those of the headings
+std::string plain_table(const std::vector<std::string>& rows) {
+  std::string html;
+  for (const std::string& row : rows) html += element("tr", row);
+  return "<div class='scroll'>" + element("table", html) + "</div>";
 }
 
 std::string keys_table(const std::vector<Answer>& answers) {
   const auto keys = differing_keys(answers);
   if (keys.empty()) return "<p>The cases do not differ.</p>";
-  std::string html = "<div class='scroll'><table><tr>" + cell("key", "th");
-  for (std::size_t i = 0; i < answers.size(); ++i) html += cell(run_name(answers, i), "th");
+  std::vector<std::string> headings{"key"};
+  for (std::size_t i = 0; i < answers.size(); ++i) headings.push_back(run_name(answers, i));
+  std::vector<std::string> rows{cells(headings, "th")};
   for (const KeyDifference& row : keys) {
-    html += "</tr><tr>" + cell(row.key);
-    for (const std::string& value : row.values) html += cell(shown_value(value));
+    std::vector<std::string> texts{row.key};
+    std::ranges::transform(row.values, std::back_inserter(texts), shown_value);
+    rows.push_back(cells(texts));
   }
-  return html + "</tr></table></div>";
+  return plain_table(rows);
 }
 
 std::string differences_table(const std::vector<Answer>& answers,
                               const std::vector<CurlDifference>& differences) {
-  std::string html = "<div class='scroll'><table><tr>" + cell("monitor", "th") + cell("run", "th") +
-                     cell("less run 1", "th") + cell("at", "th") + cell("largest", "th") +
-                     cell("verdict", "th");
+  std::vector<std::string> rows{
+      cells({"monitor", "run", "less run 1", "at", "largest", "verdict"}, "th")};
   for (const CurlDifference& row : differences)
-    html += "</tr><tr>" + cell(row.monitor) + cell(run_name(answers, row.answer)) +
-            cell(fixed(1e3 * row.end_m, 3) +
-                 (row.error_m ? " ± " + fixed(1e3 * *row.error_m, 3) : "") + " mm") +
-            cell(row.course.text(row.course.at.back())) +
-            cell(fixed(1e3 * row.largest_m, 3) + " mm at " + row.course.text(row.largest_at)) +
-            cell(verdict(row));
-  return html + "</tr></table></div>";
+    rows.push_back(
+        cells({row.monitor, run_name(answers, row.answer),
+               mm(row.end_m, 3) + (row.error_m ? " ± " + mm(*row.error_m, 3) : "") + " mm",
+               row.course.text(row.course.at.back()),
+               mm(row.largest_m, 3) + " mm at " + row.course.text(row.largest_at), verdict(row)}));
+  return plain_table(rows);
 }
 
 std::string sentences_list(const std::vector<Answer>& answers,
                            const std::vector<Explained>& explained) {
   std::string html;
   for (const Explained& row : explained)
-    html += "<li>" + html_escaped(run_name(answers, row.difference->answer) + ", " + row.text) +
-            "</li>";
-  return html.empty() ? "" : card("What changed", "<ul>" + html + "</ul>");
+    html +=
+        element("li", html_escaped(run_name(answers, row.difference->answer) + ", " + row.text));
+  return html.empty() ? "" : card("What changed", element("ul", html));
 }
 
 /// The differences of a monitor along their courses, over the size that would be within the error.
@@ -81,7 +80,7 @@ std::string difference_chart(const std::vector<Answer>& answers,
   if (error_mm > 0.0)
     chart.wanted =
         Chart::Wanted{-error_mm, error_mm, "within the error of a difference at the end"};
-  return card(chart.title, svg_chart(chart));
+  return card(html_escaped(chart.title), svg_chart(chart));
 }
 
 /// The figures that differed before the curl, in both runs.
@@ -94,7 +93,7 @@ std::string cause_charts(const std::vector<Answer>& answers,
     if (course.by_length)
       for (double& at : place) at *= 1e3;
     for (const Cause& cause : row.causes)
-      html += card(cause.sentence,
+      html += card(html_escaped(cause.sentence),
                    svg_chart({cause.figure,
                               course.by_length ? "cast length, mm" : "time, s",
                               cause.figure + ", " + cause.unit,
@@ -106,15 +105,14 @@ std::string cause_charts(const std::vector<Answer>& answers,
 
 std::string findings_list(const std::vector<Answer>& answers) {
   std::string html;
+  const auto add = [&](std::size_t run, const std::string& text) {
+    html += element("li", html_escaped(run_name(answers, run) + ": " + text));
+  };
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    for (const v1::Finding& finding : answers[i].findings)
-      html += "<li>" + html_escaped(run_name(answers, i) + ": " + finding_line(finding)) + "</li>";
-    if (answers[i].validity_loss)
-      html += "<li>" +
-              html_escaped(run_name(answers, i) + ": " + validity_text(*answers[i].validity_loss)) +
-              "</li>";
+    for (const v1::Finding& finding : answers[i].findings) add(i, finding_line(finding));
+    if (answers[i].validity_loss) add(i, validity_text(*answers[i].validity_loss));
   }
-  return html.empty() ? "" : card("Findings", "<ul>" + html + "</ul>");
+  return html.empty() ? "" : card("Findings", element("ul", html));
 }
 
 }  // namespace
@@ -134,11 +132,10 @@ Chart comparison_chart(const std::vector<Answer>& answers, const std::string& mo
 }
 
 std::string svg_file(const Chart& chart) {
-  std::string svg = svg_chart(chart);
-  const std::string begin = "<svg ";
-  return "<?xml version='1.0' encoding='UTF-8'?>\n<svg xmlns='http://www.w3.org/2000/svg' " +
-         svg.substr(begin.size(), svg.find('>') + 1 - begin.size()) + "<style>" + report_style +
-         "</style>" + svg.substr(svg.find('>') + 1) + "\n";
+  const std::string svg = svg_chart(chart), begin = "<svg ", end = "</svg>";
+  const auto head = svg.find('>');
+  return svg_file(svg.substr(begin.size(), head - begin.size()),
+                  svg.substr(head + 1, svg.size() - end.size() - head - 1));
 }
 
 std::string comparison_page(const std::vector<Answer>& answers,
@@ -146,19 +143,17 @@ std::string comparison_page(const std::vector<Answer>& answers,
   std::string charts;
   for (const std::string& monitor : monitors_of(answers))
     if (const Chart chart = comparison_chart(answers, monitor); has_curl(chart))
-      charts += card("Curl of " + monitor, svg_chart(chart));
+      charts += card("Curl of " + html_escaped(monitor), svg_chart(chart));
   for (const std::string& monitor : monitors_of(answers))
     charts += difference_chart(answers, differences, monitor);
   const std::vector<Explained> explained = explanations(answers, differences);
-  return std::string(
-             "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' ") +
-         "content='width=device-width,initial-scale=1'><title>dccast comparison</title><style>" +
-         report_style + "</style></head><body><main><header><p class='kicker'>dccast " +
-         "comparison</p><h1>" + std::to_string(answers.size()) + " runs</h1></header>" +
-         sentences_list(answers, explained) + findings_list(answers) +
-         card("What differs in the cases", keys_table(answers)) + charts +
-         card("Differences of the curl", differences_table(answers, differences)) +
-         cause_charts(answers, explained) + "</main></body></html>\n";
+  return whole_page("dccast comparison",
+                    "<p class='kicker'>dccast comparison</p>" +
+                        element("h1", std::to_string(answers.size()) + " runs"),
+                    sentences_list(answers, explained) + findings_list(answers) +
+                        card("What differs in the cases", keys_table(answers)) + charts +
+                        card("Differences of the curl", differences_table(answers, differences)) +
+                        cause_charts(answers, explained));
 }
 
 }  // namespace dccast::client::render

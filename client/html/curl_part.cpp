@@ -1,13 +1,12 @@
-#include "client/html/curl_part.hpp"
+#include "client/html/report_parts.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+
+#include <fmt/core.h>
 
 #include "client/html/html_parts.hpp"
-#include "client/html/study_part.hpp"
-#include "client/html/svg_chart.hpp"
 #include "client/model/answer.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/plant_units.hpp"
@@ -58,10 +57,10 @@ std::string against_band(const Chart::Wanted& band, double curl_mm, double error
 
 std::string curl_chart(const CurlHistory& history, const v1::QueryResultResponse& result,
                        const Study& study, bool against_length) {
-  Chart chart;
-  chart.title = against_length ? "Butt curl against cast length" : "Butt curl against time";
-  chart.x_label = against_length ? "cast length, mm" : "time, s";
-  chart.y_label = "curl, mm";
+  Chart chart{against_length ? "Butt curl against cast length" : "Butt curl against time",
+              against_length ? "cast length, mm" : "time, s",
+              "curl, mm",
+              {}};
   const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
   const auto share = discretisation_error(result.case_(), 1.0);
   for (const auto& series : history.monitors) {
@@ -80,23 +79,23 @@ std::string curl_chart(const CurlHistory& history, const v1::QueryResultResponse
 
 std::string tile(const std::string& name, const std::string& value, const std::string& unit,
                  const std::string& note = {}) {
-  return "<div class='tile'><span>" + html_escaped(name) + "</span><strong>" + value +
-         "</strong> " + unit + (note.empty() ? "" : "<small>" + note + "</small>") + "</div>";
+  return fmt::format("<div class='tile'><span>{}</span><strong>{}</strong> {}{}</div>",
+                     html_escaped(name), value, unit, note.empty() ? "" : element("small", note));
 }
 
 /// The curl at the end, with its error where a study or the quality gives it.
 std::string curl_tile(const CurlHistory& history, const v1::QueryResultResponse& result,
                       const CurlHistory::Series& series, const Study& study) {
   const double curl = series.curl_m.back();
-  const std::string mark = last_step_mark(history);
-  const auto half_band = uncertainty(result, study, history, series);
-  if (!half_band) return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm", mark);
-  std::string note = "<em>± " + fixed(1e3 * *half_band, 2) + " mm</em>";
+  std::string note;
+  if (const auto half_band = uncertainty(result, study, history, series))
+    note = "<em>± " + mm(*half_band, 2) + " mm</em>";
   if (const auto error = curl_error(study, series.name, history.time_s.back(), curl))
-    note += std::string(error->extrapolated ? "limit " : "finest ") +
-            fixed(1e3 * error->limit_m, 2) + " ± " + fixed(1e3 * error->uncertainty_m, 2);
-  return tile("curl, " + series.name, fixed(1e3 * curl, 2), "mm",
-              note + (mark.empty() ? "" : "<br>" + mark));
+    note += (error->extrapolated ? "limit " : "finest ") + mm(error->limit_m, 2) + " ± " +
+            mm(error->uncertainty_m, 2);
+  const std::string mark = last_step_mark(history);
+  if (!note.empty() && !mark.empty()) note += "<br>";
+  return tile("curl, " + series.name, mm(curl, 2), "mm", note + mark);
 }
 
 }  // namespace
@@ -109,20 +108,19 @@ std::string curl_sentence(const CurlHistory& history, const v1::QueryResultRespo
                           const Study& study) {
   const CurlHistory::Series* const largest = history.largest();
   if (largest == nullptr || !last_step_mark(history).empty()) return {};
-  const double curl = 1e3 * largest->curl_m.back();
+  const double curl_m = largest->curl_m.back();
   const auto half_band = uncertainty(result, study, history, *largest);
-  std::string text = "At " + fixed(history.time_s.back(), 0) + " s, after " +
-                     fixed(1e3 * history.cast_length_m.back(), 0) + " mm of casting, " +
-                     html_escaped(largest->name) + " has " + (curl < 0.0 ? "sunk " : "risen ") +
-                     "<strong>" + fixed(std::abs(curl), 1) + " mm</strong>" +
-                     " since the block started. ";
-  text += half_band ? "Mesh and time steps leave ± " + fixed(1e3 * *half_band, 1) +
+  std::string text = fmt::format(
+      "At {} s, after {} mm of casting, {} has {} <strong>{} mm</strong> since the block started. ",
+      fixed(history.time_s.back(), 0), mm(history.cast_length_m.back(), 0),
+      html_escaped(largest->name), curl_m < 0.0 ? "sunk" : "risen", mm(std::abs(curl_m)));
+  text += half_band ? "Mesh and time steps leave ± " + mm(*half_band) +
                           " mm of it uncertain; thermal data and alloy come on top. "
                     : "Its error from mesh and time steps has not been measured: <code>dccast "
                       "convergence</code> does that. ";
   if (const auto band = plant_band(result.case_()))
-    text += against_band(*band, curl, half_band ? 1e3 * *half_band : 0.0);
-  return "<p class='answer'>" + text + "</p>";
+    text += against_band(*band, 1e3 * curl_m, half_band ? 1e3 * *half_band : 0.0);
+  return element("p class='answer'", text);
 }
 
 namespace {
@@ -166,22 +164,21 @@ std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResp
     return {};
   const std::size_t first = last_below(largest->curl_m, 0.25),
                     last = last_below(largest->curl_m, 0.75);
-  std::string text = "Half of it came between " + fixed(history.time_s[first], 0) + " s and " +
-                     fixed(history.time_s[last], 0) + " s, at " +
-                     fixed(1e3 * history.cast_length_m[first], 0) + " to " +
-                     fixed(1e3 * history.cast_length_m[last], 0) + " mm of casting. ";
+  std::string text =
+      fmt::format("Half of it came between {} s and {} s, at {} to {} mm of casting. ",
+                  fixed(history.time_s[first], 0), fixed(history.time_s[last], 0),
+                  mm(history.cast_length_m[first], 0), mm(history.cast_length_m[last], 0));
   const Heat heat = heat_between(history.reports, first, last);
   if (const double all = heat.faces + heat.bottom; heat.faces > 0.0 && heat.bottom > 0.0)
-    text += "Meanwhile " + fixed(100.0 * heat.faces / all, 0) +
-            " % of the heat left through the faces, to mould and water, and " +
-            fixed(100.0 * heat.bottom / all, 0) + " % through the bottom, to the block. ";
-  const v1::Water& water = result.case_().cooling().water();
-  if (water.enabled() && history.reports[last].wetted_share() > 0.0)
-    text += "Water wetted " +
-            range_of_percent(history.reports[first].wetted_share(),
-                             history.reports[last].wetted_share()) +
-            " of the side under the water line.";
-  return "<p class='cause'>" + text + "</p>";
+    text += fmt::format(
+        "Meanwhile {} % of the heat left through the faces, to mould and water, and {} % through "
+        "the bottom, to the block. ",
+        fixed(100.0 * heat.faces / all, 0), fixed(100.0 * heat.bottom / all, 0));
+  if (result.case_().cooling().water().enabled() && history.reports[last].wetted_share() > 0.0)
+    text += fmt::format("Water wetted {} of the side under the water line.",
+                        range_of_percent(history.reports[first].wetted_share(),
+                                         history.reports[last].wetted_share()));
+  return element("p class='cause'", text);
 }
 
 std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
@@ -191,13 +188,13 @@ std::string headline(const CurlHistory& history, const v1::QueryResultResponse& 
   for (const auto& series : history.monitors) tiles += curl_tile(history, result, series, study);
   const std::string mark = last_step_mark(history);
   const v1::StepReport& last = result.steps(result.steps_size() - 1);
-  tiles += tile("cast length", fixed(1e3 * last.cast_length_m(), 1), "mm") +
+  tiles += tile("cast length", mm(last.cast_length_m()), "mm") +
            tile("time", fixed(last.time_s(), 1), "s");
   if (result.case_().section().kind() == v1::Section::QUARTER_SLAB)
     tiles += tile("stands on the block", fixed(1e4 * last.contact_area_m2(), 0), "cm²", mark);
   else
-    tiles += tile("stands on the block", fixed(1e3 * last.contact_length_m(), 0), "mm", mark);
-  tiles += tile("sump depth", fixed(1e3 * last.sump_depth_m(), 0), "mm", mark);
+    tiles += tile("stands on the block", mm(last.contact_length_m(), 0), "mm", mark);
+  tiles += tile("sump depth", mm(last.sump_depth_m(), 0), "mm", mark);
   return "<div class='tiles'>" + tiles + "</div>";
 }
 
@@ -222,63 +219,116 @@ std::string curl_figure(const CurlHistory& history, const v1::QueryResultRespons
 
 namespace {
 
-using FigureOf = double (v1::StepReport::*)() const;
+using Step = v1::StepReport;
+using FigureOf = double (Step::*)() const;
 
-bool is_quarter(const v1::QueryResultResponse& result) {
-  return result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+/// A text for a section and one for a quarter slab.
+struct Wording {
+  const char *section, *quarter;
+
+  Wording(const char* both) : section(both), quarter(both) {}
+  Wording(const char* of_section, const char* of_quarter)
+      : section(of_section), quarter(of_quarter) {}
+};
+
+/// A line of a chart: its name, null where it has none, its figure and the factor to its unit.
+struct Course {
+  Wording name;
+  double factor;
+  FigureOf figure;
+  FigureOf also = nullptr;  ///< added: of two fields of which a step has only one
+};
+
+enum class Drawn {
+  figures,
+  with_monitors,     ///< and the temperatures of the monitors
+  heat_since_start,  ///< flows [kW] are summed from the start [MJ]
+};
+
+struct HistoryChart {
+  const char *heading, *title;
+  Wording unit;
+  std::vector<Course> courses;
+  Wording caption;
+  Drawn drawn = Drawn::figures;
+};
+
+const std::vector<HistoryChart>& history_charts() {
+  static const std::vector<HistoryChart> charts{
+      {"Shell",
+       "Shell thickness",
+       "thickness, mm",
+       {{"of the side at the mould exit", 1e3, &Step::shell_at_exit_m},
+        {"over the bottom, thinnest", 1e3, &Step::bottom_shell_m}},
+       "Smallest shell thickness. Until the side leaves the mould: at the butt."},
+      {"Sump",
+       "Sump depth",
+       "depth, mm",
+       {{"sump", 1e3, &Step::sump_depth_m}},
+       "Of the coherency isotherm in the middle of the slab, below the metal level."},
+      {"Temperatures",
+       "Temperatures",
+       "°C",
+       {{"surface at mould exit, hottest", 1.0, &Step::maximum_surface_temperature_at_mould_exit_c},
+        {"surface of the bottom block, mean", 1.0, &Step::block_temperature_c}},
+       "At the monitors, the hottest surface where it leaves the mould, and the bottom block.",
+       Drawn::with_monitors},
+      {"Where the heat came from and went",
+       "Heat since the start",
+       {"MJ per metre", "MJ"},
+       {{"brought by the metal", 1e-3, &Step::metal_heat_w_per_m, &Step::metal_heat_w},
+        {"in the slab", 1e-3, &Step::stored_heat_w_per_m, &Step::stored_heat_w},
+        {{"out: side", "out: wide face"}, 1e-3, &Step::side_heat_w_per_m, &Step::side_heat_w},
+        {{nullptr, "out: narrow face"}, 1e-3, &Step::narrow_heat_w_per_m, &Step::narrow_heat_w},
+        {"out: block and gap", 1e-3, &Step::bottom_heat_w_per_m, &Step::bottom_heat_w},
+        {"in through the metal level", 1e-3, &Step::level_heat_w_per_m, &Step::level_heat_w}},
+       "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
+       "leaves through faces and bottom.",
+       Drawn::heat_since_start},
+      {"Heat through each face",
+       "Heat through each face",
+       {"kW per metre", "kW"},
+       {{{"side", "wide face"}, 1e-3, &Step::side_heat_w_per_m, &Step::side_heat_w},
+        {{nullptr, "narrow face"}, 1e-3, &Step::narrow_heat_w_per_m, &Step::narrow_heat_w},
+        {"bottom block", 1e-3, &Step::bottom_heat_w_per_m, &Step::bottom_heat_w}},
+       {"Per metre of face, out of the half that is computed.",
+        "Out of the quarter that is computed; four times as much leaves the slab."}},
+      {"Water on the faces",
+       "Water on the faces",
+       "%",
+       {{{"wetted", "wide face, wetted"}, 100.0, &Step::wetted_share},
+        {{"of the water's capacity", "wide face, of its water's capacity"},
+         100.0,
+         &Step::water_share},
+        {{nullptr, "narrow face, wetted"}, 100.0, &Step::narrow_wetted_share},
+        {{nullptr, "narrow face, of its water's capacity"}, 100.0, &Step::narrow_water_share}},
+       "Share of the face under water that is not under a vapour film, and heat taken of all that "
+       "warming and evaporating the water would take."},
+      {"Contact with the block",
+       "Contact with the block",
+       {"length, mm", "area, cm²"},
+       {{{"length", nullptr}, 1e3, &Step::contact_length_m},
+        {{nullptr, "area"}, 1e4, &Step::contact_area_m2}},
+       {"Part of the bottom in contact with the block.",
+        "Part of the quarter's bottom in contact with the block."}}};
+  return charts;
 }
 
-/// @param also  added to the figure: of two fields of which a step has only one
-ChartLine line_of(const v1::QueryResultResponse& result, const std::string& name, FigureOf figure,
-                  double factor, FigureOf also = nullptr) {
+ChartLine line_of(const v1::QueryResultResponse& result, const char* name, const Course& course) {
   ChartLine line{name, {}, {}};
-  for (const v1::StepReport& step : result.steps()) {
+  for (const Step& step : result.steps()) {
+    const double also = course.also != nullptr ? (step.*course.also)() : 0.0;
     line.x.push_back(step.time_s());
-    line.y.push_back(factor * ((step.*figure)() + (also != nullptr ? (step.*also)() : 0.0)));
+    line.y.push_back(course.factor * ((step.*course.figure)() + also));
   }
   return line;
-}
-
-/// Axis range of a chart without zero: only the range of the data.
-bool drawable(const ChartLine& line) {
-  return std::ranges::any_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
-}
-
-std::string chart_of(const std::string& title, const std::string& unit,
-                     std::vector<ChartLine> lines) {
-  std::erase_if(lines, [](const ChartLine& line) { return !drawable(line); });
-  if (lines.empty()) return {};
-  return svg_chart({title + " against time", "time, s", unit, std::move(lines)});
-}
-
-std::string figure_if_any(const std::string& heading, const std::string& picture,
-                          const std::string& caption) {
-  return picture.empty() ? "" : figure(heading, picture, caption);
-}
-
-std::string shell_figure(const v1::QueryResultResponse& result) {
-  return figure_if_any(
-      "Shell",
-      chart_of(
-          "Shell thickness", "thickness, mm",
-          {line_of(result, "of the side at the mould exit", &v1::StepReport::shell_at_exit_m, 1e3),
-           line_of(result, "over the bottom, thinnest", &v1::StepReport::bottom_shell_m, 1e3)}),
-      "Smallest shell thickness. Until the side leaves the mould: at the butt.");
-}
-
-std::string sump_figure(const v1::QueryResultResponse& result) {
-  return figure_if_any(
-      "Sump",
-      chart_of("Sump depth", "depth, mm",
-               {line_of(result, "sump", &v1::StepReport::sump_depth_m, 1e3)}),
-      "Of the coherency isotherm in the middle of the slab, below the metal level.");
 }
 
 /// The monitors' temperatures; a step that does not report one breaks its line.
 std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
   std::vector<ChartLine> lines;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  for (const v1::StepReport& step : result.steps())
+  for (const Step& step : result.steps())
     for (const v1::MonitorValue& monitor : step.monitors()) {
       auto line = std::ranges::find(lines, monitor.name(), &ChartLine::name);
       if (line == lines.end()) line = lines.insert(lines.end(), {monitor.name(), {}, {}});
@@ -288,106 +338,45 @@ std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
   return lines;
 }
 
-std::string temperature_figure(const v1::QueryResultResponse& result) {
-  std::vector<ChartLine> lines = monitor_lines(result);
-  lines.push_back(line_of(result, "surface at mould exit, hottest",
-                          &v1::StepReport::maximum_surface_temperature_at_mould_exit_c, 1.0));
-  lines.push_back(line_of(result, "surface of the bottom block, mean",
-                          &v1::StepReport::block_temperature_c, 1.0));
-  return figure_if_any(
-      "Temperatures", chart_of("Temperatures", "°C", std::move(lines)),
-      "At the monitors, the hottest surface where it leaves the mould, and the bottom block.");
-}
-
-std::string heat_figure(const v1::QueryResultResponse& result) {
-  const bool quarter = is_quarter(result);
-  std::vector<ChartLine> lines{
-      line_of(result, quarter ? "wide face" : "side", &v1::StepReport::side_heat_w_per_m, 1e-3,
-              &v1::StepReport::side_heat_w),
-      line_of(result, "bottom block", &v1::StepReport::bottom_heat_w_per_m, 1e-3,
-              &v1::StepReport::bottom_heat_w)};
-  if (quarter)
-    lines.insert(lines.begin() + 1,
-                 line_of(result, "narrow face", &v1::StepReport::narrow_heat_w_per_m, 1e-3,
-                         &v1::StepReport::narrow_heat_w));
-  return figure_if_any(
-      "Heat through each face",
-      chart_of("Heat through each face", quarter ? "kW" : "kW per metre", std::move(lines)),
-      quarter ? "Out of the quarter that is computed; four times as much leaves the slab."
-              : "Per metre of face, out of the half that is computed.");
-}
-
 /// Heat since the start [MJ], from flows [kW] that hold for the step that ends at each time.
-ChartLine summed(ChartLine flow, double first_step) {
-  double sum = 0.0, before = flow.x.empty() ? 0.0 : flow.x.front() - first_step;
+void sum_up(ChartLine& flow, double first_step) {
+  double sum = 0.0, before = flow.x.front() - first_step;
   for (std::size_t i = 0; i < flow.x.size(); ++i) {
     sum += flow.y[i] * (flow.x[i] - before) * 1e-3;
     before = flow.x[i];
     flow.y[i] = sum;
   }
-  return flow;
 }
 
-/// Where the heat came from and went, as one picture.
-std::string balance_figure(const v1::QueryResultResponse& result) {
-  const bool quarter = is_quarter(result);
-  using Step = v1::StepReport;
-  std::vector<ChartLine> lines{
-      line_of(result, "brought by the metal", &Step::metal_heat_w_per_m, 1e-3, &Step::metal_heat_w),
-      line_of(result, "in the slab", &Step::stored_heat_w_per_m, 1e-3, &Step::stored_heat_w),
-      line_of(result, quarter ? "out: wide face" : "out: side", &Step::side_heat_w_per_m, 1e-3,
-              &Step::side_heat_w),
-      line_of(result, "out: block and gap", &Step::bottom_heat_w_per_m, 1e-3, &Step::bottom_heat_w),
-      line_of(result, "in through the metal level", &Step::level_heat_w_per_m, 1e-3,
-              &Step::level_heat_w)};
-  if (quarter)
-    lines.insert(lines.begin() + 3, line_of(result, "out: narrow face", &Step::narrow_heat_w_per_m,
-                                            1e-3, &Step::narrow_heat_w));
-  const double first_step = result.steps(0).time_step_s();
-  for (ChartLine& line : lines) line = summed(std::move(line), first_step);
-  return figure_if_any(
-      "Where the heat came from and went",
-      chart_of("Heat since the start", quarter ? "MJ" : "MJ per metre", std::move(lines)),
-      "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
-      "leaves through faces and bottom.");
-}
-
-std::string water_figure(const v1::QueryResultResponse& result) {
-  const bool quarter = is_quarter(result);
-  using Step = v1::StepReport;
-  std::vector<ChartLine> lines{
-      line_of(result, quarter ? "wide face, wetted" : "wetted", &Step::wetted_share, 100.0),
-      line_of(result, quarter ? "wide face, of its water's capacity" : "of the water's capacity",
-              &Step::water_share, 100.0)};
-  if (quarter) {
-    lines.push_back(line_of(result, "narrow face, wetted", &Step::narrow_wetted_share, 100.0));
-    lines.push_back(
-        line_of(result, "narrow face, of its water's capacity", &Step::narrow_water_share, 100.0));
-  }
-  return figure_if_any("Water on the faces", chart_of("Water on the faces", "%", std::move(lines)),
-                       "Share of the face under water that is not under a vapour film, and heat "
-                       "taken of all that warming and evaporating the water would take.");
-}
-
-std::string contact_figure(const v1::QueryResultResponse& result) {
-  const bool quarter = is_quarter(result);
-  const ChartLine line = quarter
-                             ? line_of(result, "area", &v1::StepReport::contact_area_m2, 1e4)
-                             : line_of(result, "length", &v1::StepReport::contact_length_m, 1e3);
-  return figure_if_any(
-      "Contact with the block",
-      chart_of("Contact with the block", quarter ? "area, cm²" : "length, mm", {line}),
-      quarter ? "Part of the quarter's bottom in contact with the block."
-              : "Part of the bottom in contact with the block.");
+/// Empty if none of its figures was ever other than zero.
+std::string history_figure(const v1::QueryResultResponse& result, const HistoryChart& chart) {
+  const bool is_quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+  const auto wording = [&](const Wording& of) { return is_quarter ? of.quarter : of.section; };
+  std::vector<ChartLine> lines;
+  if (chart.drawn == Drawn::with_monitors) lines = monitor_lines(result);
+  for (const Course& course : chart.courses)
+    if (const char* const name = wording(course.name)) {
+      lines.push_back(line_of(result, name, course));
+      if (chart.drawn == Drawn::heat_since_start)
+        sum_up(lines.back(), result.steps(0).time_step_s());
+    }
+  std::erase_if(lines, [](const ChartLine& line) {
+    return std::ranges::none_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
+  });
+  if (lines.empty()) return {};
+  return figure(chart.heading,
+                svg_chart({std::string(chart.title) + " against time", "time, s",
+                           wording(chart.unit), std::move(lines)}),
+                wording(chart.caption));
 }
 
 }  // namespace
 
 std::string history_part(const v1::QueryResultResponse& result) {
-  if (result.steps_size() < 2) return {};
-  return shell_figure(result) + sump_figure(result) + temperature_figure(result) +
-         balance_figure(result) + heat_figure(result) + water_figure(result) +
-         contact_figure(result);
+  std::string html;
+  if (result.steps_size() < 2) return html;
+  for (const HistoryChart& chart : history_charts()) html += history_figure(result, chart);
+  return html;
 }
 
 }  // namespace dccast::client::render

@@ -1,14 +1,11 @@
-#include "client/html/data_study_page.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "client/html/html_parts.hpp"
-#include "client/html/study_page.hpp"
-#include "client/html/svg_chart.hpp"
-#include "client/model/effects.hpp"
+#include "client/html/pages.hpp"
 #include "client/session/data_study.hpp"
-#include "client/text/calibration_text.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
@@ -24,32 +21,24 @@ std::string page(const v1::StudyResult& result, const std::string& body) {
                     body);
 }
 
-/// What the data leave open, and what mesh and time steps add to the median.
-struct CurlBands {
-  ChartBand data, mesh;
-};
-
-CurlBands bands_of(const v1::Spread& spread, double mesh_error) {
-  CurlBands bands;
-  for (int i = 0; i < spread.time_s_size(); ++i) {
-    const double middle = 1e3 * spread.median_m(i);
-    for (ChartBand* band : {&bands.data, &bands.mesh}) {
-      band->x.push_back(spread.time_s(i));
-      band->middle.push_back(middle);
-    }
-    bands.data.low.push_back(1e3 * spread.low_m(i));
-    bands.data.high.push_back(1e3 * spread.high_m(i));
-    bands.mesh.low.push_back(middle - mesh_error * std::abs(middle));
-    bands.mesh.high.push_back(middle + mesh_error * std::abs(middle));
-  }
-  return bands;
+std::vector<double> scaled(const google::protobuf::RepeatedField<double>& values, double factor) {
+  std::vector<double> all(values.begin(), values.end());
+  for (double& value : all) value *= factor;
+  return all;
 }
 
 std::string curl_chart(const v1::Spread& spread, std::optional<double> mesh_error) {
   Chart chart{"Curl of the " + spread.monitor() + " against time", "time, s", "curl, mm", {}};
-  CurlBands bands = bands_of(spread, mesh_error.value_or(0.0));
-  chart.lines.push_back({"data, 5 to 95 %", {}, {}, std::move(bands.data)});
-  if (mesh_error) chart.lines.push_back({"mesh and time steps", {}, {}, std::move(bands.mesh)});
+  const std::vector<double> time_s = scaled(spread.time_s(), 1.0),
+                            median = scaled(spread.median_m(), 1e3);
+  chart.lines.push_back(
+      {"data, 5 to 95 %",
+       {},
+       {},
+       {time_s, median, scaled(spread.low_m(), 1e3), scaled(spread.high_m(), 1e3)}});
+  if (mesh_error)
+    chart.lines.push_back(
+        {"mesh and time steps", {}, {}, band_around({"", time_s, median}, *mesh_error)});
   return svg_chart(chart);
 }
 
@@ -65,26 +54,19 @@ std::string shares_chart(const v1::StudyResult& result) {
   Chart chart{"Share of each datum in the variance, with interactions", "time, s", "share, %", {}};
   for (const int axis : axes) {
     if (chart.lines.size() == most_lines) break;
-    ChartLine& line = chart.lines.emplace_back();
-    line.name = datum_of(result.study().sweep().axes(axis).key());
-    for (int i = 0; i < spread.index_time_s_size(); ++i) {
-      line.x.push_back(spread.index_time_s(i));
-      line.y.push_back(100.0 * spread.shares(axis).total(i));
-    }
+    chart.lines.push_back({datum_of(result.study().sweep().axes(axis).key()),
+                           scaled(spread.index_time_s(), 1.0),
+                           scaled(spread.shares(axis).total(), 100.0)});
   }
   return svg_chart(chart);
 }
 
 Chart measured_chart(const v1::Calibration& calibration, const v1::Calibration::Curve& curve) {
   const double units = shown_units(curve);
-  const auto scaled = [&](const google::protobuf::RepeatedField<double>& values) {
-    std::vector<double> shown(values.begin(), values.end());
-    for (double& value : shown) value *= units;
-    return shown;
-  };
-  const std::vector<double> time_s(curve.time_s().begin(), curve.time_s().end());
+  const std::vector<double> time_s = scaled(curve.time_s(), 1.0);
   const auto band = [&](const v1::Calibration::Band& of) {
-    return ChartBand{time_s, scaled(of.median()), scaled(of.low()), scaled(of.high())};
+    return ChartBand{time_s, scaled(of.median(), units), scaled(of.low(), units),
+                     scaled(of.high(), units)};
   };
   const auto& measured = curve.measured();
   const bool curl = measured.curl_m_size() > 0;
@@ -92,18 +74,16 @@ Chart measured_chart(const v1::Calibration& calibration, const v1::Calibration::
               "time, s",
               curl ? "curl, mm" : "temperature, °C",
               {}};
-  chart.lines.push_back({"measured",
-                         {measured.time_s().begin(), measured.time_s().end()},
-                         scaled(curl ? measured.curl_m() : measured.temperature_c())});
-  chart.lines.push_back({"data before, 5 to 95 %", {}, {}, band(curve.before())});
-  chart.lines.push_back({"data after, 5 to 95 %", {}, {}, band(curve.after())});
-  if (!curl || !calibration.has_mesh_error()) return chart;
-  ChartBand mesh{time_s, scaled(curve.best()), {}, {}};
-  for (const double value : mesh.middle) {
-    mesh.low.push_back(value - calibration.mesh_error() * std::abs(value));
-    mesh.high.push_back(value + calibration.mesh_error() * std::abs(value));
-  }
-  chart.lines.push_back({"mesh and time steps", {}, {}, mesh});
+  chart.lines = {{"measured", scaled(measured.time_s(), 1.0),
+                  scaled(curl ? measured.curl_m() : measured.temperature_c(), units)},
+                 {"data before, 5 to 95 %", {}, {}, band(curve.before())},
+                 {"data after, 5 to 95 %", {}, {}, band(curve.after())}};
+  if (curl && calibration.has_mesh_error())
+    chart.lines.push_back(
+        {"mesh and time steps",
+         {},
+         {},
+         band_around({"", time_s, scaled(curve.best(), units)}, calibration.mesh_error())});
   return chart;
 }
 
@@ -113,14 +93,15 @@ std::string lost_runs(const v1::StudyResult& result) {
   for (int i = 0; i < result.runs_size(); ++i) {
     const v1::StudyRun& run = result.runs(i);
     if (run.state() == v1::SUCCEEDED && !run.beyond_validity()) continue;
-    rows += "<p>Run " + std::to_string(i + 1) + ": " + html_escaped(run_text(run));
-    if (run.has_failure()) rows += ": " + html_escaped(run.failure().message());
-    rows += "<br><code>";
+    std::string text = fmt::format(
+        "Run {}: {}", i + 1,
+        html_escaped(run_text(run) + (run.has_failure() ? ": " + run.failure().message() : "")));
+    text += "<br><code>";
     for (int axis = 0; axis < run.values_size(); ++axis)
       if (!run.values(axis).empty())
-        rows +=
+        text +=
             html_escaped(result.study().sweep().axes(axis).key() + " = " + run.values(axis)) + "; ";
-    rows += "</code></p>";
+    rows += element("p", text + "</code>");
   }
   return rows.empty() ? "" : card("Runs that the figures do not rest on", rows);
 }
@@ -131,32 +112,34 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
   const double most = effects.effects.empty() ? 0.0 : effects.effects.front().largest_m();
   if (!(most > 0.0)) return {};
   const double height = row * static_cast<double>(effects.effects.size()) + 30.0;
-  std::string svg = "<svg viewBox='0 0 910 " + fixed(height, 0) +
-                    "' role='img' aria-label='effect of each key on the curl'>";
   const double error = half * std::min(1.0, effects.error_m.value_or(0.0) / most);
-  svg += "<rect class='wanted' x='" + fixed(middle - error, 1) + "' y='4' width='" +
-         fixed(2.0 * error, 1) + "' height='" + fixed(height - 26.0, 1) + "'/>";
+  std::string svg = fmt::format(
+      "<svg viewBox='0 0 910 {:.0f}' role='img' aria-label='effect of each key on the curl'>"
+      "<rect class='wanted' x='{:.1f}' y='4' width='{:.1f}' height='{:.1f}'/>",
+      height, middle - error, 2.0 * error, height - 26.0);
   double top = 8.0;
   for (const Effect& effect : effects.effects) {
     const auto& axis = result.study().sweep().axes(effect.axis);
-    svg += "<text class='label' text-anchor='end' x='470' y='" + fixed(top + 12.0, 1) + "'>" +
-           html_escaped(axis.key() + ", " + range_of(axis)) + "</text>";
-    for (const auto& [amount, colour] :
-         {std::pair(effect.low_m, "var(--line-0)"), std::pair(effect.high_m, "var(--line-1)")}) {
-      if (!amount) continue;
+    svg += fmt::format("<text class='label' text-anchor='end' x='470' y='{:.1f}'>{}</text>",
+                       top + 12.0, html_escaped(axis.key() + ", " + range_of(axis)));
+    const auto bar = [&](const std::optional<double>& amount, double y, int colour) {
+      if (!amount) return;
       const double length = half * std::abs(*amount) / most;
-      svg += "<rect x='" + fixed(*amount < 0.0 ? middle - length : middle, 1) + "' y='" +
-             fixed(top + (colour[11] == '0' ? 1.0 : 9.0), 1) + "' width='" + fixed(length, 1) +
-             "' height='7' style='fill:" + colour + "'><title>" + fixed(1e3 * *amount, 2) +
-             " mm</title></rect>";
-    }
+      svg += fmt::format(
+          "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='7' style='fill:var(--line-{})'>"
+          "<title>{:.2f} mm</title></rect>",
+          *amount < 0.0 ? middle - length : middle, y, length, colour, 1e3 * *amount);
+    };
+    bar(effect.low_m, top + 1.0, 0);
+    bar(effect.high_m, top + 9.0, 1);
     top += row;
   }
-  svg += "<line class='zero' x1='" + fixed(middle, 0) + "' x2='" + fixed(middle, 0) +
-         "' y1='4' y2='" + fixed(height - 22.0, 1) + "'/>";
+  svg += fmt::format("<line class='zero' x1='{0:.0f}' x2='{0:.0f}' y1='4' y2='{1:.1f}'/>", middle,
+                     height - 22.0);
   for (const double side : {-1.0, 1.0})
-    svg += "<text class='tick' text-anchor='middle' x='" + fixed(middle + side * half, 0) +
-           "' y='" + fixed(height - 6.0, 1) + "'>" + fixed(1e3 * side * most, 1) + " mm</text>";
+    svg += fmt::format(
+        "<text class='tick' text-anchor='middle' x='{:.0f}' y='{:.1f}'>{:.1f} mm</text>",
+        middle + side * half, height - 6.0, 1e3 * side * most);
   return svg + "</svg>";
 }
 
@@ -164,10 +147,7 @@ std::string bars(const v1::StudyResult& result, const Effects& effects) {
 
 std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error) {
   const v1::Spread& spread = result.spread();
-  std::string body;
-  for (const std::string& sentence : uncertainty_sentences(result, mesh_error))
-    body += html_escaped(sentence) + " ";
-  body = "<p class='answer'>" + body + "</p>";
+  std::string body = answer(uncertainty_sentences(result, mesh_error));
   if (!spread.median_m().empty()) {
     body += "<div class='pair'>" +
             card("What the data leave open of the " + html_escaped(spread.monitor()),
@@ -183,10 +163,7 @@ std::string uncertainty_page(const v1::StudyResult& result, std::optional<double
 
 std::string calibration_page(const v1::StudyResult& result) {
   const v1::Calibration& calibration = result.calibration();
-  std::string body;
-  for (const std::string& sentence : calibration_sentences(result))
-    body += html_escaped(sentence) + " ";
-  body = "<p class='answer'>" + body + "</p>";
+  std::string body = answer(calibration_sentences(result));
   if (!result.has_calibration()) return page(result, body + lost_runs(result));
   for (const auto& curve : calibration.curves())
     body += card(html_escaped(curve_name(calibration, curve)) + ", measured and computed",
@@ -212,11 +189,11 @@ std::string sensitivity_page(const v1::StudyResult& result, int monitor,
   const EffectRows rows = effect_rows(result, effects);
   std::string body =
       card("Change of the curl of the " + html_escaped(result.monitors(monitor)) + " at the end, " +
-               fixed(1e3 * *effects.base_m, 1) + " mm in the case itself",
+               mm(*effects.base_m) + " mm in the case itself",
            bars(result, effects) + "<p>Blue: lower end of the range, orange: upper end. " +
                (effects.error_m
                     ? "Shaded: what mesh and time steps leave uncertain of a difference, ± " +
-                          fixed(1e3 * *effects.error_m, 1) + " mm.</p>"
+                          mm(*effects.error_m) + " mm.</p>"
                     : "The error of a difference has not been measured for such a case.</p>"));
   if (!rows.rest.empty())
     body += "<p class='note'>This model does not respond to " + html_escaped(rows.rest) + ".</p>";

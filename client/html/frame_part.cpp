@@ -1,9 +1,9 @@
-#include "client/html/frame_part.hpp"
+#include <fmt/core.h>
 
-#include "client/html/frame_slider.hpp"
+#include "client/html/frame_picture.hpp"
 #include "client/html/html_parts.hpp"
+#include "client/html/report_parts.hpp"
 #include "client/html/slab_charts.hpp"
-#include "client/html/svg_chart.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
@@ -24,14 +24,10 @@ std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
 /// "at 250.0 s, cast length 206.7 mm. Displacements are drawn 2 times as large; dashed:
 /// undeformed."
 std::string when_and_scale(const v1::Frame& frame, double scale) {
-  return " at <span class='when'>" + when_text(frame) +
-         "</span>. Displacements are drawn <strong>" +
-         (scale == 1.0 ? "true to scale" : fixed(scale, 0) + " times as large") +
-         "</strong>; dashed: undeformed.";
-}
-
-std::string absent(const std::string& heading, const std::string& why) {
-  return card(heading, "<p>" + why + "</p>");
+  return fmt::format(
+      " at <span class='when'>{}</span>. Displacements are drawn <strong>{}</strong>; dashed: "
+      "undeformed.",
+      when_text(frame), scale == 1.0 ? "true to scale" : fixed(scale, 0) + " times as large");
 }
 
 std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
@@ -39,9 +35,9 @@ std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
   return figure("Deformed section and isotherms", pictures.pictures.front().svg + frames,
                 moving_mark(frame, history) + "Half section" +
                     when_and_scale(frame, pictures.displacement_scale) +
-                    " Isotherms every 100 °C; heavy: solidus " + fixed(frame.solidus_c(), 0) +
-                    " °C, heavy dashed: liquidus " + fixed(frame.liquidus_c(), 0) +
-                    " °C. The left edge is the symmetry plane.");
+                    fmt::format(" Isotherms every 100 °C; heavy: solidus {} °C, heavy dashed: "
+                                "liquidus {} °C. The left edge is the symmetry plane.",
+                                fixed(frame.solidus_c(), 0), fixed(frame.liquidus_c(), 0)));
 }
 
 /// Position, gap and pressure of the bottom nodes that fit each other.
@@ -88,27 +84,26 @@ std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
 std::string deformed_figure(const v1::Frame& frame, const CurlHistory& history,
                             const FrameSeries& series) {
   const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
-  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourRange{}));
+  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourBands{}));
   const std::string frames = drawn_frames(shown, history, pictures);
   const bool is_slab = frame.dimension() == 3;
   if (pictures.pictures.empty() || frames.empty())
-    return absent(is_slab ? "Quarter slab" : "Section",
-                  "The stored frame cannot be drawn: its arrays are inconsistent.");
+    return card(is_slab ? "Quarter slab" : "Section",
+                "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
   return (is_slab ? slab_figure : section_figure)(frame, history, pictures, frames);
 }
 
 std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
   const GapMap map = draw_gap_map(frame);
   if (map.svg.empty()) return {};
-  return figure("Gap under the butt", map.svg,
-                frame_mark(frame, history) +
-                    "Bottom of the quarter in plan, the middle of the slab "
-                    "at the lower left. Largest gap <strong>" +
-                    fixed(1e3 * map.largest_gap_m, 1) + " mm</strong> at x " +
-                    fixed(1e3 * map.largest_x_m, 0) + " mm, y " + fixed(1e3 * map.largest_y_m, 0) +
-                    " mm. White dots: in contact, " + std::to_string(map.contacts) + " of " +
-                    std::to_string(frame.bottom_node_size()) +
-                    " nodes; larger dots mean higher pressure.");
+  return figure(
+      "Gap under the butt", map.svg,
+      frame_mark(frame, history) +
+          fmt::format("Bottom of the quarter in plan, the middle of the slab at the lower left. "
+                      "Largest gap <strong>{} mm</strong> at x {} mm, y {} mm. White dots: in "
+                      "contact, {} of {} nodes; larger dots mean higher pressure.",
+                      mm(map.largest_gap_m), mm(map.largest_x_m, 0), mm(map.largest_y_m, 0),
+                      map.contacts, frame.bottom_node_size()));
 }
 
 std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
@@ -128,7 +123,7 @@ std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
 std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
                        const FrameSeries& series) {
   if (!result.has_frame())
-    return absent("Last frame", "No stored frame: the run has not ended with a result.");
+    return card("Last frame", "<p>No stored frame: the run has not ended with a result.</p>");
   return deformed_figure(result.frame(), history, series);
 }
 

@@ -1,16 +1,26 @@
 #pragma once
 
-#include <optional>
+#include <array>
 #include <string>
 #include <vector>
 
+#include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
-#include "dccast/v1/service.pb.h"
+#include "client/model/answer.hpp"
+#include "client/session/queries.hpp"
 
 namespace dccast::client::render {
 
+/// Projection of a picture. The horizontal coordinate in the view box is across[0] x + across[1] y
+/// + across[2] z + across[3], the vertical one likewise with `down`, where x, y, z [m] include the
+/// magnified displacement; a 2D section has no z.
+struct PictureView {
+  std::array<double, 4> across{}, down{};  ///< [1/m] and, the last one, [1]; in view box units
+  Vector3 to_viewer{};  ///< direction [1], decides which faces hide others; zero in 2D
+};
+
 /// A place for drawings of frames, as inline SVG: axes or names of sides, colours, and an empty
-/// group of class "now" that the script of frame_slider.hpp draws a frame into.
+/// group of class "now" that the script of drawn_frames() draws a frame into.
 struct Picture {
   std::string name;  ///< of the view; empty for a section
   std::string svg;
@@ -24,8 +34,20 @@ struct FramePictures {
   std::vector<Picture> pictures{};  ///< empty if arrays of the frame are not consistent
   double displacement_scale = 1.0;  ///< magnification of the displacements [1]
 };
+FramePictures pictures_of(const v1::Frame& frame, const ColourBands& bands);
 
-/// @param range  range of the colours
-FramePictures pictures_of(const v1::Frame& frame, const ColourRange& range);
+/// "250.0 s, cast length 206.7 mm"
+std::string when_text(const v1::Frame& frame);
+
+/// Bands over the temperatures of all frames [°C]; empty without one.
+std::optional<ColourBands> colour_range(const FrameSeries& series);
+
+/// The frames as data, the script that draws the last one into the groups of class "now" of the
+/// preceding pictures, and a slider with which it draws the others. On paper the last frame is
+/// shown. Of frames of which one cannot be drawn, or not with the others, only the last is taken;
+/// empty if that one cannot be drawn.
+/// @param pictures  as pictures_of() the last frame
+std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
+                         const FramePictures& pictures);
 
 }  // namespace dccast::client::render

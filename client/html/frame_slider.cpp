@@ -1,17 +1,15 @@
-#include "client/html/frame_slider.hpp"
-
-#include <openssl/evp.h>
+#include "client/html/frame_picture.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <set>
 
-#include "client/html/colour_bands.hpp"
+#include <fmt/core.h>
+#include <openssl/evp.h>
+
 #include "client/html/frame_slider_script.hpp"
-#include "client/html/frame_surface.hpp"
 #include "client/model/json.hpp"
-#include "client/text/table.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -44,13 +42,6 @@ struct SeenFrame {
   std::vector<double> place;  ///< (node, coordinate) as drawn [m]
 };
 
-std::vector<double> places_as_drawn(const v1::Frame& frame, double scale) {
-  std::vector<double> place(frame.node_m().begin(), frame.node_m().end());
-  const std::vector<double> displacement = drawn_displacement(frame);
-  for (std::size_t i = 0; i < displacement.size(); ++i) place[i] += scale * displacement[i];
-  return place;
-}
-
 std::vector<SeenFrame> seen_frames(const FrameSeries& series, double scale) {
   std::vector<SeenFrame> seen;
   const v1::Frame& last = series.frames.back();
@@ -58,7 +49,7 @@ std::vector<SeenFrame> seen_frames(const FrameSeries& series, double scale) {
     auto skin = skin_of(frame);
     if (skin && frame.dimension() == last.dimension() &&
         frame.nodes_per_element() == last.nodes_per_element())
-      seen.push_back({&frame, std::move(*skin), places_as_drawn(frame, scale)});
+      seen.push_back({&frame, std::move(*skin), coordinates_of(frame, scale)});
   }
   if (seen.empty() || seen.back().frame != &last) return {};
   if (seen.size() < series.frames.size()) seen.erase(seen.begin(), seen.end() - 1);
@@ -172,18 +163,17 @@ Json views_json(const FramePictures& pictures) {
 }
 
 Json series_json(const std::vector<SeenFrame>& seen, const CurlHistory& history,
-                 const FramePictures& pictures, const ColourRange& range) {
-  const Steps place = steps_of_places(seen), temperature{range.low, range.high};
+                 const FramePictures& pictures, const ColourBands& bands) {
+  const Steps place = steps_of_places(seen), temperature{bands.low, bands.high};
   const v1::Frame& last = *seen.back().frame;
   const Faces& faces = seen.back().skin.faces;
-  const ColourBands bands{range.low, range.high};
   const bool wide = std::ranges::any_of(seen, [](const SeenFrame& frame) {
     return frame.frame->temperature_c_size() > most_numbers;
   });
   Json json{{"dimension", last.dimension()},
             {"corners", faces.front().size()},
             {"place", {place.low, place.high}},
-            {"temperature", {range.low, range.high}},
+            {"temperature", {bands.low, bands.high}},
             {"fronts", {last.solidus_c(), last.liquidus_c()}},
             {"colours", Json::array()},
             {"views", views_json(pictures)},
@@ -196,21 +186,15 @@ Json series_json(const std::vector<SeenFrame>& seen, const CurlHistory& history,
   return json;
 }
 
-std::string which_frames(const FrameSeries& series, std::size_t seen) {
-  const auto shown = std::to_string(seen), stored = std::to_string(series.stored);
-  return shown == stored ? "all " + stored + " stored frames"
-                         : shown + " of " + stored + " stored frames";
-}
-
 }  // namespace
 
 std::string when_text(const v1::Frame& frame) {
-  return fixed(frame.time_s(), 1) + " s, cast length " + fixed(1e3 * frame.cast_length_m(), 1) +
-         " mm";
+  return fmt::format("{:.1f} s, cast length {:.1f} mm", frame.time_s(),
+                     1e3 * frame.cast_length_m());
 }
 
-std::optional<ColourRange> colour_range(const FrameSeries& series) {
-  ColourRange range{1e300, -1e300};
+std::optional<ColourBands> colour_range(const FrameSeries& series) {
+  ColourBands range{1e300, -1e300};
   for (const v1::Frame& frame : series.frames)
     for (const double value : frame.temperature_c()) {
       range.low = std::min(range.low, value);
@@ -227,14 +211,13 @@ std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
   if (!range) return {};
   const auto seen = seen_frames(series, pictures.displacement_scale);
   if (seen.empty() || seen.back().skin.faces.empty()) return {};
-  const std::string last = std::to_string(seen.size() - 1);
-  return "<noscript><p>This picture is drawn by a script.</p></noscript><div class='slider' "
-         "hidden><input type='range' min='0' max='" +
-         last + "' value='" + last +
-         "' step='1' aria-label='Stored frame'><p><output></output> "
-         "<small>" +
-         which_frames(series, seen.size()) +
-         "</small></p></div><script type='application/json' class='frames'>" +
+  const bool all = seen.size() == static_cast<std::size_t>(series.stored);
+  return fmt::format(
+             "<noscript><p>This picture is drawn by a script.</p></noscript><div class='slider' "
+             "hidden><input type='range' min='0' max='{0}' value='{0}' step='1' "
+             "aria-label='Stored frame'><p><output></output> <small>{1} {2} stored "
+             "frames</small></p></div><script type='application/json' class='frames'>",
+             seen.size() - 1, all ? "all" : fmt::format("{} of", seen.size()), series.stored) +
          series_json(seen, history, pictures, *range).dump() + "</script><script>" + frame_script +
          "</script>";
 }

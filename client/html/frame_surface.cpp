@@ -24,6 +24,11 @@ Vector3 minus(const Vector3& a, const Vector3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
+/// Product of the diagonals of a face, or of two sides of a triangle.
+Vector3 across(const std::vector<int>& face, const std::vector<Vector3>& place) {
+  return cross(minus(place[face[2]], place[face[0]]), minus(place[face.back()], place[face[1]]));
+}
+
 Vector3 middle(const std::vector<int>& nodes, const std::vector<Vector3>& place) {
   Vector3 sum{0.0, 0.0, 0.0};
   for (const int node : nodes)
@@ -35,9 +40,7 @@ Vector3 middle(const std::vector<int>& nodes, const std::vector<Vector3>& place)
 /// Away from the middle of the element, however its nodes are numbered.
 Vector3 outward_normal(const std::vector<int>& face, const std::vector<int>& element,
                        const std::vector<Vector3>& place) {
-  const Vector3 one = minus(place[face[2]], place[face[0]]),
-                two = minus(place[face.back()], place[face[1]]);
-  Vector3 normal = unit(cross(one, two));
+  Vector3 normal = unit(across(face, place));
   if (dot(normal, minus(middle(face, place), middle(element, place))) < 0.0)
     for (double& component : normal) component = -component;
   return normal;
@@ -103,23 +106,14 @@ Vector3 unit(const Vector3& a) {
   return {a[0] / length, a[1] / length, a[2] / length};
 }
 
-bool consistent(const v1::Frame& frame) {
-  const int nodes = frame.temperature_c_size();
-  if (frame.dimension() != 2 || nodes == 0 || frame.node_m_size() != 2 * nodes) return false;
-  if (frame.displacement_m_size() != 0 && frame.displacement_m_size() != 2 * nodes) return false;
-  const bool drawable = frame.nodes_per_element() == 3 || frame.nodes_per_element() == 4;
-  return drawable && std::all_of(frame.element_node().begin(), frame.element_node().end(),
-                                 [&](int node) { return node >= 0 && node < nodes; });
-}
-
-bool consistent_3d(const v1::Frame& frame) {
+bool is_consistent(const v1::Frame& frame, int dimension) {
   const int nodes = frame.temperature_c_size(), corners = frame.nodes_per_element();
-  if (frame.dimension() != 3 || nodes == 0 || frame.node_m_size() != 3 * nodes) return false;
-  if (frame.displacement_m_size() != 0 && frame.displacement_m_size() != 3 * nodes) return false;
-  if ((corners != 4 && corners != 8) || frame.element_node_size() == 0 ||
-      frame.element_node_size() % corners != 0)
-    return false;
-  return std::ranges::all_of(frame.element_node(),
+  const int coordinates = dimension * nodes, displacements = frame.displacement_m_size();
+  return frame.dimension() == dimension && nodes > 0 && frame.node_m_size() == coordinates &&
+         (displacements == 0 || displacements == coordinates) &&
+         (corners == 4 || corners == (dimension == 2 ? 3 : 8)) && frame.element_node_size() > 0 &&
+         frame.element_node_size() % corners == 0 &&
+         std::ranges::all_of(frame.element_node(),
                              [&](int node) { return node >= 0 && node < nodes; });
 }
 
@@ -144,15 +138,18 @@ std::vector<double> drawn_displacement(const v1::Frame& frame) {
   return drawn;
 }
 
-std::vector<Vector3> places_of(const v1::Frame& frame, double scale) {
-  std::vector<Vector3> place(static_cast<std::size_t>(frame.node_m_size() / 3));
+std::vector<double> coordinates_of(const v1::Frame& frame, double scale) {
+  std::vector<double> coordinates(frame.node_m().begin(), frame.node_m().end());
   const std::vector<double> displacement = drawn_displacement(frame);
-  for (std::size_t i = 0; i < place.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int at = static_cast<int>(3 * i + c);
-      place[i][c] =
-          frame.node_m(at) + (displacement.empty() ? 0.0 : scale * displacement[3 * i + c]);
-    }
+  for (std::size_t i = 0; i < displacement.size(); ++i) coordinates[i] += scale * displacement[i];
+  return coordinates;
+}
+
+std::vector<Vector3> places_of(const v1::Frame& frame, double scale) {
+  const std::vector<double> coordinates = coordinates_of(frame, scale);
+  std::vector<Vector3> place;
+  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3)
+    place.push_back({coordinates[i], coordinates[i + 1], coordinates[i + 2]});
   return place;
 }
 
@@ -191,6 +188,11 @@ std::vector<SurfaceFace> facing(const std::vector<SurfaceFace>& surface, const V
   return found;
 }
 
+void add_triangles(const std::vector<int>& face, std::vector<std::array<int, 3>>& triangles) {
+  for (std::size_t i = 1; i + 1 < face.size(); ++i)
+    triangles.push_back({face[0], face[i], face[i + 1]});
+}
+
 double displacement_scale(const v1::Frame& frame) {
   const int dimension = std::max(frame.dimension(), 1);
   double largest = 0.0, extent = 0.0;
@@ -227,40 +229,7 @@ std::vector<Edge> boundary_of(const std::vector<std::vector<int>>& faces) {
   return boundary;
 }
 
-FrameSkin section_skin(const v1::Frame& frame) {
-  FrameSkin skin;
-  const int corners = frame.nodes_per_element();
-  for (int i = 0; i + corners <= frame.element_node_size(); i += corners)
-    skin.faces.emplace_back(frame.element_node().begin() + i,
-                            frame.element_node().begin() + i + corners);
-  skin.edges = boundary_of(skin.faces);
-  return skin;
-}
-
-/// Nodes anticlockwise seen from outside.
-std::vector<int> turned_outward(const SurfaceFace& face, const std::vector<Vector3>& place) {
-  const auto edge = [&](int from, int to) {
-    return Vector3{place[to][0] - place[from][0], place[to][1] - place[from][1],
-                   place[to][2] - place[from][2]};
-  };
-  const Vector3 normal =
-      cross(edge(face.node[0], face.node[2]), edge(face.node[1], face.node.back()));
-  std::vector<int> nodes = face.node;
-  if (dot(normal, face.normal) < 0.0) std::ranges::reverse(nodes);
-  return nodes;
-}
-
-FrameSkin slab_skin(const v1::Frame& frame) {
-  FrameSkin skin;
-  const auto surface = surface_of(frame);
-  const auto place = places_of(frame, 0.0);
-  for (const SurfaceFace& face : surface) skin.faces.push_back(turned_outward(face, place));
-  skin.edges = creases_of(surface);
-  return skin;
-}
-
-}  // namespace
-
+/// Edges between faces that meet at more than 45 degrees in the undeformed slab.
 std::vector<Edge> creases_of(const std::vector<SurfaceFace>& surface) {
   constexpr double crease_cosine = 0.7;
   std::map<Edge, std::vector<Vector3>> normals;
@@ -273,9 +242,31 @@ std::vector<Edge> creases_of(const std::vector<SurfaceFace>& surface) {
   return creases;
 }
 
+FrameSkin section_skin(const v1::Frame& frame) {
+  FrameSkin skin;
+  const auto nodes = frame.element_node().begin();
+  for (int i = 0; i < frame.element_node_size(); i += frame.nodes_per_element())
+    skin.faces.emplace_back(nodes + i, nodes + i + frame.nodes_per_element());
+  skin.edges = boundary_of(skin.faces);
+  return skin;
+}
+
+FrameSkin slab_skin(const v1::Frame& frame) {
+  const auto surface = surface_of(frame);
+  const auto place = places_of(frame, 0.0);
+  FrameSkin skin{{}, creases_of(surface)};
+  for (const SurfaceFace& face : surface) {
+    skin.faces.push_back(face.node);
+    if (dot(across(face.node, place), face.normal) < 0.0) std::ranges::reverse(skin.faces.back());
+  }
+  return skin;
+}
+
+}  // namespace
+
 std::optional<FrameSkin> skin_of(const v1::Frame& frame) {
-  if (consistent(frame)) return section_skin(frame);
-  if (consistent_3d(frame)) return slab_skin(frame);
+  if (is_consistent(frame, 2)) return section_skin(frame);
+  if (is_consistent(frame, 3)) return slab_skin(frame);
   return std::nullopt;
 }
 

@@ -21,11 +21,9 @@ struct SurfaceFace {
   Vector3 normal;         ///< outward unit normal in the undeformed slab [1]
 };
 
-/// Whether array sizes and node numbers of a 2D frame are consistent.
-bool consistent(const v1::Frame& frame);
-
-/// Whether array sizes and node numbers of a frame of tetrahedra or hexahedra are consistent.
-bool consistent_3d(const v1::Frame& frame);
+/// Whether array sizes and node numbers of a frame are consistent: of triangles and quadrilaterals
+/// in 2D, of tetrahedra and hexahedra in 3D.
+bool is_consistent(const v1::Frame& frame, int dimension);
 
 /// Displacement as it is drawn, (node, coordinate) [m]; empty if the frame has none. Liquid stands
 /// level: its own displacement, that of a mesh which follows the shell, has no meaning. Above the
@@ -33,8 +31,11 @@ bool consistent_3d(const v1::Frame& frame);
 /// level; liquid with no node of the solid straight below it is drawn where it is poured.
 std::vector<double> drawn_displacement(const v1::Frame& frame);
 
-/// Positions of the nodes [m].
+/// Coordinates of the nodes with that displacement, (node, coordinate) [m].
 /// @param scale  magnification of the displacements [1]; 0 for the undeformed slab
+std::vector<double> coordinates_of(const v1::Frame& frame, double scale);
+
+/// The same for a frame in three dimensions, by node.
 std::vector<Vector3> places_of(const v1::Frame& frame, double scale);
 
 /// The outer surface of a frame that is consistent in three dimensions.
@@ -46,33 +47,19 @@ std::vector<SurfaceFace> surface_of(const v1::Frame& frame);
 std::vector<SurfaceFace> facing(const std::vector<SurfaceFace>& surface, const Vector3& direction,
                                 double least);
 
+/// Adds a face as triangles around its first node.
+void add_triangles(const std::vector<int>& face, std::vector<std::array<int, 3>>& triangles);
+
 /// A round magnification (1, 2, 5, 10, ...) of the displacements [1] that makes the butt curl
 /// visible without distorting the rest of the picture: metal near the level may have moved much
 /// further than the bottom. For any dimension.
 double displacement_scale(const v1::Frame& frame);
-
-/// Projection of a picture. The horizontal coordinate in the view box is across[0] x + across[1] y
-/// + across[2] z + across[3], the vertical one likewise with `down`, where x, y, z [m] include the
-/// magnified displacement; a 2D section has no z.
-struct PictureView {
-  std::array<double, 4> across{}, down{};  ///< [1/m] and, the last one, [1]; in view box units
-  Vector3
-      to_viewer{};  ///< direction to the viewer [1], decides which faces hide others; zero in 2D
-};
-
-/// The range of temperatures that the colours of a picture cover [°C].
-struct ColourRange {
-  double low = 0.0, high = 1.0;  ///< [°C]
-};
 
 /// The visible part of a frame: all elements of a 2D section, the outer surface of a quarter slab.
 struct FrameSkin {
   std::vector<std::vector<int>> faces;    ///< nodes in order; in 3D anticlockwise from outside
   std::vector<std::array<int, 2>> edges;  ///< of the outline; in 3D the sharp edges of the surface
 };
-
-/// Edges between faces that meet at more than 45 degrees in the undeformed slab.
-std::vector<std::array<int, 2>> creases_of(const std::vector<SurfaceFace>& surface);
 
 /// @return empty if the arrays of the frame are inconsistent
 std::optional<FrameSkin> skin_of(const v1::Frame& frame);

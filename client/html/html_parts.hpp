@@ -5,7 +5,7 @@
 
 #include "client/html/svg_chart.hpp"
 
-/// Building blocks of the HTML pages. `content`, `value` and notes are HTML already.
+/// Building blocks of the HTML pages. `content`, `value`, captions and notes are HTML already.
 namespace dccast::client::render {
 
 /// "<h1>content</h1>" for "h1"; attributes may follow the tag's name.
@@ -23,25 +23,51 @@ inline std::string figure(const std::string& heading, const std::string& picture
   return card(heading, "<figure>" + picture + "<figcaption>" + caption + "</figcaption></figure>");
 }
 
+/// A card without a heading: a picture with what it shows below.
+inline std::string named_picture(const std::string& picture, const std::string& name) {
+  return "<section class='card'><figure>" + picture + "<figcaption><strong>" + html_escaped(name) +
+         "</strong></figcaption></figure></section>";
+}
+
 /// A row of a table of facts: name, value, remark.
 inline std::string row(const std::string& name, const std::string& value,
                        const std::string& note = {}) {
   return "<tr><th scope='row'>" + name + "</th><td>" + value + "</td><td>" + note + "</td></tr>";
 }
 
-/// A table of figures. @param headings, rows  texts
+/// The cells of a row of a table of figures. @param texts  not yet HTML
+inline std::string cells(const std::vector<std::string>& texts, const std::string& tag = "td") {
+  std::string html;
+  for (const std::string& text : texts) html += element(tag, html_escaped(text));
+  return html;
+}
+
+/// A table of figures. @param head  cells @param body  rows
+inline std::string figures_table(const std::string& head, const std::string& body) {
+  return "<div class='scroll'><table class='figures'><thead>" + head + "</thead><tbody>" + body +
+         "</tbody></table></div>";
+}
+
+/// @param headings, rows  texts
 inline std::string table_of(const std::vector<std::string>& headings,
                             const std::vector<std::vector<std::string>>& rows) {
-  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
-    std::string html = "<tr>";
-    for (const std::string& cell : cells)
-      html += std::string("<") + tag + ">" + html_escaped(cell) + "</" + tag + ">";
-    return html + "</tr>";
-  };
-  std::string html = "<div class='scroll'><table class='figures'><thead>" + row(headings, "th") +
-                     "</thead><tbody>";
-  for (const auto& cells : rows) html += row(cells, "td");
-  return html + "</tbody></table></div>";
+  std::string body;
+  for (const auto& texts : rows) body += element("tr", cells(texts));
+  return figures_table(element("tr", cells(headings, "th")), body);
 }
+
+/// What was found, in large letters. @param sentences  texts
+inline std::string answer(const std::vector<std::string>& sentences) {
+  std::string html;
+  for (const std::string& sentence : sentences) html += html_escaped(sentence) + " ";
+  return element("p class='answer'", html);
+}
+
+/// A whole page that needs no other file. @param title  HTML
+std::string whole_page(const std::string& title, const std::string& header,
+                       const std::string& body);
+
+/// A drawing as an SVG file of its own. @param attributes, content  of its outermost element
+std::string svg_file(const std::string& attributes, const std::string& content);
 
 }  // namespace dccast::client::render

@@ -1,12 +1,10 @@
-#include "client/html/recipe_page.hpp"
-
 #include <algorithm>
 
+#include <fmt/core.h>
+
 #include "client/html/html_parts.hpp"
-#include "client/html/study_page.hpp"
-#include "client/html/svg_chart.hpp"
-#include "client/model/effects.hpp"
-#include "client/text/recipe_text.hpp"
+#include "client/html/pages.hpp"
+#include "client/text/data_study_text.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
@@ -37,18 +35,18 @@ Axis axis_of(const v1::StudyResult& result) {
 
 std::string line_of(const std::string& name, const Candidate& candidate, const Axis& axis,
                     double y) {
-  const auto x = [&](double metres) { return fixed(axis.at(metres), 1); };
-  std::string svg = "<text class='label' text-anchor='end' x='80' y='" + fixed(y + 4.0, 1) + "'>" +
-                    name + "</text><rect x='" + x(candidate.low_m()) + "' y='" + fixed(y - 4.0, 1) +
-                    "' width='" +
-                    fixed(axis.at(candidate.high_m()) - axis.at(candidate.low_m()), 1) +
-                    "' height='8' style='fill:var(--line-0)'><title>5 to 95 % of castings: " +
-                    fixed(1e3 * candidate.low_m(), 1) + " to " +
-                    fixed(1e3 * candidate.high_m(), 1) + " mm</title></rect>";
+  const double from = axis.at(candidate.low_m());
+  std::string svg = fmt::format(
+      "<text class='label' text-anchor='end' x='80' y='{:.1f}'>{}</text>"
+      "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='8' style='fill:var(--line-0)'>"
+      "<title>5 to 95 % of castings: {:.1f} to {:.1f} mm</title></rect>",
+      y + 4.0, name, from, y - 4.0, axis.at(candidate.high_m()) - from, 1e3 * candidate.low_m(),
+      1e3 * candidate.high_m());
   if (candidate.has_full_curl_m())
-    svg += "<circle cx='" + x(candidate.full_curl_m()) + "' cy='" + fixed(y, 1) +
-           "' r='6' style='fill:var(--line-1)'><title>at full quality: " +
-           fixed(1e3 * candidate.full_curl_m(), 1) + " mm</title></circle>";
+    svg += fmt::format(
+        "<circle cx='{:.1f}' cy='{:.1f}' r='6' style='fill:var(--line-1)'><title>at full quality: "
+        "{:.1f} mm</title></circle>",
+        axis.at(candidate.full_curl_m()), y, 1e3 * candidate.full_curl_m());
   return svg;
 }
 
@@ -59,28 +57,25 @@ std::string curls(const v1::StudyResult& result) {
   const Axis axis = axis_of(result);
   constexpr double row = 26.0;
   const double height = row * (found.front_size() + (found.has_itself() ? 1 : 0)) + 30.0;
-  std::string svg = "<svg viewBox='0 0 910 " + fixed(height, 0) +
-                    "' role='img' aria-label='curl of each recipe'><rect class='wanted' x='" +
-                    fixed(axis.at(plan.least_curl_m()), 1) + "' y='4' width='" +
-                    fixed(axis.at(plan.greatest_curl_m()) - axis.at(plan.least_curl_m()), 1) +
-                    "' height='" + fixed(height - 26.0, 1) + "'/>";
+  const double from = axis.at(plan.least_curl_m());
+  std::string svg = fmt::format(
+      "<svg viewBox='0 0 910 {:.0f}' role='img' aria-label='curl of each recipe'>"
+      "<rect class='wanted' x='{:.1f}' y='4' width='{:.1f}' height='{:.1f}'/>",
+      height, from, axis.at(plan.greatest_curl_m()) - from, height - 26.0);
   double y = 18.0;
   for (int i = 0; i < found.front_size(); ++i, y += row)
     svg += line_of("recipe " + std::to_string(i + 1), found.front(i), axis, y);
   if (found.has_itself()) svg += line_of("case", found.itself(), axis, y);
   for (const double tick : round_ticks(axis.low, axis.high, 6))
-    svg += "<text class='tick' text-anchor='middle' x='" + fixed(axis.at(1e-3 * tick), 1) +
-           "' y='" + fixed(height - 6.0, 1) + "'>" + fixed(tick, 0) + " mm</text>";
+    svg += svg_text("class='tick' text-anchor='middle'", axis.at(1e-3 * tick), height - 6.0,
+                    fixed(tick, 0) + " mm");
   return svg + "</svg>";
 }
 
 }  // namespace
 
 std::string recipe_page(const v1::StudyResult& result) {
-  std::string answer;
-  for (const std::string& sentence : recipe_sentences(result))
-    answer += html_escaped(sentence) + " ";
-  std::string body = element("p class='answer'", answer);
+  std::string body = answer(recipe_sentences(result));
   if (!result.recipe().front().empty()) {
     auto headings = recipe_headings(result.study().recipe());
     for (std::string& heading : headings)

@@ -1,16 +1,15 @@
-#include "client/html/report_page.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 
-#include "client/html/curl_part.hpp"
-#include "client/html/frame_part.hpp"
+#include <fmt/core.h>
+
 #include "client/html/html_parts.hpp"
-#include "client/html/report_style.hpp"
-#include "client/html/study_part.hpp"
-#include "client/html/svg_chart.hpp"
+#include "client/html/pages.hpp"
+#include "client/html/report_parts.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/curl_history.hpp"
+#include "client/session/jobs.hpp"
+#include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/plant_units.hpp"
@@ -25,10 +24,6 @@ bool is_quarter(const v1::Case& input) {
   return input.section().kind() == v1::Section::QUARTER_SLAB;
 }
 
-std::string millimetres(double metres) {
-  return plant_number(1e3 * metres) + " mm";
-}
-
 /// The effect of factor and shift on a table, in words; empty if they have none.
 std::string changes(const v1::Curve& factor, double shift_s) {
   std::string text;
@@ -41,14 +36,11 @@ std::string changes(const v1::Curve& factor, double shift_s) {
 }
 
 std::string size_text(const v1::Section& section) {
-  if (section.kind() == v1::Section::QUARTER_SLAB)
-    return plant_number(2e3 * section.half_width_m()) + " × " +
-           plant_number(2e3 * (section.half_thickness_m().value_size() > 0
-                                   ? section.half_thickness_m().value(0)
-                                   : 0.0)) +
-           " mm";
-  return plant_number(2e3 * section.half_width_m()) + " mm " +
-         (section.kind() == v1::Section::AXISYMMETRIC ? "in diameter" : "across");
+  const std::string width = plant_number(2e3 * section.half_width_m());
+  if (section.kind() == v1::Section::AXISYMMETRIC) return width + " mm in diameter";
+  if (section.kind() != v1::Section::QUARTER_SLAB) return width + " mm across";
+  const auto& half_thickness_m = section.half_thickness_m().value();
+  return width + " × " + plant_mm(half_thickness_m.empty() ? 0.0 : 2.0 * half_thickness_m[0]);
 }
 
 const v1::Curve& narrow_flow(const v1::Case& input) {
@@ -69,8 +61,8 @@ bool narrow_differs(const v1::Case& input) {
 
 std::string water_note(const v1::Water& water) {
   if (!water.enabled()) return "turned off";
-  return "from " + plant_number(water.start_s()) + " s on, " + millimetres(water.from_m()) +
-         " below the metal level, at " + curve_in_words(water.temperature_c(), 1.0, "°C");
+  return fmt::format("from {} s on, {} below the metal level, at {}", plant_number(water.start_s()),
+                     plant_mm(water.from_m()), curve_in_words(water.temperature_c(), 1.0, "°C"));
 }
 
 std::string water_rows(const v1::Case& input) {
@@ -80,101 +72,91 @@ std::string water_rows(const v1::Case& input) {
     return row(name, curve_in_words(flow, litres_per_min_per_m, "l/min/m"),
                water_note(water) + (changed.empty() ? "" : "; " + changed));
   };
-  if (!narrow_differs(input))
-    return one("Water", recipe.water_flow_m2_per_s(), input.cooling().water());
-  return one("Water, wide face", recipe.water_flow_m2_per_s(), input.cooling().water()) +
-         one("Water, narrow face", narrow_flow(input), narrow_water(input));
+  const bool two = narrow_differs(input);
+  return one(two ? "Water, wide face" : "Water", recipe.water_flow_m2_per_s(),
+             input.cooling().water()) +
+         (two ? one("Water, narrow face", narrow_flow(input), narrow_water(input)) : "");
 }
 
 std::string recipe_table(const v1::Case& input) {
   const v1::Schedule& recipe = input.schedule();
-  const v1::BottomBlock& block = input.cooling().bottom_block();
-  std::string rows =
-      row(input.section().kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab",
-          size_text(input.section()),
-          "metal stands " + millimetres(input.section().initial_depth_m()) + " deep at the start");
-  rows += row("Alloy", html_escaped(input.alloy().card()),
-              "solidus " + plant_number(input.alloy().solidus_c()) + " °C, liquidus " +
-                  plant_number(input.alloy().liquidus_c()) + " °C");
-  rows += row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
-              "the shell forms; t = 0 is when the block starts");
-  rows += row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
-              changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s()));
-  rows += row("Casting temperature", curve_in_words(recipe.casting_temperature_c(), 1.0, "°C"));
-  rows += water_rows(input);
-  rows += row("Bottom block", curve_in_words(block.temperature_c(), 1.0, "°C"));
-  return "<table>" + rows + "</table>";
+  const v1::Section& section = input.section();
+  const auto celsius = [](const v1::Curve& curve) { return curve_in_words(curve, 1.0, "°C"); };
+  return element(
+      "table",
+      row(section.kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab", size_text(section),
+          "metal stands " + plant_mm(section.initial_depth_m()) + " deep at the start") +
+          row("Alloy", html_escaped(input.alloy().card()),
+              fmt::format("solidus {} °C, liquidus {} °C", plant_number(input.alloy().solidus_c()),
+                          plant_number(input.alloy().liquidus_c()))) +
+          row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
+              "the shell forms; t = 0 is when the block starts") +
+          row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
+              changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s())) +
+          row("Casting temperature", celsius(recipe.casting_temperature_c())) + water_rows(input) +
+          row("Bottom block", celsius(input.cooling().bottom_block().temperature_c())));
 }
 
-bool runs(const v1::Water& water, double time_s) {
-  return water.enabled() && time_s >= water.start_s();
+/// A table of the schedule as the run had it: with its factor and shift, against time.
+/// @param acts  whether it does at a time [s]; zero where not
+template <class Acts>
+ChartLine course_of(const v1::QueryResultResponse& result, const std::string& name,
+                    const v1::Curve& table, const v1::Curve& factor, double shift_s, double unit,
+                    const Acts& acts) {
+  ChartLine line{name, {}, {}};
+  for (const v1::StepReport& step : result.steps()) {
+    const double t = step.time_s(), length = step.cast_length_m();
+    line.x.push_back(t);
+    line.y.push_back(acts(t) ? unit * frames::curve_value(factor, t, length, 1.0) *
+                                   frames::curve_value(table, t - shift_s, length, 0.0)
+                             : 0.0);
+  }
+  return line;
+}
+
+ChartLine speed_line(const v1::QueryResultResponse& result) {
+  const v1::Schedule& recipe = result.case_().schedule();
+  // The block does not move during the hold, whatever the table.
+  return course_of(result, "casting speed", recipe.casting_speed_m_per_s(),
+                   recipe.casting_speed_factor(), recipe.casting_speed_shift_s(), mm_per_min,
+                   [](double time_s) { return time_s > 0.0; });
 }
 
 ChartLine water_line(const v1::QueryResultResponse& result, const std::string& name,
                      const v1::Curve& flow, const v1::Water& water) {
   const v1::Schedule& recipe = result.case_().schedule();
-  ChartLine line{name, {}, {}};
-  for (const v1::StepReport& step : result.steps()) {
-    const double t = step.time_s(), length = step.cast_length_m();
-    line.x.push_back(t);
-    line.y.push_back(
-        runs(water, t) ? litres_per_min_per_m *
-                             frames::curve_value(recipe.water_flow_factor(), t, length, 1.0) *
-                             frames::curve_value(flow, t - recipe.water_flow_shift_s(), length, 0.0)
-                       : 0.0);
-  }
-  return line;
+  return course_of(result, name, flow, recipe.water_flow_factor(), recipe.water_flow_shift_s(),
+                   litres_per_min_per_m,
+                   [&](double time_s) { return water.enabled() && time_s >= water.start_s(); });
 }
-
-std::string speed_chart(const v1::QueryResultResponse& result) {
-  const v1::Schedule& recipe = result.case_().schedule();
-  ChartLine line{"casting speed", {}, {}};
-  for (const v1::StepReport& step : result.steps()) {
-    const double t = step.time_s(), length = step.cast_length_m();
-    line.x.push_back(t);
-    // The block does not move during the hold, whatever the table.
-    line.y.push_back(
-        t <= 0.0 ? 0.0
-                 : mm_per_min * frames::curve_value(recipe.casting_speed_factor(), t, length, 1.0) *
-                       frames::curve_value(recipe.casting_speed_m_per_s(),
-                                           t - recipe.casting_speed_shift_s(), length, 0.0));
-  }
-  return svg_chart({"Casting speed against time", "time, s", "mm/min", {line}});
-}
-
-std::string water_chart(const v1::QueryResultResponse& result) {
-  const v1::Case& input = result.case_();
-  const bool two = narrow_differs(input);
-  std::vector<ChartLine> lines{water_line(result, two ? "wide face" : "water",
-                                          input.schedule().water_flow_m2_per_s(),
-                                          input.cooling().water())};
-  if (two)
-    lines.push_back(water_line(result, "narrow face", narrow_flow(input), narrow_water(input)));
-  return svg_chart({"Water against time", "time, s", "l/min per metre", lines});
-}
-
-}  // namespace
 
 std::string recipe_part(const v1::QueryResultResponse& result) {
   if (!result.has_case_()) return {};
   return card("Recipe", recipe_table(result.case_()));
 }
 
+/// Charts of speed and water in this run. Empty with fewer than two steps.
 std::string recipe_charts(const v1::QueryResultResponse& result) {
   if (!result.has_case_() || result.steps_size() < 2) return {};
-  return figure("Casting speed", speed_chart(result), "As this run had it, factors included.") +
-         figure("Water", water_chart(result),
+  const v1::Case& input = result.case_();
+  const bool two = narrow_differs(input);
+  std::vector<ChartLine> water{water_line(result, two ? "wide face" : "water",
+                                          input.schedule().water_flow_m2_per_s(),
+                                          input.cooling().water())};
+  if (two)
+    water.push_back(water_line(result, "narrow face", narrow_flow(input), narrow_water(input)));
+  return figure(
+             "Casting speed",
+             svg_chart({"Casting speed against time", "time, s", "mm/min", {speed_line(result)}}),
+             "As this run had it, factors included.") +
+         figure("Water",
+                svg_chart({"Water against time", "time, s", "l/min per metre", std::move(water)}),
                 "Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
 
-namespace {
-
 std::string scientific(double value) {
   if (!std::isfinite(value)) return "-";
-  if (value == 0.0) return "0";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2e", value);
-  return text;
+  return value == 0.0 ? "0" : fmt::format("{:.2e}", value);
 }
 
 double largest(const v1::QueryResultResponse& result, double (v1::StepReport::*figure_of)() const) {
@@ -191,35 +173,38 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
   const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
   const bool quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
   const std::string per_metre = quarter ? "" : "/m";
-  std::string rows;
-  rows += row("Equilibrium residual",
-              scientific(largest(result, &v1::StepReport::equilibrium_residual)),
-              "largest of all steps, relative");
-  rows += row("Energy balance", scientific(largest(result, &v1::StepReport::energy_balance_error)),
-              "largest of all steps, relative");
-  rows +=
-      row("Complementarity", scientific(largest(result, &v1::StepReport::complementarity_error)),
-          "gap times pressure, relative");
-  rows += row("Constitutive residual",
-              scientific(largest(result, &v1::StepReport::constitutive_residual)), "relative");
-  rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
-              "against the metallostatic one, relative, " + of_last_step);
+  const auto worst = [&](const std::string& name, double (v1::StepReport::*figure_of)() const,
+                         const std::string& note) {
+    return row(name, scientific(largest(result, figure_of)), note);
+  };
   // Of the two fields of each figure a step has only one.
   const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
   const double weight = last.weight_n_per_m() + last.weight_n();
   const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
-  rows += row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
-              "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step);
-  rows += row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
-              (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
-  return card("Checks of the run", "<table>" + rows + "</table>");
+  return card(
+      "Checks of the run",
+      element(
+          "table",
+          worst("Equilibrium residual", &v1::StepReport::equilibrium_residual,
+                "largest of all steps, relative") +
+              worst("Energy balance", &v1::StepReport::energy_balance_error,
+                    "largest of all steps, relative") +
+              worst("Complementarity", &v1::StepReport::complementarity_error,
+                    "gap times pressure, relative") +
+              worst("Constitutive residual", &v1::StepReport::constitutive_residual, "relative") +
+              row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
+                  "against the metallostatic one, relative, " + of_last_step) +
+              row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
+                  "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step) +
+              row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
+                  (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step)));
 }
 
 std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
   std::string rows = row("State", full_state_text(job)) + row("Job", html_escaped(job.id())) +
                      row("Study", job.study().empty() ? "none" : html_escaped(job.study())) +
                      row("Ended", time_text(job.end_time())) +
-                     row("Case SHA-256", "<code>" + html_escaped(job.case_sha256()) + "</code>");
+                     row("Case SHA-256", element("code", html_escaped(job.case_sha256())));
   if (result.steps_size() > 0) {
     const v1::StepReport& last = result.steps(result.steps_size() - 1);
     double iterations = 0.0, cut = 0.0;
@@ -236,7 +221,7 @@ std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result)
         row("Solver time", duration_text(last.solver_s()));
   }
   if (job.has_failure()) rows += row("Failure", html_escaped(failure_text(job.failure())));
-  return card("Run", "<table>" + rows + "</table>");
+  return card("Run", element("table", rows));
 }
 
 std::string element_row(v1::ElementKind element) {
@@ -259,40 +244,29 @@ std::string coherency_text(const v1::Alloy& alloy) {
 
 std::string inputs_table(const v1::Case& input) {
   const v1::Alloy& alloy = input.alloy();
-  std::string rows;
-  rows += row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
-              "from a stress-free shell: what happened before leaves no curl");
-  rows += row("Coherency", coherency_text(alloy),
-              "below it the mush transmits stress; solidus " + fixed(alloy.solidus_c(), 0) +
-                  ", liquidus " + fixed(alloy.liquidus_c(), 0) + " °C");
-  rows +=
-      row("Alloy card", html_escaped(alloy.card()) + " (" + html_escaped(alloy.provenance()) + ")",
-          html_escaped(alloy.description()));
-  rows += row("Half width", fixed(1e3 * input.section().half_width_m(), 0) + " mm");
-  rows += element_row(input.mesh().element());
-  rows +=
-      row("Algorithm", html_escaped(v1::Mechanics::Algorithm_Name(input.mechanics().algorithm())));
+  const std::string rows =
+      row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
+          "from a stress-free shell: what happened before leaves no curl") +
+      row("Coherency", coherency_text(alloy),
+          fmt::format("below it the mush transmits stress; solidus {}, liquidus {} °C",
+                      fixed(alloy.solidus_c(), 0), fixed(alloy.liquidus_c(), 0))) +
+      row("Alloy card", html_escaped(alloy.card() + " (" + alloy.provenance() + ")"),
+          html_escaped(alloy.description())) +
+      row("Half width", mm(input.section().half_width_m(), 0) + " mm") +
+      element_row(input.mesh().element()) +
+      row("Algorithm", v1::Mechanics::Algorithm_Name(input.mechanics().algorithm()));
   return card("What the result rests on",
-              "<table>" + rows +
-                  "</table><details><summary>The whole case, with all defaults</summary><pre>" +
-                  html_escaped(readable_toml(input)) + "</pre></details>");
+              element("table", rows) +
+                  "<details><summary>The whole case, with all defaults</summary>" +
+                  element("pre", html_escaped(readable_toml(input))) + "</details>");
 }
-
-}  // namespace
-
-std::string run_part(const v1::Job& job, const v1::QueryResultResponse& result,
-                     const CurlHistory& history) {
-  return checks_table(result, history) + run_table(job, result) +
-         (result.has_case_() ? inputs_table(result.case_()) : "");
-}
-
-namespace {
 
 /// The sentence at the top of the page of a job that failed, unless validity_banner() names the
 /// cause.
 std::string failure_banner(const v1::Job& job) {
   if (!job.has_failure() || job.has_validity_loss()) return {};
-  return "<p class='invalid'>The run failed: " + html_escaped(failure_text(job.failure())) + "</p>";
+  return element("p class='invalid'",
+                 "The run failed: " + html_escaped(failure_text(job.failure())));
 }
 
 /// The sentence at the top of a page with figures beyond validity.
@@ -302,8 +276,9 @@ std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
   const std::string loss = job.has_validity_loss() ? validity_text(job.validity_loss())
                                                    : std::string(beyond_validity) + " from " +
                                                          fixed(history.time_s[*first], 2) + " s on";
-  return "<p class='invalid'>This run is " + html_escaped(loss) +
-         ". Figures after that time are marked; they are not valid.</p>";
+  return element("p class='invalid'",
+                 "This run is " + html_escaped(loss) +
+                     ". Figures after that time are marked; they are not valid.");
 }
 
 /// "1 danger, 2 warnings" beside the state.
@@ -317,9 +292,11 @@ std::string findings_mark(const v1::Job& job) {
 }
 
 std::string page_header(const v1::Job& job, const std::string& title) {
-  return "<header><p class='kicker'>dccast report · job " + html_escaped(job.id().substr(0, 8)) +
-         " · <span class='state " + state_text(job.state()) + "'>" + state_text(job.state()) +
-         "</span>" + findings_mark(job) + "</p>" + element("h1", title) + "</header>";
+  return fmt::format(
+      "<p class='kicker'>dccast report · job {} · <span class='state "
+      "{}'>{}</span>{}</p><h1>{}</h1>",
+      html_escaped(job.id().substr(0, 8)), state_text(job.state()), state_text(job.state()),
+      findings_mark(job), title);
 }
 
 /// The part for the plant, on one sheet of paper.
@@ -335,9 +312,10 @@ std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& resul
 /// The histories of the run.
 std::string details(const v1::QueryResultResponse& result, const CurlHistory& history,
                     const Study& study) {
-  return "<div class='sheet'><div class='cards'>" + curl_figure(history, result, study, true) +
-         recipe_charts(result) + history_part(result) + bottom_part(result, history) +
-         "</div></div>";
+  return element("div class='sheet'",
+                 element("div class='cards'", curl_figure(history, result, study, true) +
+                                                  recipe_charts(result) + history_part(result) +
+                                                  bottom_part(result, history)));
 }
 
 /// What is known of the discretisation: of the study, else of the quality that the case follows.
@@ -349,13 +327,41 @@ std::string discretisation_part(const v1::Job& job, const v1::QueryResultRespons
   return study_part(study, job);
 }
 
-/// The evidence behind the figures.
+/// The evidence behind the figures: the error, the checks of the run, its progress, its
+/// assumptions, and the whole case.
 std::string evidence(const v1::Job& job, const v1::QueryResultResponse& result,
                      const CurlHistory& history, const Study& study) {
-  const std::string of_the_study =
-      history.monitors.empty() ? "" : discretisation_part(job, result, study);
-  return "<div class='evidence'>" + of_the_study + "<div class='cards'>" +
-         run_part(job, result, history) + "</div></div>";
+  return element("div class='evidence'",
+                 (history.monitors.empty() ? "" : discretisation_part(job, result, study)) +
+                     element("div class='cards'",
+                             checks_table(result, history) + run_table(job, result) +
+                                 (result.has_case_() ? inputs_table(result.case_()) : "")));
+}
+
+/// The result with the last frame; without it if there is none, if it is too large for a response,
+/// or if the stored results cannot be read.
+v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
+                                  std::ostream& notes) {
+  v1::QueryResultResponse result;
+  const grpc::Status status = try_query_result(connection, id, true, result);
+  if (status.ok()) return result;
+  notes << "dccast: " << status.error_message()
+        << "; the report goes without a picture of the slab\n";
+  return query_result(connection, id);
+}
+
+/// As many frames as keep the page small enough to be passed on: half a megabyte.
+FrameSeries frames_for_slider(Connection& connection, const std::string& id,
+                              const v1::QueryResultResponse& result) {
+  constexpr int most_frames = 25;
+  constexpr double most_bytes = 500e3;
+  if (!result.has_frame()) return {};
+  // The slab grows: a frame has half the last one's nodes on average, and of a quarter slab it is
+  // the surface that counts. Eleven characters a node.
+  const double nodes = result.frame().temperature_c_size();
+  const double seen = result.frame().dimension() == 3 ? 6.0 * std::pow(nodes, 2.0 / 3.0) : nodes;
+  const int fitting = static_cast<int>(most_bytes / (0.5 * 11.0 * seen + 1.0));
+  return fetch_frames(connection, id, result, std::clamp(fitting, 2, most_frames));
 }
 
 }  // namespace
@@ -364,13 +370,15 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
                         const Study& study, const FrameSeries& series) {
   const CurlHistory history = curl_history(job, result);
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
-  const std::string body = page_header(job, title) +
-                           first_sheet(job, result, history, study, series) +
-                           details(result, history, study) + evidence(job, result, history, study);
-  return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-         "content='width=device-width, initial-scale=1'><title>" +
-         title + "</title><style>" + report_style + "</style></head><body><main>" + body +
-         "</main></body></html>\n";
+  return whole_page(title, page_header(job, title),
+                    first_sheet(job, result, history, study, series) +
+                        details(result, history, study) + evidence(job, result, history, study));
+}
+
+std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes) {
+  const v1::QueryResultResponse result = result_of(connection, job.id(), notes);
+  return report_page(job, result, study_around(connection, job),
+                     frames_for_slider(connection, job.id(), result));
 }
 
 }  // namespace dccast::client::render

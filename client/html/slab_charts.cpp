@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <vector>
+#include <set>
+
+#include <fmt/core.h>
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
@@ -26,7 +28,7 @@ struct Bottom {
 };
 
 bool has_bottom(const v1::Frame& frame) {
-  return consistent_3d(frame) && frame.bottom_node_size() > 2 &&
+  return is_consistent(frame, 3) && frame.bottom_node_size() > 2 &&
          frame.bottom_gap_m_size() == frame.bottom_node_size() &&
          std::ranges::all_of(frame.bottom_node(), [&](int node) {
            return node >= 0 && node < frame.temperature_c_size();
@@ -35,23 +37,18 @@ bool has_bottom(const v1::Frame& frame) {
 
 Bottom bottom_of(const v1::Frame& frame) {
   Bottom found;
-  std::map<int, double> gap;
-  for (int i = 0; i < frame.bottom_node_size(); ++i)
-    gap[frame.bottom_node(i)] = 1e3 * frame.bottom_gap_m(i);
   for (const Vector3& p : places_of(frame, 0.0)) found.place.push_back({p[0], p[1]});
   found.gap_mm.resize(found.place.size());
-  for (const auto& [node, value] : gap) {
-    found.gap_mm[static_cast<std::size_t>(node)] = value;
-    found.width = std::max(found.width, found.place[static_cast<std::size_t>(node)].x);
-    found.depth = std::max(found.depth, found.place[static_cast<std::size_t>(node)].y);
+  for (int i = 0; i < frame.bottom_node_size(); ++i) {
+    const auto node = static_cast<std::size_t>(frame.bottom_node(i));
+    found.gap_mm[node] = 1e3 * frame.bottom_gap_m(i);
+    found.width = std::max(found.width, found.place[node].x);
+    found.depth = std::max(found.depth, found.place[node].y);
   }
-  for (const SurfaceFace& face : surface_of(frame)) {
-    if (face.normal[2] > -0.5 ||
-        !std::ranges::all_of(face.node, [&](int node) { return gap.contains(node); }))
-      continue;
-    for (std::size_t i = 1; i + 1 < face.node.size(); ++i)
-      found.triangles.push_back({face.node[0], face.node[i], face.node[i + 1]});
-  }
+  const std::set<int> nodes(frame.bottom_node().begin(), frame.bottom_node().end());
+  for (const SurfaceFace& face : facing(surface_of(frame), {0.0, 0.0, -1.0}, 0.5))
+    if (std::ranges::all_of(face.node, [&](int node) { return nodes.contains(node); }))
+      add_triangles(face.node, found.triangles);
   return found;
 }
 
@@ -64,7 +61,7 @@ struct Plan {
 };
 
 std::string text_of(const Point& p) {
-  return fixed(p.x, 1) + " " + fixed(p.y, 1);
+  return fmt::format("{:.1f} {:.1f}", p.x, p.y);
 }
 
 std::string fill(const Bottom& found, const Plan& plan, const ColourBands& bands) {
@@ -72,14 +69,15 @@ std::string fill(const Bottom& found, const Plan& plan, const ColourBands& bands
   for (const auto& t : found.triangles)
     for (const BandPiece& piece :
          band_pieces({plan(found.place[t[0]]), plan(found.place[t[1]]), plan(found.place[t[2]])},
-                     {found.gap_mm[t[0]], found.gap_mm[t[1]], found.gap_mm[t[2]]}, bands))
-      for (std::size_t k = 0; k < piece.outline.size(); ++k)
-        path[piece.band] += (k == 0 ? "M" : "L") + text_of(piece.outline[k]) +
-                            (k + 1 == piece.outline.size() ? "z" : "");
+                     {found.gap_mm[t[0]], found.gap_mm[t[1]], found.gap_mm[t[2]]}, bands)) {
+      const char* pen = "M";
+      for (const Point& p : piece.outline) path[piece.band] += std::exchange(pen, "L") + text_of(p);
+      path[piece.band] += "z";
+    }
   std::string svg;
   for (const auto& [band, d] : path)
-    svg += "<path fill='" + bands.colour(band) + "' stroke='" + bands.colour(band) +
-           "' stroke-width='.5' d='" + d + "'/>";
+    svg += fmt::format("<path fill='{0}' stroke='{0}' stroke-width='.5' d='{1}'/>",
+                       bands.colour(band), d);
   return svg;
 }
 
@@ -92,7 +90,7 @@ std::string lines(const Bottom& found, const Plan& plan, const ColourBands& band
     for (const Segment& s : isotherm(found.place, found.gap_mm, found.triangles, level))
       path += "M" + text_of(plan(s[0])) + "L" + text_of(plan(s[1]));
     svg +=
-        "<path class='isotherm' d='" + path + "'><title>" + fixed(level, 1) + " mm</title></path>";
+        fmt::format("<path class='isotherm' d='{}'><title>{:.1f} mm</title></path>", path, level);
   }
   return svg;
 }
@@ -107,31 +105,29 @@ std::string contacts(const v1::Frame& frame, const Bottom& found, const Plan& pl
     if (!(pressure > 0.0)) continue;
     ++count;
     const Point at = plan(found.place[static_cast<std::size_t>(frame.bottom_node(i))]);
-    svg += "<circle class='contact' cx='" + fixed(at.x, 1) + "' cy='" + fixed(at.y, 1) + "' r='" +
-           fixed(3.0 + 4.0 * std::sqrt(pressure / greatest), 1) + "'><title>" +
-           fixed(1e-3 * pressure, 1) + " kPa</title></circle>";
+    svg += fmt::format(
+        "<circle class='contact' cx='{:.1f}' cy='{:.1f}' r='{:.1f}'><title>{:.1f} "
+        "kPa</title></circle>",
+        at.x, at.y, 3.0 + 4.0 * std::sqrt(pressure / greatest), 1e-3 * pressure);
   }
   return svg;
 }
 
 std::string axes(const Bottom& found, const Plan& plan) {
-  std::string svg = "<rect class='deformed' x='" + fixed(left, 1) + "' y='" + fixed(top, 1) +
-                    "' width='" + fixed(found.width * plan.scale, 1) + "' height='" +
-                    fixed(plan.height, 1) + "'/>";
-  const double foot = top + plan.height;
+  const double wide = found.width * plan.scale, foot = top + plan.height;
+  std::string svg = svg_box("class='deformed'", left, top, wide, plan.height);
   for (const double tick : round_ticks(0.0, 1e3 * found.width, 6))
     if (tick <= 1e3 * found.width + 1e-6)
-      svg += "<text class='tick' text-anchor='middle' x='" + fixed(plan({tick / 1e3, 0.0}).x, 1) +
-             "' y='" + fixed(foot + 17, 1) + "'>" + fixed(tick, 0) + "</text>";
+      svg += svg_text("class='tick' text-anchor='middle'", plan({tick / 1e3, 0.0}).x, foot + 17,
+                      fixed(tick, 0));
   for (const double tick : round_ticks(0.0, 1e3 * found.depth, 3))
     if (tick <= 1e3 * found.depth + 1e-6)
-      svg += "<text class='tick' text-anchor='end' x='" + fixed(left - 7, 1) + "' y='" +
-             fixed(plan({0.0, tick / 1e3}).y + 4, 1) + "'>" + fixed(tick, 0) + "</text>";
-  return svg + "<text class='label' text-anchor='middle' x='" +
-         fixed(left + found.width * plan.scale / 2, 1) + "' y='" + fixed(foot + 37, 1) +
-         "'>x along the wide face, mm</text><text class='label' text-anchor='middle' "
-         "transform='translate(14 " +
-         fixed(top + plan.height / 2, 1) + ") rotate(-90)'>y, mm</text>";
+      svg += svg_text("class='tick' text-anchor='end'", left - 7, plan({0.0, tick / 1e3}).y + 4,
+                      fixed(tick, 0));
+  return svg +
+         svg_text("class='label' text-anchor='middle'", left + wide / 2, foot + 37,
+                  "x along the wide face, mm") +
+         svg_name_upwards(top + plan.height / 2, "y, mm");
 }
 
 }  // namespace
@@ -155,10 +151,11 @@ GapMap draw_gap_map(const v1::Frame& frame) {
   const ColourBands bands{least, std::max(greatest, least + 1e-3)};
   const double scale = std::min(drawing_width / found.width, drawing_width / found.depth);
   const Plan plan{scale, found.depth * scale};
-  map.svg = "<svg class='map' viewBox='0 0 " + fixed(left + found.width * scale + right, 0) + " " +
-            fixed(top + plan.height + bottom, 0) +
-            "' role='img' aria-label='Gap under the butt in plan'>" + fill(found, plan, bands) +
-            lines(found, plan, bands) + axes(found, plan) +
+  map.svg = fmt::format(
+                "<svg class='map' viewBox='0 0 {:.0f} {:.0f}' role='img' aria-label='Gap under the "
+                "butt in plan'>",
+                left + found.width * scale + right, top + plan.height + bottom) +
+            fill(found, plan, bands) + lines(found, plan, bands) + axes(found, plan) +
             contacts(frame, found, plan, map.contacts) +
             colour_bar(bands, "mm", left + found.width * scale + 18, top, plan.height) + "</svg>";
   return map;
@@ -177,8 +174,7 @@ using Triangles = std::vector<std::array<int, 3>>;
 Triangles wide_face(const v1::Frame& frame) {
   Triangles triangles;
   for (const SurfaceFace& face : facing(surface_of(frame), {0.0, 1.0, 0.0}, 0.7))
-    for (std::size_t i = 1; i + 1 < face.node.size(); ++i)
-      triangles.push_back({face.node[0], face.node[i], face.node[i + 1]});
+    add_triangles(face.node, triangles);
   return triangles;
 }
 
@@ -234,21 +230,21 @@ std::string cells(const PullIn& p) {
                         std::ranges::lower_bound(p.x_m, p.x_m.back() / 2) - p.x_m.begin());
   std::string html;
   for (const std::size_t i : {std::size_t{0}, std::min(half, last), last})
-    html += "<td>" + fixed(1e3 * p.half_thickness_m[i], 1) + "</td><td>" +
-            fixed(1e3 * p.pull_in_m(i), 1) + "</td><td>" + fixed(p.percent(i), 1) + "</td>";
+    html += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td>",
+                        1e3 * p.half_thickness_m[i], 1e3 * p.pull_in_m(i), p.percent(i));
   return html;
 }
 
 }  // namespace
 
 std::vector<PullIn> pull_in_profiles(const v1::Frame& frame) {
-  if (!consistent_3d(frame) || frame.displacement_m_size() != frame.node_m_size()) return {};
+  if (!is_consistent(frame, 3) || frame.displacement_m_size() != frame.node_m_size()) return {};
   const Triangles face = wide_face(frame);
   if (face.empty()) return {};
   const auto [lowest, high] = solid_range(frame, face);
   if (!(high > lowest)) return {};
   const double low = std::clamp(frames::butt_height_m, lowest, high);
-  //     // At the height of the topmost node no edge would be cut: use a height just below it.
+  // At the height of the topmost node no edge would be cut: use a height just below it.
   const double head = high - 1e-9 * (high - low);
   std::vector<PullIn> profiles{profile_at(frame, face, head, "head"),
                                profile_at(frame, face, (low + high) / 2, "middle"),
@@ -259,10 +255,10 @@ std::vector<PullIn> pull_in_profiles(const v1::Frame& frame) {
 }
 
 std::string pull_in_chart(const std::vector<PullIn>& profiles) {
-  Chart chart;
-  chart.title = "Pull-in along the wide face";
-  chart.x_label = "distance from the middle of the wide face, mm";
-  chart.y_label = "pull-in, mm";
+  Chart chart{"Pull-in along the wide face",
+              "distance from the middle of the wide face, mm",
+              "pull-in, mm",
+              {}};
   for (const PullIn& p : profiles) {
     ChartLine line{p.name + ", " + fixed(1e3 * p.height_m, 0) + " mm", {}, {}};
     for (std::size_t i = 0; i < p.x_m.size(); ++i) {
@@ -278,8 +274,8 @@ std::string pull_in_table(const std::vector<PullIn>& profiles) {
   if (profiles.empty()) return {};
   std::string rows;
   for (const PullIn& p : profiles)
-    rows += "<tr><td>" + p.name + "</td><td>" + fixed(1e3 * p.height_m, 0) + "</td><td>" +
-            fixed(1e3 * p.mould_m.front(), 1) + "</td>" + cells(p) + "</tr>";
+    rows += fmt::format("<tr><td>{}</td><td>{:.0f}</td><td>{:.1f}</td>{}</tr>", p.name,
+                        1e3 * p.height_m, 1e3 * p.mould_m.front(), cells(p));
   return "<div class='scroll'><table class='figures pull-in'><thead><tr><th rowspan='2'></th>"
          "<th rowspan='2'>height, mm</th><th rowspan='2'>mould, mm</th>"
          "<th colspan='3'>middle of the face</th><th colspan='3'>half way</th>"

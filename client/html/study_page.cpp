@@ -1,14 +1,11 @@
-#include "client/html/study_page.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <vector>
+
+#include <fmt/core.h>
 
 #include "client/html/html_parts.hpp"
-#include "client/html/report_style.hpp"
-#include "client/html/svg_chart.hpp"
-#include "client/model/effects.hpp"
+#include "client/html/pages.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
@@ -24,6 +21,9 @@ struct Scale {
   std::string unit;     ///< as the runs have it; empty where they differ
   double factor = 1.0;  ///< from SI
   double offset = 0.0;
+
+  double drawn(double number) const { return factor * number + offset; }
+  std::string label() const { return unit.empty() ? key : key + ", " + unit; }
 };
 
 /// The unit in "40 mm/min"; empty when there is none.
@@ -34,14 +34,6 @@ std::string unit_in(const std::string& value) {
   return begin == std::string::npos ? std::string() : value.substr(begin);
 }
 
-double number_in(const std::string& value) {
-  try {
-    return std::stod(value);
-  } catch (const std::exception&) {
-    return std::nan("");
-  }
-}
-
 /// A key whose values are all numbers in one unit, or in SI.
 Scale scale_of(const v1::StudyResult& result, int axis) {
   Scale scale{result.study().sweep().axes(axis).key(), {}, 1.0, 0.0};
@@ -49,7 +41,7 @@ Scale scale_of(const v1::StudyResult& result, int axis) {
   for (const v1::StudyRun& run : result.runs()) {
     if (seen.empty()) scale.unit = unit_in(run.values(axis));
     if (unit_in(run.values(axis)) != scale.unit) return {scale.key, "SI", 1.0, 0.0};
-    const std::pair pair(run.numbers(axis), number_in(run.values(axis)));
+    const std::pair pair(run.numbers(axis), leading_number(run.values(axis)));
     if (seen.size() < 2 && (seen.empty() || seen[0].first != pair.first)) seen.push_back(pair);
   }
   if (seen.size() < 2) return scale;
@@ -59,25 +51,16 @@ Scale scale_of(const v1::StudyResult& result, int axis) {
 }
 
 bool is_numeric(const v1::StudyResult& result, int axis) {
-  return std::all_of(result.runs().begin(), result.runs().end(), [axis](const v1::StudyRun& run) {
+  return std::ranges::all_of(result.runs(), [axis](const v1::StudyRun& run) {
     return axis < run.numbers_size() && std::isfinite(run.numbers(axis));
   });
 }
 
-std::string label_of(const Scale& scale) {
-  return scale.unit.empty() ? scale.key : scale.key + ", " + scale.unit;
-}
-
-double drawn(const Scale& scale, double number) {
-  return scale.factor * number + scale.offset;
-}
-
 /// The values of all keys but one, which part the runs into lines.
 std::string others_of(const v1::StudyRun& run, int axis) {
-  std::string text;
-  for (int i = 0; i < run.values_size(); ++i)
-    if (i != axis) text += (text.empty() ? "" : ", ") + run.values(i);
-  return text;
+  std::vector<std::string> values(run.values().begin(), run.values().end());
+  if (axis < run.values_size()) values.erase(values.begin() + axis);
+  return joined(values);
 }
 
 bool has_curl(const v1::StudyRun& run, int monitor) {
@@ -90,7 +73,7 @@ std::vector<ChartLine> lines_of(const v1::StudyResult& result, int axis, int mon
   std::map<std::string, std::vector<std::pair<double, double>>> points;
   for (const v1::StudyRun& run : result.runs())
     if (has_curl(run, monitor))
-      points[others_of(run, axis)].emplace_back(drawn(scale, run.numbers(axis)),
+      points[others_of(run, axis)].emplace_back(scale.drawn(run.numbers(axis)),
                                                 1e3 * run.end_curl_m(monitor));
   std::vector<ChartLine> lines;
   for (auto& [name, line_points] : points) {
@@ -105,17 +88,12 @@ std::vector<ChartLine> lines_of(const v1::StudyResult& result, int axis, int mon
   return lines;
 }
 
-std::string figure(const std::string& svg, const std::string& caption) {
-  return "<section class='card'><figure>" + svg + "<figcaption><strong>" + html_escaped(caption) +
-         "</strong></figcaption></figure></section>";
-}
-
 /// Colour of a share 0 to 1: from blue over white to red.
 std::string colour(double share) {
   const double away = 2.0 * share - 1.0;
   const int faint = static_cast<int>(235.0 * (1.0 - std::abs(away)));
-  return away < 0.0 ? "rgb(" + std::to_string(faint) + "," + std::to_string(faint) + ",200)"
-                    : "rgb(200," + std::to_string(faint) + "," + std::to_string(faint) + ")";
+  return away < 0.0 ? fmt::format("rgb({0},{0},200)", faint)
+                    : fmt::format("rgb(200,{0},{0})", faint);
 }
 
 /// Dots on two axes, coloured by the curl of a monitor.
@@ -137,10 +115,21 @@ public:
   bool empty() const { return dots_.size() < 2; }
 
   std::string svg() const {
-    std::string text = "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>";
-    text += ticks() + circles();
-    text += label(300, 352, "middle", x_label_) + label(6, 14, "start", y_label_);
-    return text + "</svg>";
+    std::string text =
+        "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>"
+        "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
+    for (const double x : {x_.first, x_.second})
+      text += svg_text("class='label' text-anchor='middle'", left(x), 334, short_number(x));
+    for (const double y : {y_.first, y_.second})
+      text += svg_text("class='label' text-anchor='end'", 58, top(y) + 4, short_number(y));
+    for (const Dot& dot : dots_)
+      text += fmt::format(
+          "<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' stroke='{}' stroke-width='.7' fill='{}'>"
+          "<title>{:.3f} mm</title></circle>",
+          left(dot.x), top(dot.y), radius(), dot.beyond ? "var(--bad)" : "var(--soft)",
+          colour(share(dot.curl_mm, curl_)), dot.curl_mm);
+    return text + svg_text("class='label' text-anchor='middle'", 300, 352, x_label_) +
+           svg_text("class='label' text-anchor='start'", 6, 14, y_label_) + "</svg>";
   }
 
   std::string range_text() const {
@@ -165,31 +154,8 @@ private:
   /// A thousand dots must be distinguishable too.
   double radius() const { return std::clamp(50.0 / std::sqrt(double(dots_.size())), 2.0, 7.0); }
 
-  static std::string label(double x, double y, const std::string& anchor, const std::string& text) {
-    return "<text class='label' x='" + fixed(x, 1) + "' y='" + fixed(y, 1) + "' text-anchor='" +
-           anchor + "'>" + html_escaped(text) + "</text>";
-  }
-
-  std::string ticks() const {
-    std::string text;
-    for (const double x : {x_.first, x_.second})
-      text += label(left(x), 334, "middle", case_file::number_text(rounded(x)));
-    for (const double y : {y_.first, y_.second})
-      text += label(58, top(y) + 4, "end", case_file::number_text(rounded(y)));
-    return text + "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
-  }
-
-  static double rounded(double value) { return std::stod(fixed(value, 4)); }
-
-  std::string circles() const {
-    std::string text;
-    const std::string size = fixed(radius(), 1);
-    for (const Dot& dot : dots_)
-      text += "<circle cx='" + fixed(left(dot.x), 1) + "' cy='" + fixed(top(dot.y), 1) + "' r='" +
-              size + "' stroke='" + (dot.beyond ? "var(--bad)" : "var(--soft)") +
-              "' stroke-width='.7' fill='" + colour(share(dot.curl_mm, curl_)) + "'><title>" +
-              fixed(dot.curl_mm, 3) + " mm</title></circle>";
-    return text;
+  static std::string short_number(double value) {
+    return case_file::number_text(std::stod(fixed(value, 4)));
   }
 
   std::string x_label_, y_label_;
@@ -203,9 +169,9 @@ Scatter over_keys(const v1::StudyResult& result, int first, int second, int moni
   std::vector<Scatter::Dot> dots;
   for (const v1::StudyRun& run : result.runs())
     if (has_curl(run, monitor))
-      dots.push_back({drawn(x, run.numbers(first)), drawn(y, run.numbers(second)),
+      dots.push_back({x.drawn(run.numbers(first)), y.drawn(run.numbers(second)),
                       1e3 * run.end_curl_m(monitor), run.beyond_validity()});
-  return {label_of(x), label_of(y), std::move(dots)};
+  return {x.label(), y.label(), std::move(dots)};
 }
 
 /// The curl of the runs against one key, whatever the others are.
@@ -215,31 +181,29 @@ Scatter curl_over_key(const v1::StudyResult& result, int axis, int monitor) {
   for (const v1::StudyRun& run : result.runs())
     if (has_curl(run, monitor)) {
       const double curl_mm = 1e3 * run.end_curl_m(monitor);
-      dots.push_back({drawn(x, run.numbers(axis)), curl_mm, curl_mm, run.beyond_validity()});
+      dots.push_back({x.drawn(run.numbers(axis)), curl_mm, curl_mm, run.beyond_validity()});
     }
-  return {label_of(x), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
+  return {x.label(), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
 }
 
 std::string chart_against(const v1::StudyResult& result, int axis, int monitor) {
   const Scale scale = scale_of(result, axis);
-  Chart chart{"Curl at the end against " + scale.key, label_of(scale), "curl, mm", {}};
-  chart.lines = lines_of(result, axis, monitor, scale);
+  Chart chart{"Curl at the end against " + scale.key, scale.label(), "curl, mm", {}};
   const bool one_key = result.study().sweep().axes_size() == 1;
-  if (one_key) {
-    chart.lines.clear();
-    for (int m = 0; m < result.monitors_size(); ++m)
+  for (int m = 0; m < result.monitors_size(); ++m)
+    if (one_key || m == monitor)
       for (ChartLine& line : lines_of(result, axis, m, scale))
         chart.lines.push_back(std::move(line));
-  }
-  const bool has_points = std::any_of(chart.lines.begin(), chart.lines.end(),
-                                      [](const ChartLine& line) { return line.x.size() > 1; });
+  const bool has_points =
+      std::ranges::any_of(chart.lines, [](const ChartLine& line) { return line.x.size() > 1; });
   if (!has_points || chart.lines.size() > most_lines) {
     const Scatter scatter = curl_over_key(result, axis, monitor);
     if (scatter.empty()) return {};
-    return figure(scatter.svg(), "Curl of " + result.monitors(monitor) + " at the end against " +
-                                     scale.key + ", a dot for each run");
+    return named_picture(scatter.svg(), "Curl of " + result.monitors(monitor) +
+                                            " at the end against " + scale.key +
+                                            ", a dot for each run");
   }
-  return figure(
+  return named_picture(
       svg_chart(chart),
       (one_key ? "Curl at the end" : "Curl of " + result.monitors(monitor) + " at the end") +
           " against " + scale.key);
@@ -257,38 +221,19 @@ std::string charts(const v1::StudyResult& result) {
     for (std::size_t k = i + 1; k < numeric.size(); ++k) {
       const Scatter scatter = over_keys(result, numeric[i], numeric[k], monitor);
       if (scatter.empty()) continue;
-      html += figure(scatter.svg(), "Curl of " + result.monitors(monitor) +
-                                        " at the end: " + scatter.range_text());
+      html += named_picture(scatter.svg(), "Curl of " + result.monitors(monitor) +
+                                               " at the end: " + scatter.range_text());
     }
   return "<div class='pair'>" + html + "</div>";
 }
 
-}  // namespace
-
-std::string study_page(const v1::Study& study, const std::string& kind, const std::string& note,
-                       const std::string& body) {
-  return "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-         "content='width=device-width,initial-scale=1'><title>" +
-         html_escaped(study.title()) + "</title><style>" + report_style +
-         "</style></head><body><main><header><p class='kicker'>" + kind + " " +
-         html_escaped(study.id()) + "</p><h1>" + html_escaped(study.title()) +
-         "</h1><p class='note'>" + html_escaped(note) + "</p></header>" + body +
-         "</main></body></html>\n";
+std::string table_card(const std::string& title, const std::string& table) {
+  return table.empty() ? "" : card(title, element("pre", html_escaped(table)));
 }
 
-std::string sweep_page(const v1::StudyResult& result) {
-  const v1::Study& study = result.study();
-  return study_page(study, "Study", plan_text(study) + "; " + progress_text(study),
-                    charts(result) + "<section class='card'><h2>Runs</h2><pre>" +
-                        html_escaped(sweep_table(result)) + "</pre></section>");
-}
-
-namespace {
-
-std::vector<double> in_mm(const std::vector<double>& metres) {
-  std::vector<double> scaled;
-  for (const double value : metres) scaled.push_back(1e3 * value);
-  return scaled;
+std::vector<double> in_mm(std::vector<double> metres) {
+  for (double& value : metres) value *= 1e3;
+  return metres;
 }
 
 using Along = std::vector<double> frames::SteadyFace::*;
@@ -311,17 +256,25 @@ std::string chart_of(const MouldDesign& design, const std::string& title, Along 
   if (with_tolerance)
     chart.wanted = Chart::Wanted{1e3 * (design.wanted_m - tolerance),
                                  1e3 * (design.wanted_m + tolerance), "wanted"};
-  return "<section class='card'><figure>" + svg_chart(chart) + "<figcaption><strong>" +
-         html_escaped(title) + "</strong></figcaption></figure></section>";
-}
-
-std::string table_card(const std::string& title, const std::string& table) {
-  if (table.empty()) return {};
-  return "<section class='card'><h2>" + title + "</h2><pre>" + html_escaped(table) +
-         "</pre></section>";
+  return named_picture(svg_chart(chart), title);
 }
 
 }  // namespace
+
+std::string study_page(const v1::Study& study, const std::string& kind, const std::string& note,
+                       const std::string& body) {
+  const std::string title = html_escaped(study.title());
+  return whole_page(title,
+                    element("p class='kicker'", kind + " " + html_escaped(study.id())) +
+                        element("h1", title) + element("p class='note'", html_escaped(note)),
+                    body);
+}
+
+std::string sweep_page(const v1::StudyResult& result) {
+  const v1::Study& study = result.study();
+  return study_page(study, "Study", plan_text(study) + "; " + progress_text(study),
+                    charts(result) + table_card("Runs", sweep_table(result)));
+}
 
 std::string mould_page(const MouldDesign& design) {
   const v1::Study& study = design.result.study();

@@ -1,8 +1,8 @@
-#include "client/html/study_part.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "client/html/html_parts.hpp"
+#include "client/html/report_parts.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/study_text.hpp"
 #include "proto/values/interpolation.hpp"
@@ -28,40 +28,28 @@ void add_point(ChartBand& band, const CurveLimit& limit, std::size_t from, std::
   band.high.push_back(1e3 * high);
 }
 
-std::string row(const std::string& kind, const std::vector<std::string>& cells,
-                const std::string& cell = "td") {
-  std::string html = "<tr class='" + kind + "'>";
-  for (const std::string& text : cells)
-    html += "<" + cell + ">" + html_escaped(text) + "</" + cell + ">";
-  return html + "</tr>";
-}
-
 std::string table_of(const Study& study, const v1::Job& job) {
   std::vector<std::string> headings{"refinement", "nodes", "solver, s", "state"};
   for (const std::string& name : monitor_names(study)) headings.push_back(name + ", mm");
+  const auto row = [](const std::string& kind, const std::vector<std::string>& texts) {
+    return element("tr class='" + kind + "'", cells(texts));
+  };
   std::string rows;
-  const auto levels = level_rows(study);
+  auto levels = level_rows(study);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const bool is_this = study.levels[k].job.id() == job.id();
-    auto cells = levels[k];
-    if (is_this) cells[0] += ", this run";
-    rows += row(is_this ? "this" : "", cells);
+    if (is_this) levels[k][0] += ", this run";
+    rows += row(is_this ? "this" : "", levels[k]);
   }
   // In the order of limit_rows().
-  const std::vector<std::string> names{"observed order", "limit, mm", "uncertainty ±, mm",
-                                       "largest ± on the way, mm", "at time, s"};
-  const auto limits = limit_rows(study);
+  constexpr const char* names[] = {"observed order", "limit, mm", "uncertainty ±, mm",
+                                   "largest ± on the way, mm", "at time, s"};
+  auto limits = limit_rows(study);
   for (std::size_t k = 0; k < limits.size(); ++k) {
-    auto cells = limits[k];
-    cells[0] = names[k];
-    rows += row(k == 0 ? "first" : "", cells);
+    limits[k][0] = names[k];
+    rows += row(k == 0 ? "first" : "", limits[k]);
   }
-  return "<div class='scroll'><table class='figures'><thead>" + row("", headings, "th") +
-         "</thead><tbody>" + rows + "</tbody></table></div>";
-}
-
-std::string element_if_any(const std::string& note) {
-  return note.empty() ? note : "<p><strong>" + html_escaped(note) + ".</strong></p>";
+  return figures_table(element("tr class=''", cells(headings, "th")), rows);
 }
 
 /// Levels that do not count, and why.
@@ -79,16 +67,12 @@ std::string losses(const Study& study) {
 
 constexpr const char* explanation =
     "The same casting with cells and time steps divided by the refinement; curl at the end. The "
-    "order is "
-    "that of the whole history. The limit is extrapolated from the last three runs, with not more "
-    "than "
-    "first order, that of the time steps; its uncertainty is 1.25 times the distance that is left. "
-    "Where "
-    "runs are fewer or do not settle, the limit is the finest run and the uncertainty 1.25 times "
-    "the "
-    "largest difference so far. The ± beside a curl of this run is its distance to the limit and "
-    "the "
-    "limit's uncertainty together. Only discretisation: not the thermal data, not the material.";
+    "order is that of the whole history. The limit is extrapolated from the last three runs, with "
+    "not more than first order, that of the time steps; its uncertainty is 1.25 times the distance "
+    "that is left. Where runs are fewer or do not settle, the limit is the finest run and the "
+    "uncertainty 1.25 times the largest difference so far. The ± beside a curl of this run is its "
+    "distance to the limit and the limit's uncertainty together. Only discretisation: not the "
+    "thermal data, not the material.";
 
 std::string no_error_known(const Study& study, const v1::Job& job) {
   const std::string begin = "<p class='note'>How much of the curl is discretisation is not known: ";
@@ -131,9 +115,11 @@ ChartBand curl_band(const Study& study, const std::string& monitor, bool against
 
 std::string study_part(const Study& study, const v1::Job& job) {
   if (study.monitors.empty()) return no_error_known(study, job);
-  return "<section class='card'><h2>How much of it is discretisation</h2>" + table_of(study, job) +
-         losses(study) + element_if_any(validity_note(study)) + "<p>" + explanation +
-         "</p></section>";
+  const std::string note = validity_note(study);
+  return card("How much of it is discretisation",
+              table_of(study, job) + losses(study) +
+                  (note.empty() ? "" : "<p><strong>" + html_escaped(note) + ".</strong></p>") +
+                  element("p", explanation));
 }
 
 }  // namespace dccast::client::render

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <string_view>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "client/text/table.hpp"
 
@@ -14,31 +16,18 @@ namespace {
 // Of the view box; the page scales it.
 constexpr double width = 640, height = 320, left = 62, right = 16, top = 30, bottom = 46;
 constexpr double legend_row = 17;
-constexpr int line_colours = 6;
 
 struct Axis {
   std::vector<double> ticks;
-  double from, to;
-  double low() const { return from; }
-  double high() const { return to; }
+  double low, high;
+
+  double part(double value) const { return (value - low) / (high - low); }
+  std::string tick_text(double value) const {
+    const double step = ticks[1] - ticks[0];
+    const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+    return fixed(std::abs(value) < 1e-9 * step ? 0.0 : value, decimals);
+  }
 };
-
-std::vector<double> all_x(const Chart& chart) {
-  std::vector<double> values;
-  for (const ChartLine& line : chart.lines)
-    for (const auto* part : {&line.x, &line.band.x})
-      values.insert(values.end(), part->begin(), part->end());
-  return values;
-}
-
-std::vector<double> all_y(const Chart& chart) {
-  std::vector<double> values;
-  for (const ChartLine& line : chart.lines)
-    for (const auto* part : {&line.y, &line.band.low, &line.band.high})
-      values.insert(values.end(), part->begin(), part->end());
-  if (chart.wanted) values.insert(values.end(), {chart.wanted->low, chart.wanted->high});
-  return values;
-}
 
 Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -66,90 +55,98 @@ Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
   return {ticks, low, high};
 }
 
-double place_x(const Axis& axis, double x) {
-  return left + (x - axis.low()) / (axis.high() - axis.low()) * (width - left - right);
-}
-double place_y(const Axis& axis, double y) {
-  return height - bottom - (y - axis.low()) / (axis.high() - axis.low()) * (height - top - bottom);
+/// The axes of a chart, and where in the view box a value is.
+struct Plot {
+  Axis x_axis, y_axis;
+
+  double x(double value) const { return left + x_axis.part(value) * (width - left - right); }
+  double y(double value) const {
+    return height - bottom - y_axis.part(value) * (height - top - bottom);
+  }
+};
+
+Plot plot_of(const Chart& chart) {
+  std::vector<double> x, y;
+  const auto append = [](std::vector<double>& all, const std::vector<double>& values) {
+    all.insert(all.end(), values.begin(), values.end());
+  };
+  for (const ChartLine& line : chart.lines) {
+    for (const auto* part : {&line.x, &line.band.x}) append(x, *part);
+    for (const auto* part : {&line.y, &line.band.low, &line.band.high}) append(y, *part);
+  }
+  if (chart.wanted) append(y, {chart.wanted->low, chart.wanted->high});
+  return {axis_over(x, false, 7), axis_over(y, true, 5)};
 }
 
-std::string tick_text(double value, const Axis& axis) {
-  const double step = axis.ticks[1] - axis.ticks[0];
-  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-  return fixed(std::abs(value) < 1e-9 * step ? 0.0 : value, decimals);
-}
-
-std::string grid(const Axis& x, const Axis& y) {
+std::string grid(const Plot& plot) {
   std::string svg;
-  const std::string x0 = fixed(left, 1), x1 = fixed(width - right, 1);
-  for (const double tick : y.ticks) {
-    const std::string at = fixed(place_y(y, tick), 1);
-    svg += "<line class='" + std::string(tick == 0.0 ? "zero" : "grid") + "' x1='" + x0 + "' x2='" +
-           x1 + "' y1='" + at + "' y2='" + at + "'/><text class='tick' text-anchor='end' x='" +
-           fixed(left - 6, 1) + "' y='" + fixed(place_y(y, tick) + 4, 1) + "'>" +
-           tick_text(tick, y) + "</text>";
-  }
-  for (const double tick : x.ticks) {
-    const std::string at = fixed(place_x(x, tick), 1);
-    svg += "<line class='grid' x1='" + at + "' x2='" + at + "' y1='" + fixed(top, 1) + "' y2='" +
-           fixed(height - bottom, 1) + "'/><text class='tick' text-anchor='middle' x='" + at +
-           "' y='" + fixed(height - bottom + 17, 1) + "'>" + tick_text(tick, x) + "</text>";
-  }
+  for (const double tick : plot.y_axis.ticks)
+    svg += fmt::format("<line class='{}' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
+                       tick == 0.0 ? "zero" : "grid", left, width - right, plot.y(tick),
+                       plot.y(tick)) +
+           svg_text("class='tick' text-anchor='end'", left - 6, plot.y(tick) + 4,
+                    plot.y_axis.tick_text(tick));
+  for (const double tick : plot.x_axis.ticks)
+    svg += fmt::format("<line class='grid' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
+                       plot.x(tick), plot.x(tick), top, height - bottom) +
+           svg_text("class='tick' text-anchor='middle'", plot.x(tick), height - bottom + 17,
+                    plot.x_axis.tick_text(tick));
   return svg;
 }
 
-std::string path_of(const ChartLine& line, const Axis& x, const Axis& y) {
+std::string path_of(const std::vector<double>& x, const std::vector<double>& y, const Plot& plot) {
   std::string path;
   bool pen_down = false;
-  for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
-    const bool drawable = std::isfinite(line.x[i]) && std::isfinite(line.y[i]);
+  for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+    const bool drawable = std::isfinite(x[i]) && std::isfinite(y[i]);
     if (drawable)
-      path += (pen_down ? "L" : "M") + fixed(place_x(x, line.x[i]), 2) + " " +
-              fixed(place_y(y, line.y[i]), 2);
+      path += fmt::format("{}{:.2f} {:.2f}", pen_down ? "L" : "M", plot.x(x[i]), plot.y(y[i]));
     pen_down = drawable;
   }
   return path;
 }
 
+std::string colour_of_line(std::size_t number) {
+  constexpr std::size_t line_colours = 6;
+  return fmt::format("var(--line-{})", number % line_colours);
+}
+
 /// Shaded from low to high, with the middle dashed. Below all lines: it must not hide them.
-std::string band_of(const ChartLine& line, std::size_t number, const Axis& x, const Axis& y) {
+std::string band_of(const ChartLine& line, std::size_t number, const Plot& plot) {
   const ChartBand& band = line.band;
   if (band.x.empty()) return {};
-  ChartLine outline{"", band.x, band.high};
-  outline.x.insert(outline.x.end(), band.x.rbegin(), band.x.rend());
-  outline.y.insert(outline.y.end(), band.low.rbegin(), band.low.rend());
-  const std::string colour = "var(--line-" + std::to_string(number % line_colours) + ")";
-  return "<path class='band' style='fill:" + colour + "' d='" + path_of(outline, x, y) +
-         "Z'/><path class='middle' style='stroke:" + colour + "' d='" +
-         path_of({"", band.x, band.middle}, x, y) + "'><title>" + html_escaped(line.name) +
-         ", limit</title></path>";
+  std::vector<double> x = band.x, y = band.high;
+  x.insert(x.end(), band.x.rbegin(), band.x.rend());
+  y.insert(y.end(), band.low.rbegin(), band.low.rend());
+  const std::string colour = colour_of_line(number);
+  return fmt::format(
+      "<path class='band' style='fill:{}' d='{}Z'/>"
+      "<path class='middle' style='stroke:{}' d='{}'><title>{}, limit</title></path>",
+      colour, path_of(x, y, plot), colour, path_of(band.x, band.middle, plot),
+      html_escaped(line.name));
 }
 
 /// Behind everything else, with its name at the top of the region.
-std::string region_beyond(const Chart& chart, const Axis& x) {
+std::string region_beyond(const Chart& chart, const Plot& plot) {
   if (!chart.beyond_from) return {};
-  const double from = std::clamp(place_x(x, *chart.beyond_from), left, width - right);
-  return "<rect class='beyond' x='" + fixed(from, 1) + "' y='" + fixed(top, 1) + "' width='" +
-         fixed(width - right - from, 1) + "' height='" + fixed(height - top - bottom, 1) +
-         "'/><text class='tick' text-anchor='end' x='" + fixed(width - right - 4, 1) + "' y='" +
-         fixed(height - bottom - 6, 1) + "'>" + html_escaped(chart.beyond_name) + "</text>";
+  const double from = std::clamp(plot.x(*chart.beyond_from), left, width - right);
+  return svg_box("class='beyond'", from, top, width - right - from, height - top - bottom) +
+         svg_text("class='tick' text-anchor='end'", width - right - 4, height - bottom - 6,
+                  chart.beyond_name);
 }
 
 /// Dashed edges where the region has them, and its name under the upper one.
-std::string region_wanted(const Chart& chart, const Axis& y) {
+std::string region_wanted(const Chart& chart, const Plot& plot) {
   if (!chart.wanted) return {};
   const bool below = std::isfinite(chart.wanted->low), above = std::isfinite(chart.wanted->high);
-  const double foot = below ? place_y(y, chart.wanted->low) : height - bottom,
-               head = above ? place_y(y, chart.wanted->high) : top;
-  const std::string x0 = fixed(left, 1), x1 = fixed(width - right, 1);
-  std::string svg = "<rect class='wanted' x='" + x0 + "' y='" + fixed(head, 1) + "' width='" +
-                    fixed(width - right - left, 1) + "' height='" + fixed(foot - head, 1) + "'/>";
+  const double foot = below ? plot.y(chart.wanted->low) : height - bottom,
+               head = above ? plot.y(chart.wanted->high) : top;
+  std::string svg = svg_box("class='wanted'", left, head, width - right - left, foot - head);
   for (const auto& [drawn, at] : {std::pair{below, foot}, std::pair{above, head}})
     if (drawn)
-      svg += "<line class='edge' x1='" + x0 + "' x2='" + x1 + "' y1='" + fixed(at, 1) + "' y2='" +
-             fixed(at, 1) + "'/>";
-  return svg + "<text class='tick' x='" + fixed(left + 6, 1) + "' y='" + fixed(head + 14, 1) +
-         "'>" + html_escaped(chart.wanted->name) + "</text>";
+      svg += fmt::format("<line class='edge' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
+                         left, width - right, at, at);
+  return svg + svg_text("class='tick'", left + 6, head + 14, chart.wanted->name);
 }
 
 /// Names in as many rows as they need; the first is where a single one would be.
@@ -163,17 +160,17 @@ Legend legend(const Chart& chart) {
   if (chart.lines.size() < 2) return drawn;
   double at = left;
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
-    const double space = 36.0 + 7.4 * static_cast<double>(chart.lines[i].name.size());
+    const std::string& name = chart.lines[i].name;
+    const double space = 36.0 + 7.4 * static_cast<double>(name.size());
     if (at > left && at + space > width) {
       at = left;
       ++drawn.rows;
     }
     const double y = 14.0 + legend_row * (drawn.rows - 1);
-    drawn.svg += "<line x1='" + fixed(at, 1) + "' x2='" + fixed(at + 18, 1) + "' y1='" +
-                 fixed(y, 0) + "' y2='" + fixed(y, 0) + "' stroke='var(--line-" +
-                 std::to_string(i % line_colours) + ")' stroke-width='3'/><text class='tick' x='" +
-                 fixed(at + 23, 1) + "' y='" + fixed(y + 4, 0) + "'>" +
-                 html_escaped(chart.lines[i].name) + "</text>";
+    drawn.svg += fmt::format(
+        "<line x1='{:.1f}' x2='{:.1f}' y1='{:.0f}' y2='{:.0f}' stroke='{}' stroke-width='3'/>"
+        "<text class='tick' x='{:.1f}' y='{:.0f}'>{}</text>",
+        at, at + 18, y, y, colour_of_line(i), at + 23, y + 4, html_escaped(name));
     at += space;
   }
   return drawn;
@@ -182,27 +179,24 @@ Legend legend(const Chart& chart) {
 }  // namespace
 
 std::string html_escaped(const std::string& text) {
+  constexpr std::string_view special = "&<>\"'";
+  constexpr const char* names[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string escaped;
-  for (const char c : text) switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
+  for (const char c : text) {
+    const auto at = special.find(c);
+    escaped += at == special.npos ? std::string(1, c) : names[at];
+  }
   return escaped;
+}
+
+std::string svg_text(const std::string& attributes, double x, double y, const std::string& text) {
+  return fmt::format("<text {} x='{:.1f}' y='{:.1f}'>{}</text>", attributes, x, y,
+                     html_escaped(text));
+}
+
+std::string svg_box(const std::string& attributes, double x, double y, double wide, double high) {
+  return fmt::format("<rect {} x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}'/>", attributes,
+                     x, y, wide, high);
 }
 
 std::vector<double> round_ticks(double low, double high, int count) {
@@ -229,26 +223,31 @@ ChartBand band_around(const ChartLine& line, double share) {
 }
 
 std::string svg_chart(const Chart& chart) {
-  const Axis x = axis_over(all_x(chart), false, 7);
-  const Axis y = axis_over(all_y(chart), true, 5);
+  const Plot plot = plot_of(chart);
   const Legend names = legend(chart);
   const double above = legend_row * (names.rows - 1);  // further rows of names stand above the rest
-  std::string svg = "<svg class='chart' viewBox='0 " + fixed(above > 0.0 ? -above : 0.0, 0) +
-                    " 640 " + fixed(height + above, 0) + "' role='img' aria-label='" +
-                    html_escaped(chart.title) + "'>" + region_beyond(chart, x) +
-                    region_wanted(chart, y) + grid(x, y) + "<g transform='translate(0 " +
-                    fixed(above > 0.0 ? -above : 0.0, 0) + ")'>" + names.svg + "</g>";
-  for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, x, y);
-  for (std::size_t i = 0; i < chart.lines.size(); ++i)
-    svg += "<path class='line' style='stroke:var(--line-" + std::to_string(i % line_colours) +
-           ")' d='" + path_of(chart.lines[i], x, y) + "'><title>" +
-           html_escaped(chart.lines[i].name) + "</title></path>";
-  svg += "<text class='label' text-anchor='middle' x='" + fixed((left + width - right) / 2, 1) +
-         "' y='" + fixed(height - 8, 1) + "'>" + html_escaped(chart.x_label) +
-         "</text><text class='label' text-anchor='middle' transform='translate(14 " +
-         fixed((top + height - bottom) / 2, 1) + ") rotate(-90)'>" + html_escaped(chart.y_label) +
-         "</text></svg>";
-  return svg;
+  std::string svg =
+      fmt::format("<svg class='chart' viewBox='0 {:.0f} 640 {:.0f}' role='img' aria-label='{}'>",
+                  0.0 - above, height + above, html_escaped(chart.title)) +
+      region_beyond(chart, plot) + region_wanted(chart, plot) + grid(plot) +
+      fmt::format("<g transform='translate(0 {:.0f})'>{}</g>", 0.0 - above, names.svg);
+  for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, plot);
+  for (std::size_t i = 0; i < chart.lines.size(); ++i) {
+    const ChartLine& line = chart.lines[i];
+    svg += fmt::format("<path class='line' style='stroke:{}' d='{}'><title>{}</title></path>",
+                       colour_of_line(i), path_of(line.x, line.y, plot), html_escaped(line.name));
+  }
+  return svg +
+         svg_text("class='label' text-anchor='middle'", (left + width - right) / 2, height - 8,
+                  chart.x_label) +
+         svg_name_upwards((top + height - bottom) / 2, chart.y_label) + "</svg>";
+}
+
+std::string svg_name_upwards(double middle, const std::string& text) {
+  return fmt::format(
+      "<text class='label' text-anchor='middle' transform='translate(14 {:.1f}) "
+      "rotate(-90)'>{}</text>",
+      middle, html_escaped(text));
 }
 
 }  // namespace dccast::client::render

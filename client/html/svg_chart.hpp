@@ -55,4 +55,11 @@ std::vector<double> round_ticks(double low, double high, int count);
 /// Text with &, <, > and quotes made safe for HTML.
 std::string html_escaped(const std::string& text);
 
+/// Elements of a drawing, in units of the view box. @param attributes  "class='tick'"
+std::string svg_text(const std::string& attributes, double x, double y, const std::string& text);
+std::string svg_box(const std::string& attributes, double x, double y, double wide, double high);
+
+/// The name of a vertical axis, read upwards along the left edge about `middle`.
+std::string svg_name_upwards(double middle, const std::string& text);
+
 }  // namespace dccast::client::render

@@ -1,11 +1,12 @@
-#include "client/model/causes.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include <fmt/core.h>
+
+#include "client/model/comparison.hpp"
 
 namespace dccast::client {
 namespace {
@@ -61,19 +62,18 @@ constexpr std::array figures{
 };
 
 /// Both runs along the course, and the weight of each place.
-class Pair {
-public:
-  Pair(const Course& course, std::vector<double> first, std::vector<double> other)
-      : course_(course), first_(std::move(first)), other_(std::move(other)) {}
+struct Pair {
+  const Course& course;
+  std::vector<double> first, other;
 
-  std::size_t size() const { return first_.size(); }
+  std::size_t size() const { return first.size(); }
   double apart(std::size_t i) const {
-    const double d = other_[i] - first_[i];
+    const double d = other[i] - first[i];
     return std::isfinite(d) ? d : 0.0;
   }
   /// Half of the course on either side of a place [s] or [m].
   double weight(std::size_t i) const {
-    const auto& at = course_.at;
+    const auto& at = course.at;
     return 0.5 * (at[std::min(i + 1, at.size() - 1)] - at[i == 0 ? 0 : i - 1]);
   }
   /// Sum over places with their weights. @param term  (place)
@@ -91,17 +91,11 @@ public:
   /// Range of the two, with zero unless both are far from it.
   double scale() const {
     double low = 0.0, high = 0.0;
-    for (const auto* values : {&first_, &other_})
+    for (const auto* values : {&first, &other})
       for (const double v : *values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     return high - low;
   }
-  const std::vector<double>& first() const { return first_; }
-  const std::vector<double>& other() const { return other_; }
-
-private:
-  const Course& course_;
-  std::vector<double> first_, other_;
 };
 
 /// From the middle of a section to its side [m], where that is nearest.
@@ -134,12 +128,6 @@ std::size_t reached(const Pair& curl, double share) {
   return place;
 }
 
-std::string printed(const char* format, auto... values) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 std::string flow_text(const char* name, const Pair& pair, const Course& course, std::size_t onset) {
   constexpr double acts = 0.25;         // of the largest difference
   constexpr double one_sided = 0.7;     // else the difference changes its sign
@@ -150,7 +138,7 @@ std::string flow_text(const char* name, const Pair& pair, const Course& course, 
   const double net = pair.sum(onset, end, [&](std::size_t i) { return pair.apart(i); });
   const double gross = pair.sum(onset, end, [&](std::size_t i) { return std::abs(pair.apart(i)); });
   const double before = pair.sum(onset, end, [&](std::size_t i) {
-    return std::isfinite(pair.first()[i]) ? pair.first()[i] : 0.0;
+    return std::isfinite(pair.first[i]) ? pair.first[i] : 0.0;
   });
   if (std::abs(net) < one_sided * gross || std::abs(net) < least_share * std::abs(before))
     return "";
@@ -160,7 +148,7 @@ std::string flow_text(const char* name, const Pair& pair, const Course& course, 
     text += " from " + course.text(course.at[onset]);
   if (course.at[end - 1] < course.at.back() - margin)
     text += " until " + course.text(course.at[end - 1]);
-  return before > 0.0 ? text + printed(" (%+.0f %%)", 100.0 * net / before) : text;
+  return before > 0.0 ? text + fmt::format(" ({:+.0f} %)", 100.0 * net / before) : text;
 }
 
 std::string level_text(const Figure& figure, const char* name, const Pair& pair,
@@ -168,8 +156,8 @@ std::string level_text(const Figure& figure, const char* name, const Pair& pair,
   std::size_t most = 0;
   for (std::size_t i = 0; i < end; ++i)
     if (std::abs(pair.apart(i)) > std::abs(pair.apart(most))) most = i;
-  return printed("%s %.0f -> %.0f %s at %s", name, pair.first()[most], pair.other()[most],
-                 figure.unit, course.text(course.at[most]).c_str());
+  return fmt::format("{} {:.0f} -> {:.0f} {} at {}", name, pair.first[most], pair.other[most],
+                     figure.unit, course.text(course.at[most]));
 }
 
 /// How much longer the second run stands on the block; empty without an axis of time.
@@ -181,10 +169,10 @@ std::string contact_text(const Pair& pair, const Course& course) {
     return pair.sum(0, pair.size(),
                     [&](std::size_t i) { return contact[i] > threshold ? 1.0 : 0.0; });
   };
-  const double longer = lasts(pair.other()) - lasts(pair.first());
+  const double longer = lasts(pair.other) - lasts(pair.first);
   if (std::abs(longer) < std::max(least_s, least_share * course.length())) return "";
-  return printed("contact with the block %.0f s %s", std::abs(longer),
-                 longer > 0.0 ? "longer" : "shorter");
+  return fmt::format("contact with the block {:.0f} s {}", std::abs(longer),
+                     longer > 0.0 ? "longer" : "shorter");
 }
 
 }  // namespace
@@ -199,7 +187,7 @@ std::vector<Cause> causes_of(const Answer& first, const Answer& other,
         std::ranges::find(answer.history.monitors, difference.monitor, &CurlHistory::Series::name);
     return along(course, answer.history, series->curl_m);
   };
-  const Pair curl(course, curl_of(first), curl_of(other));
+  const Pair curl{course, curl_of(first), curl_of(other)};
   const std::size_t half = reached(curl, 0.5), end = reached(curl, 0.9) + 1;
   const bool slab = first.description.section().kind() == v1::Section::QUARTER_SLAB;
   std::vector<Cause> causes;
@@ -220,8 +208,7 @@ std::vector<Cause> causes_of(const Answer& first, const Answer& other,
                  ? level_text(figure, name, pair, course, end)
                  : flow_text(name, pair, course, onset);
     if (text.empty()) continue;
-    causes.push_back(
-        {name, figure.unit, text, course.at[onset], share, pair.first(), pair.other()});
+    causes.push_back({name, figure.unit, text, course.at[onset], share, pair.first, pair.other});
   }
   std::ranges::stable_sort(causes, std::ranges::greater{}, &Cause::share);
   if (causes.size() > most_causes) causes.resize(most_causes);
@@ -232,8 +219,8 @@ std::vector<Cause> causes_of(const Answer& first, const Answer& other,
 std::string sentence(const CurlDifference& d, const std::vector<Cause>& causes, bool explained) {
   if (d.none()) return d.monitor + ": no difference.";
   const int decimals = d.error_m && *d.error_m < 1e-3 ? 2 : 1;
-  std::string text = d.monitor + ": " + printed("%+.*f", decimals, 1e3 * d.end_m);
-  if (d.error_m) text += printed(" ± %.*f", decimals, 1e3 * *d.error_m);
+  std::string text = d.monitor + ": " + fmt::format("{:+.{}f}", 1e3 * d.end_m, decimals);
+  if (d.error_m) text += fmt::format(" ± {:.{}f}", 1e3 * *d.error_m, decimals);
   text += std::string(" mm, ") + verdict(d) + ".";
   if (d.error_m && !d.real()) return text;
   std::string list;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
+
+#include <fmt/core.h>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
@@ -134,10 +135,7 @@ constexpr double least_m = 1e-6;
 }  // namespace
 
 std::string Course::text(double place) const {
-  char text[32];
-  std::snprintf(text, sizeof text, by_length ? "%.0f mm" : "%.0f s",
-                by_length ? 1e3 * place : place);
-  return text;
+  return by_length ? fmt::format("{:.0f} mm", 1e3 * place) : fmt::format("{:.0f} s", place);
 }
 
 Course course_of(const CurlHistory& first, const CurlHistory& other) {

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -31,6 +32,8 @@ public:
   Json(double value) : value_(value) {}  ///< NaN and infinity are written as null
   Json(const char* text) : value_(std::string(text)) {}
   Json(std::string text) : value_(std::move(text)) {}
+  template <typename Value>
+  Json(const std::optional<Value>& value) : Json(value ? Json(*value) : Json()) {}  ///< empty: null
   template <typename Value>
   Json(const std::vector<Value>& values) : value_(Array(values.begin(), values.end())) {}
   template <typename Value, std::size_t count>

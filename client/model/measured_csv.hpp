@@ -16,7 +16,8 @@ struct MeasuredFile {
 
 /// Reads measurements of one casting: comma, semicolon or tab between columns, a point in numbers,
 /// "#" before comments. The first line names the columns with their units; the first is the time or
-/// the cast length of the readings, each further one a monitor whose unit decides what was measured:
+/// the cast length of the readings, each further one a monitor whose unit decides what was
+/// measured:
 ///
 ///     time [s], curl corner [mm], thermocouple [degC]
 ///     10,       4.1,              612

@@ -1,10 +1,11 @@
 #include "client/model/slab_recipe.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 #include <sstream>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/quantity.hpp"
@@ -21,9 +22,7 @@ constexpr double m3_per_hour = 3600.0;         // [(m3/h)/(m3/s)]
 
 /// Without trailing zeros, "0.285".
 std::string short_number(double value, int digits = 4) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
+  return fmt::format("{:.{}g}", value, digits);
 }
 
 /// Two values; the same twice where one was given.
@@ -68,12 +67,17 @@ struct Slab {
   std::optional<Range> total;  ///< of the whole perimeter, where it was given so [m3/s]
 
   double perimeter() const { return 2.0 * (size.first + size.last); }
+  /// "1320 x 570", in mm
+  std::string name() const {
+    return short_number(1e3 * size.first) + " x " + short_number(1e3 * size.last);
+  }
 };
 
 void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
+  constexpr std::string_view times = "×";
   std::string text = recipe.slab;
-  if (const auto sign = text.find("×"); sign != std::string::npos)
-    text.replace(sign, std::string("×").size(), "x");
+  if (const auto sign = text.find(times); sign != std::string::npos)
+    text.replace(sign, times.size(), "x");
   const auto size = range_of(text, "x", "m");
   if (!size || text.find('x') == std::string::npos)
     faults.push_back("--slab \"" + recipe.slab +
@@ -162,15 +166,16 @@ private:
 /// its end.
 std::string ramp_of(std::string table, const Range& range, double factor, const std::string& unit) {
   constexpr int digits = 6;  // the sum over the perimeter is the one given
-  const std::string first = "\"" + short_number(factor * range.first, digits) + " " + unit + "\"";
-  const std::string last = "\"" + short_number(factor * range.last, digits) + " " + unit + "\"";
+  const auto quoted = [&](double value) {
+    return fmt::format("\"{} {}\"", short_number(factor * value, digits), unit);
+  };
+  const std::string first = quoted(range.first), last = quoted(range.last);
   if (first == last || !table.starts_with("[[")) return last;
   const auto place = [&table](std::size_t from) {
     const auto at = table.find('"', from);
     return table.substr(at, table.find('"', at + 1) + 1 - at);
   };
-  const std::string begin = place(0), end = place(table.rfind('['));
-  return "[[" + begin + ", " + first + "], [" + end + ", " + last + "]]";
+  return fmt::format("[[{}, {}], [{}, {}]]", place(0), first, place(table.rfind('[')), last);
 }
 
 const shipped::ShippedText& nearest_case(const std::string& alloy) {
@@ -179,12 +184,9 @@ const shipped::ShippedText& nearest_case(const std::string& alloy) {
   return own != nullptr ? *own : *shipped::find(cases, standard);
 }
 
-std::string metres(double value) {
-  return "\"" + short_number(value) + " m\"";
-}
-
 void set_size(const Slab& slab, CaseText& text) {
   const std::string width = text.value("half_width"), thickness = text.value("half_thickness");
+  const auto metres = [](double value) { return "\"" + short_number(value) + " m\""; };
   const std::string half_width = metres(slab.size.first / 2.0);
   const std::string half_thickness = metres(slab.size.last / 2.0);
   for (const char* key : {"x", "y"}) {
@@ -201,13 +203,14 @@ std::string head_of(const SlabRecipe& recipe, const Slab& slab, const std::strin
                                       {" --speed ", recipe.speed},
                                       {" --water ", recipe.water}})
     if (!value.empty()) command += option + value;
-  return "# Start of casting of a slab " + short_number(1e3 * slab.size.first) + " x " +
-         short_number(1e3 * slab.size.last) + " mm, a quarter of it. Written by\n#   " + command +
-         "\n#\n# Marks: [G] given there. Everything else is that of " + base +
-         ".toml: [P] printed in the paper, [C] computed, [L] public\n# literature, [A] assumption. "
-         "What differs most between plants: hold, filling, casting_temperature, block_above_water, "
-         "the water\n# line (cooling.water.from) with the zones above it, and the bottom block. "
-         "Every key, its unit, range and default: `dccast schema`.";
+  return fmt::format(
+      "# Start of casting of a slab {} mm, a quarter of it. Written by\n#   {}\n#\n"
+      "# Marks: [G] given there. Everything else is that of {}.toml: [P] printed in the paper, [C] "
+      "computed, [L] public\n# literature, [A] assumption. What differs most between plants: hold, "
+      "filling, casting_temperature, block_above_water, the water\n"
+      "# line (cooling.water.from) with the zones above it, and the bottom block. Every key, its "
+      "unit, range and default: `dccast schema`.",
+      slab.name(), command, base);
 }
 
 }  // namespace
@@ -218,33 +221,32 @@ NewCase new_case(const SlabRecipe& recipe) {
   if (!made.faults.empty()) return made;
   const shipped::ShippedText& base = nearest_case(slab.alloy);
   CaseText text(base.text);
-  const std::string name =
-      short_number(1e3 * slab.size.first) + " x " + short_number(1e3 * slab.size.last);
   const std::string alloy = slab.alloy.empty() ? text.value("card") : "\"" + slab.alloy + "\"";
-  const std::string card = alloy.substr(1, alloy.size() - 2);
+  const std::string slab_of_card =
+      fmt::format("slab {} mm of {}", slab.name(), alloy.substr(1, alloy.size() - 2));
   text.replace_head(head_of(recipe, slab, base.name));
-  text.replace("title", "", "\"Start of a slab " + name + " mm of " + card + "\"");
+  text.replace("title", "", "\"Start of a " + slab_of_card + "\"");
   if (!slab.alloy.empty())
     text.replace(
         "card", "", alloy,
         base.name == standard ? "[G]; temperatures of the metal are those of " + base.name : "[G]");
   set_size(slab, text);
-  const std::string places = "; when the ramp begins and ends: " + base.name;
-  if (slab.speed)
-    text.replace("casting_speed", "",
-                 ramp_of(text.value("casting_speed"), *slab.speed, 1e3 * per_minute, "mm/min"),
-                 "[G]" + places);
-  made.summary =
-      "slab " + name + " mm of " + card + ", perimeter " + short_number(slab.perimeter()) + " m";
+  const auto set_ramp = [&](const char* key, const Range& range, double factor, const char* unit,
+                            const std::string& comment) {
+    text.replace(key, "", ramp_of(text.value(key), range, factor, unit),
+                 "[G]" + comment + "; when the ramp begins and ends: " + base.name);
+  };
+  if (slab.speed) set_ramp("casting_speed", *slab.speed, 1e3 * per_minute, "mm/min", "");
+  const std::string perimeter = short_number(slab.perimeter()) + " m";
+  made.summary = slab_of_card + ", perimeter " + perimeter;
   if (slab.flow) {
-    const Range total{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()};
-    const std::string sum = total.text(m3_per_hour) + " m3/h over a perimeter of " +
-                            short_number(slab.perimeter()) + " m";
-    text.replace("water_flow", "",
-                 ramp_of(text.value("water_flow"), *slab.flow, litres_per_min_per_m, "l/min/m"),
-                 "[G] " + sum + places);
-    made.summary += "; water " + total.text(m3_per_hour) +
-                    " m3/h = " + slab.flow->text(litres_per_min_per_m) + " l/min/m";
+    const std::string total =
+        Range{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()}.text(
+            m3_per_hour) +
+        " m3/h";
+    set_ramp("water_flow", *slab.flow, litres_per_min_per_m, "l/min/m",
+             " " + total + " over a perimeter of " + perimeter);
+    made.summary += "; water " + total + " = " + slab.flow->text(litres_per_min_per_m) + " l/min/m";
   }
   made.text = text.text();
   return made;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "client/model/effects.hpp"
+#include "client/model/study.hpp"
 #include "client/session/data_study.hpp"
 #include "client/session/failure.hpp"
 #include "proto/case_file/case_file.hpp"

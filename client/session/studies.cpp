@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/model/case_changes.hpp"
+#include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "proto/values/digests.hpp"

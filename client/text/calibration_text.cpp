@@ -1,14 +1,15 @@
-#include "client/text/calibration_text.hpp"
+#include "client/text/data_study_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 
-#include "client/model/effects.hpp"
+#include <fmt/core.h>
+
+#include "client/model/study.hpp"
 #include "client/session/calibration.hpp"
 #include "client/session/data_study.hpp"
-#include "client/text/data_study_text.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "proto/values/printable.hpp"
@@ -18,7 +19,6 @@ namespace {
 
 // Of the width that a range had: below, a key is narrowed; above, nothing is known of it.
 constexpr double narrowed = 0.5, as_before = 0.85;
-constexpr int text_columns = 100;
 constexpr double not_separate = 0.6;  // correlation of keys that cannot be separated
 
 std::string range_after(const v1::SweepPlan::Axis& axis, const v1::Calibration::Key& key) {
@@ -34,9 +34,10 @@ std::string shown(const v1::Calibration::Curve& curve, double value, int decimal
 }
 
 std::string interval(const v1::Calibration::Curve& curve, const v1::Calibration::Share& share) {
-  if (share.low() == share.high()) return shown(curve, share.median(), 2);
-  return shown(curve, share.median(), 2) + " (" + shown(curve, share.low(), 2) + " to " +
-         shown(curve, share.high(), 2) + ")";
+  const std::string median = shown(curve, share.median(), 2);
+  if (share.low() == share.high()) return median;
+  return fmt::format("{} ({} to {})", median, shown(curve, share.low(), 2),
+                     shown(curve, share.high(), 2));
 }
 
 /// The name of a file without its folder, short enough for a table.
@@ -45,7 +46,8 @@ std::string file_of(const std::string& path) {
   return values::shortened(std::filesystem::path(path).filename().string(), longest);
 }
 
-std::string joined(const std::vector<std::string>& names) {
+/// "a, b and c"
+std::string enumerated(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
@@ -60,22 +62,23 @@ void add_keys(const v1::StudyResult& result, std::vector<std::string>& sentences
     if (calibration.keys(i).narrowed() <= narrowed) known.push_back(datum_of(axes[i].key()));
     if (calibration.keys(i).narrowed() >= as_before) unknown.push_back(datum_of(axes[i].key()));
   }
-  if (!known.empty()) sentences.push_back("The measurement narrows " + joined(known) + ".");
+  if (!known.empty()) sentences.push_back("The measurement narrows " + enumerated(known) + ".");
   if (!unknown.empty())
-    sentences.push_back("It does not narrow " + joined(unknown) +
+    sentences.push_back("It does not narrow " + enumerated(unknown) +
                         (unknown.size() == 1 ? ", whose range stays." : ", whose ranges stay."));
   for (int i = 0; i < calibration.keys_size(); ++i)
     for (int j = 0; j < i; ++j) {
       const double correlation = calibration.keys(i).correlation(j);
       if (std::abs(correlation) < not_separate) continue;
       sentences.push_back(
-          "It cannot separate " + datum_of(axes[j].key()) + " and " + datum_of(axes[i].key()) +
-          ": " + (correlation < 0.0 ? "more of the one with less of the other" : "more of both") +
-          " fits as well (correlation " + fixed(correlation, 2) + ").");
+          fmt::format("It cannot separate {} and {}: {} fits as well (correlation {}).",
+                      datum_of(axes[j].key()), datum_of(axes[i].key()),
+                      correlation < 0.0 ? "more of the one with less of the other" : "more of both",
+                      fixed(correlation, 2)));
     }
-  sentences.push_back("Of the " + std::to_string(calibration.keys_size()) + " free keys it fixes " +
-                      std::to_string(calibration.fixed()) +
-                      (calibration.fixed() == 1 ? " combination." : " combinations."));
+  sentences.push_back(fmt::format("Of the {} free keys it fixes {} combination{}.",
+                                  calibration.keys_size(), calibration.fixed(),
+                                  calibration.fixed() == 1 ? "" : "s"));
 }
 
 void add_misfits(const v1::Calibration& calibration, std::vector<std::string>& sentences) {
@@ -89,13 +92,13 @@ void add_misfits(const v1::Calibration& calibration, std::vector<std::string>& s
     const bool wrong =
         curve.misfit().low() > std::max(curve.noise().median(), curve.surface_error());
     sentences.push_back(
-        wrong ? "Whatever its data, the model is off the " + what + " by about " +
-                    shown(curve, curve.misfit().median()) + unit + " (" +
-                    shown(curve, curve.misfit().low()) + " to " +
-                    shown(curve, curve.misfit().high()) +
-                    "): something is wrong or missing in it, and the ranges are wider for it."
-              : "The model needs no misfit to follow the " + what + ": it is less than " +
-                    shown(curve, curve.misfit().high(), 2) + unit + " (95 %).");
+        wrong ? fmt::format("Whatever its data, the model is off the {} by about {}{} ({} to {}): "
+                            "something is wrong or missing in it, and the ranges are wider for it.",
+                            what, shown(curve, curve.misfit().median()), unit,
+                            shown(curve, curve.misfit().low()), shown(curve, curve.misfit().high()))
+              : fmt::format(
+                    "The model needs no misfit to follow the {}: it is less than {}{} (95 %).",
+                    what, shown(curve, curve.misfit().high(), 2), unit));
   }
 }
 
@@ -122,12 +125,11 @@ void add_check(const v1::Calibration& calibration, std::vector<std::string>& sen
     return;
   }
   const std::string unit = worst->measured().curl_m_size() > 0 ? " mm" : " K";
-  const bool holds = is_confirmed(*worst);
-  sentences.push_back("Runs at the calibrated values and along the ridge are " +
-                      shown(*worst, worst->check_error(), 2) + unit +
-                      " off the response surface before them, which has " +
-                      shown(*worst, worst->checked_error(), 2) + unit + " as its error: " +
-                      (holds ? "it holds" : "it did not hold") + ". They are part of it now.");
+  sentences.push_back(fmt::format(
+      "Runs at the calibrated values and along the ridge are {}{} off the response surface before "
+      "them, which has {}{} as its error: {}. They are part of it now.",
+      shown(*worst, worst->check_error(), 2), unit, shown(*worst, worst->checked_error(), 2), unit,
+      is_confirmed(*worst) ? "it holds" : "it did not hold"));
 }
 
 }  // namespace
@@ -143,8 +145,8 @@ std::string curve_name(const v1::Calibration& calibration, const v1::Calibration
   return name + (curl ? ", mm" : ", K");
 }
 
-std::vector<std::vector<std::string>> key_rows(const v1::StudyResult& result) {
-  std::vector<std::vector<std::string>> rows;
+Rows key_rows(const v1::StudyResult& result) {
+  Rows rows;
   for (int i = 0; i < result.calibration().keys_size(); ++i) {
     const auto& axis = result.study().sweep().axes(i);
     const auto& key = result.calibration().keys(i);
@@ -154,8 +156,8 @@ std::vector<std::vector<std::string>> key_rows(const v1::StudyResult& result) {
   return rows;
 }
 
-std::vector<std::vector<std::string>> curve_rows(const v1::Calibration& calibration) {
-  std::vector<std::vector<std::string>> rows;
+Rows curve_rows(const v1::Calibration& calibration) {
+  Rows rows;
   for (const auto& curve : calibration.curves())
     rows.push_back(
         {curve_name(calibration, curve), file_of(curve.measured().source()),
@@ -178,18 +180,17 @@ std::vector<std::string> calibration_sentences(const v1::StudyResult& result) {
 
 std::string calibration_text(const v1::StudyResult& result) {
   std::string text = head_of(result);
-  if (result.has_calibration()) {
-    Table keys({"free key", "range before", ">value", "5 to 95 % after", ">width left"});
-    for (auto& row : key_rows(result)) keys.add(std::move(row));
-    Table curves({"measured", "in", ">readings used", ">off before", ">after", ">noise", ">misfit",
-                  ">surface"});
-    for (auto& row : curve_rows(result.calibration())) curves.add(std::move(row));
-    text += "\n" + keys.text() + "\n" + curves.text();
-  }
-  text += "\n";
-  for (const std::string& sentence : calibration_sentences(result))
-    text += wrapped(sentence, text_columns) + "\n";
-  return text;
+  if (result.has_calibration())
+    text += "\n" +
+            Table({"free key", "range before", ">value", "5 to 95 % after", ">width left"},
+                  key_rows(result))
+                .text() +
+            "\n" +
+            Table({"measured", "in", ">readings used", ">off before", ">after", ">noise", ">misfit",
+                   ">surface"},
+                  curve_rows(result.calibration()))
+                .text();
+  return text + "\n" + paragraphs(calibration_sentences(result));
 }
 
 }  // namespace dccast::client::render

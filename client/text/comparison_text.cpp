@@ -4,21 +4,99 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
+#include <fmt/core.h>
+
 #include "client/model/answer.hpp"
-#include "client/model/case_changes.hpp"
-#include "client/text/answer_text.hpp"
-#include "client/text/braille.hpp"
 #include "client/text/findings.hpp"
+#include "client/text/job_text.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
+namespace {
+
+/// "4.86 ± 0.36 mm"; without an uncertainty only the first number.
+std::string curl_text(double curl_m, std::optional<double> uncertainty_m) {
+  if (!uncertainty_m) return mm(curl_m, 2) + " mm";
+  return mm(curl_m, 2) + " \u00b1 " + mm(*uncertainty_m, 2) + " mm";
+}
+
+std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {
+  const double curl_m = series.curl_m.back();
+  const CurlHistory& history = answer.history;
+  return series.name + ": curl " +
+         curl_text(curl_m, discretisation_error(answer.description, curl_m)) + " at " +
+         fixed(history.time_s.back(), 1) + " s, cast length " +
+         mm(history.cast_length_m.back(), 1) + " mm" +
+         (history.beyond.back() ? std::string(", ") + beyond_validity : "") + "\n";
+}
+
+Json monitor_json(const Answer& answer, const CurlHistory::Series& series) {
+  const double curl_m = series.curl_m.back();
+  const auto uncertainty_m = discretisation_error(answer.description, curl_m);
+  return {{"name", series.name},
+          {"curl_m", series.curl_m},
+          {"temperature_c", series.temperature_c},
+          {"end_curl_m", curl_m},
+          {"uncertainty_m", uncertainty_m}};
+}
+
+template <class Messages>
+Json list_json(const Messages& messages) {
+  Json list = Json::array();
+  for (const auto& message : messages) list.push_back(to_json(message));
+  return list;
+}
+
+}  // namespace
+
+std::string answer_text(const Answer& answer) {
+  std::string text;
+  if (!answer.changes.empty()) text += "changed: " + changes_text(answer.changes) + "\n";
+  for (const v1::Finding& finding : answer.findings) text += finding_line(finding) + "\n";
+  if (answer.validity_loss) text += validity_text(*answer.validity_loss) + "\n";
+  if (answer.failure)
+    text += state_text(answer.state) + ": " + failure_text(*answer.failure) + "\n";
+  for (const auto& series : answer.history.monitors) text += monitor_line(answer, series);
+  return text;
+}
+
+std::string origin_text(const Answer& answer) {
+  if (answer.from_store)
+    return (answer.job.empty() ? std::string("computed before by a query")
+                               : "computed before, job " + answer.job) +
+           "; answered in " + fixed(1e3 * answer.elapsed_s, 0) + " ms";
+  return "computed in " + fixed(answer.elapsed_s, 2) + " s (solver " + fixed(answer.solver_s, 2) +
+         " s, first point after " + fixed(1e3 * answer.first_point_s, 0) + " ms)" +
+         (answer.job.empty() ? "" : "; stored as job " + answer.job);
+}
+
+Json answer_json(const Answer& answer) {
+  Json json{{"name", answer.name},
+            {"job", answer.job.empty() ? Json() : Json(answer.job)},
+            {"from_store", answer.from_store},
+            {"state", v1::JobState_Name(answer.state)},
+            {"failure", answer.failure ? to_json(*answer.failure) : Json()},
+            {"changes", list_json(answer.changes)},
+            {"findings", list_json(answer.findings)},
+            {"validity_loss", answer.validity_loss ? to_json(*answer.validity_loss) : Json()},
+            {"time_s", answer.history.time_s},
+            {"cast_length_m", answer.history.cast_length_m},
+            {"beyond_validity", answer.history.beyond},
+            {"monitors", Json::array()},
+            {"solver_s", answer.solver_s},
+            {"first_point_s", answer.first_point_s},
+            {"elapsed_s", answer.elapsed_s}};
+  for (const auto& series : answer.history.monitors)
+    json["monitors"].push_back(monitor_json(answer, series));
+  return json;
+}
+
 namespace {
 
 // ANSI foreground colours of the lines, in the order of the answers.
@@ -34,16 +112,16 @@ constexpr int page_columns = 120;
 constexpr int widest_monitor = 24;
 
 std::string signed_mm(double metres) {
-  return (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 3);
+  return (metres >= 0.0 ? "+" : "") + mm(metres, 3);
 }
 
 std::string names_text(const std::vector<Answer>& answers) {
   std::string text;
-  for (std::size_t i = 0; i < answers.size(); ++i)
-    text += std::to_string(i + 1) + "  " + answers[i].name +
-            (answers[i].description.title().empty() ? "" : "  " + answers[i].description.title()) +
-            "\n" +
-            (answers[i].changes.empty() ? "" : "   " + changes_text(answers[i].changes) + "\n");
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const std::string& title = answers[i].description.title();
+    text += fmt::format("{}  {}{}{}\n", i + 1, answers[i].name, title.empty() ? "" : "  ", title);
+    if (!answers[i].changes.empty()) text += "   " + changes_text(answers[i].changes) + "\n";
+  }
   return text;
 }
 
@@ -100,7 +178,7 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
 
 /// A length in mm; empty if it is unknown.
 std::string mm_text(const std::optional<double>& metres) {
-  return metres ? fixed(1e3 * *metres, 3) : "";
+  return metres ? mm(*metres, 3) : "";
 }
 
 std::string differences_text(const std::vector<Answer>& answers,
@@ -150,7 +228,7 @@ Json difference_json(const CurlDifference& row, const Explained& explained) {
             {"first_m", row.first_m},
             {"other_m", row.other_m},
             {"end_m", row.end_m},
-            {"error_m", row.error_m ? Json(*row.error_m) : Json()},
+            {"error_m", row.error_m},
             {"error_from", sources[static_cast<int>(row.error_from)]},
             {"largest_m", row.largest_m},
             {"largest_at", row.largest_at},
@@ -183,9 +261,7 @@ std::string shown_value(const std::string& value) {
     const bool is_speed = std::string_view(at).starts_with(speed) &&
                           std::isalnum(static_cast<unsigned char>(*behind)) == 0;
     if (is_speed) number *= mm_per_min, at = behind;
-    char rounded[32];
-    std::snprintf(rounded, sizeof rounded, "%.6g", number);
-    text += rounded + std::string(is_speed ? " mm/min" : "");
+    text += fmt::format("{:.6g}{}", number, is_speed ? " mm/min" : "");
   }
   return text;
 }

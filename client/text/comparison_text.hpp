@@ -4,11 +4,20 @@
 #include <vector>
 
 #include "client/html/svg_chart.hpp"
-#include "client/model/causes.hpp"
+#include "client/model/comparison.hpp"
 #include "client/model/json.hpp"
 #include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
+
+/// Findings, the curl of every monitor with its uncertainty, and a loss of validity, one per line.
+std::string answer_text(const Answer& answer);
+
+/// Origin of the answer and the time it took, in one line.
+std::string origin_text(const Answer& answer);
+
+/// The complete answer, in metres and seconds.
+Json answer_json(const Answer& answer);
 
 /// A difference in a sentence, and what differed before it.
 struct Explained {
@@ -27,10 +36,6 @@ std::string comparison_text(const std::vector<Answer>& answers,
 
 Json comparison_json(const std::vector<Answer>& answers,
                      const std::vector<CurlDifference>& differences);
-
-/// The same as a self-contained HTML page.
-std::string comparison_page(const std::vector<Answer>& answers,
-                            const std::vector<CurlDifference>& differences);
 
 /// Names of all monitors, in order of first appearance.
 std::vector<std::string> monitors_of(const std::vector<Answer>& answers);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+
+#include <fmt/core.h>
 
 #include "client/session/data_study.hpp"
 #include "client/text/job_text.hpp"
@@ -14,31 +17,23 @@ namespace {
 
 constexpr int most_instants = 8;
 constexpr int most_shares = 12;
-constexpr int text_columns = 100;
 constexpr double small_share = 0.01;  // of the variance
-
-std::string millimetres(double metres, int decimals = 1) {
-  return fixed(1e3 * metres, decimals);
-}
 
 std::string percent(double share, double error) {
   return fixed(100.0 * share, 0) + " ± " + fixed(std::max(1.0, 200.0 * error), 0) + " %";
 }
 
-/// Axes by their total share at the end, largest first; the last share is that of no axis.
-std::vector<int> by_share(const v1::Spread& spread) {
-  std::vector<int> axes;
-  for (int axis = 0; axis + 1 < spread.shares_size(); ++axis) axes.push_back(axis);
-  const auto total = [&](int axis) {
-    const auto& all = spread.shares(axis).total();
-    return all.empty() ? 0.0 : all[all.size() - 1];
-  };
-  std::ranges::stable_sort(axes, std::ranges::greater(), total);
-  return axes;
-}
-
 double last(const google::protobuf::RepeatedField<double>& values) {
   return values.empty() ? 0.0 : values[values.size() - 1];
+}
+
+/// Axes by their total share at the end, largest first; the last share is that of no axis.
+std::vector<int> by_share(const v1::Spread& spread) {
+  std::vector<int> axes(static_cast<std::size_t>(std::max(0, spread.shares_size() - 1)));
+  std::iota(axes.begin(), axes.end(), 0);
+  std::ranges::stable_sort(axes, std::ranges::greater(),
+                           [&](int axis) { return last(spread.shares(axis).total()); });
+  return axes;
 }
 
 /// "2 OUT_OF..., 1 solve failed": why runs are not among those that count.
@@ -48,10 +43,8 @@ std::string losses(const v1::StudyResult& result) {
     if (run.has_failure())
       ++kinds[run.failure().finding().empty() ? failure_kind_text(run.failure().kind())
                                               : run.failure().finding()];
-  std::string text;
-  for (const auto& [kind, count] : kinds)
-    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
-  return text;
+  return joined(kinds, ", ",
+                [](const auto& kind) { return std::to_string(kind.second) + " " + kind.first; });
 }
 
 std::string history_table(const v1::Spread& spread) {
@@ -62,9 +55,8 @@ std::string history_table(const v1::Spread& spread) {
   const int rows = std::min(count, most_instants);
   for (int row = 1; row <= rows; ++row) {
     const int i = first + row * count / rows - 1;
-    table.add({fixed(spread.time_s(i), 0), millimetres(spread.cast_length_m(i), 0),
-               millimetres(spread.low_m(i)), millimetres(spread.median_m(i)),
-               millimetres(spread.high_m(i)), millimetres(spread.surface_error_m(i))});
+    table.add({fixed(spread.time_s(i), 0), mm(spread.cast_length_m(i), 0), mm(spread.low_m(i)),
+               mm(spread.median_m(i)), mm(spread.high_m(i)), mm(spread.surface_error_m(i))});
   }
   return table.text();
 }
@@ -84,7 +76,7 @@ std::string bar_of(const Effect& effect, double most_m) {
 
 std::string signed_mm(const std::optional<double>& metres, const std::string& failure) {
   if (!metres) return failure.empty() ? "-" : "fails";
-  const std::string text = millimetres(*metres);
+  const std::string text = mm(*metres);
   return *metres > 0.0 ? "+" + text : text;
 }
 
@@ -102,14 +94,14 @@ double not_felt_m(const Effects& effects) {
 
 std::string head_of(const v1::StudyResult& result) {
   const std::string lost = losses(result);
-  return "study " + result.study().id() + ": " + result.study().title() + "\n" +
-         std::to_string(result.runs_size()) + " runs: " + count_runs(result).text() +
-         (lost.empty() ? "" : " (" + lost + ")") + "\n";
+  return fmt::format("study {}: {}\n{} runs: {}{}\n", result.study().id(), result.study().title(),
+                     result.runs_size(), count_runs(result).text(),
+                     lost.empty() ? "" : " (" + lost + ")");
 }
 
-std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result) {
+Rows share_rows(const v1::StudyResult& result) {
   const v1::Spread& spread = result.spread();
-  std::vector<std::vector<std::string>> rows;
+  Rows rows;
   for (const int axis : by_share(spread)) {
     const v1::Spread::Share& share = spread.shares(axis);
     if (rows.size() >= most_shares || last(share.total()) < small_share) break;
@@ -137,27 +129,27 @@ std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
   if (spread.time_s().empty()) return {"No answer yet: " + result.spread_fault()};
   const double width = last(spread.high_m()) - last(spread.low_m());
   std::vector<std::string> sentences;
-  sentences.push_back("At " + fixed(last(spread.time_s()), 0) + " s 9 of 10 castings have " +
-                      millimetres(last(spread.low_m())) + " to " +
-                      millimetres(last(spread.high_m())) + " mm at the " + spread.monitor() +
-                      ", half of them less than " + millimetres(last(spread.median_m())) + " mm.");
+  sentences.push_back(fmt::format(
+      "At {} s 9 of 10 castings have {} to {} mm at the {}, half of them less than {} mm.",
+      fixed(last(spread.time_s()), 0), mm(last(spread.low_m())), mm(last(spread.high_m())),
+      spread.monitor(), mm(last(spread.median_m()))));
   sentences.push_back(mesh_error_m
-                          ? "Mesh and time steps add ± " + millimetres(*mesh_error_m) + " mm."
+                          ? "Mesh and time steps add ± " + mm(*mesh_error_m) + " mm."
                           : "What mesh and time steps add is not known for such a case: run "
                             "dccast convergence.");
   if (spread.has_inside_band())
     sentences.push_back(fixed(100.0 * spread.inside_band(), 0) +
                         " % of castings end inside the accepted band.");
-  sentences.push_back("The response surface of " + std::to_string(spread.runs()) +
-                      " runs is off by " + millimetres(last(spread.surface_error_m())) +
-                      " mm; that is in the figures.");
+  sentences.push_back(
+      fmt::format("The response surface of {} runs is off by {} mm; that is in the figures.",
+                  spread.runs(), mm(last(spread.surface_error_m()))));
   const auto axes = by_share(spread);
   if (axes.empty() || !(last(spread.shares(axes.front()).total()) > small_share)) return sentences;
   const v1::Spread::Share& first = spread.shares(axes.front());
   const double rest = std::sqrt(std::max(0.0, 1.0 - last(first.first())));
-  sentences.push_back("Measure " + datum_of(result.study().sweep().axes(axes.front()).key()) +
-                      " first: were it known exactly, the " + millimetres(width) +
-                      " mm between 5 and 95 % would be " + millimetres(rest * width) + " mm.");
+  sentences.push_back(fmt::format(
+      "Measure {} first: were it known exactly, the {} mm between 5 and 95 % would be {} mm.",
+      datum_of(result.study().sweep().axes(axes.front()).key()), mm(width), mm(rest * width)));
   return sentences;
 }
 
@@ -165,16 +157,13 @@ std::string uncertainty_text(const v1::StudyResult& result, std::optional<double
   std::string text = head_of(result);
   if (!result.spread().time_s().empty()) {
     text += "\ncurl of the " + result.spread().monitor() + "\n" + history_table(result.spread());
-    Table shares({"datum", "range", ">alone", ">with others"});
-    for (auto& row : share_rows(result)) shares.add(std::move(row));
-    text += "\nwhat the variance at the end comes from\n" + shares.text();
-    const int rest = result.spread().shares_size() - static_cast<int>(share_rows(result).size());
+    const Rows rows = share_rows(result);
+    text += "\nwhat the variance at the end comes from\n" +
+            Table({"datum", "range", ">alone", ">with others"}, rows).text();
+    const int rest = result.spread().shares_size() - static_cast<int>(rows.size());
     if (rest > 0) text += std::to_string(rest) + " more data, with less than these\n";
   }
-  text += "\n";
-  for (const std::string& sentence : uncertainty_sentences(result, mesh_error))
-    text += wrapped(sentence, text_columns) + "\n";
-  return text;
+  return text + "\n" + paragraphs(uncertainty_sentences(result, mesh_error));
 }
 
 EffectRows effect_rows(const v1::StudyResult& result, const Effects& effects) {
@@ -200,21 +189,17 @@ std::string sensitivity_text(const v1::StudyResult& result, int monitor,
   std::string text = head_of(result);
   const Effects effects = effects_of(result, monitor, of_curl);
   if (!effects.base_m) return text + "the case itself has no valid run: nothing to compare with\n";
-  text += "\ncurl of the " + result.monitors(monitor) +
-          " at the end: " + millimetres(*effects.base_m) +
+  text += "\ncurl of the " + result.monitors(monitor) + " at the end: " + mm(*effects.base_m) +
           " mm; change at the two ends of each range\n";
-  EffectRows rows = effect_rows(result, effects);
-  for (auto& [title, part] :
-       {std::pair("lever of the plant", &rows.levers), {"datum", &rows.data}}) {
-    Table table({title, "range", ">low mm", ">high mm", "   less|more"});
-    for (auto& row : *part) table.add(std::move(row));
-    if (!part->empty()) text += table.text() + "\n";
-  }
-  text += effects.error_m ? "A small difference is known to ± " + millimetres(*effects.error_m) +
+  const EffectRows rows = effect_rows(result, effects);
+  for (const auto& [title, part] :
+       {std::pair("lever of the plant", &rows.levers), {"datum", &rows.data}})
+    if (!part->empty())
+      text += Table({title, "range", ">low mm", ">high mm", "   less|more"}, *part).text() + "\n";
+  text += effects.error_m ? "A small difference is known to ± " + mm(*effects.error_m) +
                                 " mm: mesh and time steps.\n"
                           : "The error of a difference has not been measured for such a case.\n";
-  if (!rows.rest.empty())
-    text += wrapped("This model does not respond to " + rows.rest + ".", text_columns) + "\n";
+  if (!rows.rest.empty()) text += paragraphs({"This model does not respond to " + rows.rest + "."});
   for (const Effect& effect : effects.effects)
     for (const auto& [failure, end] :
          {std::pair(effect.low_failure, 0), std::pair(effect.high_failure, 1)})

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "client/model/effects.hpp"
+#include "client/model/study.hpp"
+#include "client/text/table.hpp"
 #include "dccast/v1/study.pb.h"
 
 namespace dccast::client::render {
@@ -31,14 +32,45 @@ std::vector<std::string> uncertainty_sentences(const v1::StudyResult& result,
                                                std::optional<double> mesh_error);
 
 /// A row of the table of shares, largest total first: datum, range, "42 ± 3 %" alone, in all.
-std::vector<std::vector<std::string>> share_rows(const v1::StudyResult& result);
+Rows share_rows(const v1::StudyResult& result);
 
 /// Effects as rows: key, range, low mm, high mm, bar; and the keys to which the curl does not
 /// respond.
 struct EffectRows {
-  std::vector<std::vector<std::string>> levers, data;
+  Rows levers, data;
   std::string rest;
 };
 EffectRows effect_rows(const v1::StudyResult& result, const Effects& effects);
+
+/// The answer of a calibration, on one screen of 120 columns.
+std::string calibration_text(const v1::StudyResult& result);
+
+/// For screen and page: which keys are narrowed, which cannot be separated, what the model cannot
+/// follow, what mesh and steps add, and how the surface agrees with runs.
+std::vector<std::string> calibration_sentences(const v1::StudyResult& result);
+
+/// A row for each key: key, range before, value, 5 to 95 % after, width that is left.
+Rows key_rows(const v1::StudyResult& result);
+
+/// A row for each measured curve: what and where from, readings, root mean squares before and
+/// after, noise, misfit, error of the surface.
+Rows curve_rows(const v1::Calibration& calibration);
+
+/// "curl of corner, mm"; of a second casting with its number.
+std::string curve_name(const v1::Calibration& calibration, const v1::Calibration::Curve& curve);
+
+/// From the unit of a curve's figures to that of its name: 1000 for curls.
+double shown_units(const v1::Calibration::Curve& curve);
+
+/// The answer of a recipe study, in at most 120 columns.
+std::string recipe_text(const v1::StudyResult& result);
+
+/// Headings and rows of its front, a row each, then that of the case itself; for screen and page.
+std::vector<std::string> recipe_headings(const v1::RecipePlan& plan);
+Rows recipe_rows(const v1::StudyResult& result);
+
+/// What came out: the recipe of the case, the one that is chosen and how sure that is, what the
+/// figures rest on.
+std::vector<std::string> recipe_sentences(const v1::StudyResult& result);
 
 }  // namespace dccast::client::render

@@ -1,9 +1,9 @@
 #include "client/text/findings.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "client/html/svg_chart.hpp"
 #include "client/text/job_text.hpp"
@@ -115,24 +115,22 @@ std::string findings_part(const Findings& findings) {
 
 std::string figure_text(double value, const std::string& unit) {
   const bool length = unit == "m";
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g", length ? 1e3 * value : value);
-  if (unit.empty() || unit == "1") return text;
-  return std::string(text) + " " + (length ? "mm" : unit);
+  std::string text = fmt::format("{:.3g}", length ? 1e3 * value : value);
+  if (!unit.empty() && unit != "1") text += " " + (length ? "mm" : unit);
+  return text;
 }
 
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {
-  constexpr std::array axes{"x ", "y ", "z "};
+  constexpr int axes = 3;
   std::string text;
-  for (int i = 0; i < std::min(place_m.size(), static_cast<int>(axes.size())); ++i)
-    text += (i == 0 ? "" : ", ") + std::string(axes[static_cast<std::size_t>(i)]) +
-            fixed(1e3 * place_m[i], 1) + " mm";
+  for (int i = 0; i < std::min(place_m.size(), axes); ++i)
+    append(text, fmt::format("{} {} mm", "xyz"[i], mm(place_m[i])), ", ");
   return text;
 }
 
 std::string validity_text(const v1::ValidityLoss& loss) {
   const std::string begin =
-      std::string(beyond_validity) + " from " + fixed(loss.time_s(), 2) + " s on: ";
+      fmt::format("{} from {} s on: ", beyond_validity, fixed(loss.time_s(), 2));
   if (!loss.message().empty()) return begin + loss.message();  // has place and amount
   std::string text = begin + failure_kind_text(loss.kind());
   if (loss.limit() != 0.0 || loss.value() != 0.0)

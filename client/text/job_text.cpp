@@ -6,23 +6,20 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <map>
+#include <sstream>
 
-#include "client/model/case_changes.hpp"
-#include "client/model/curl_history.hpp"
+#include <fmt/core.h>
+
+#include "client/model/answer.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 namespace {
-
-/// Steps are cut to milliseconds and less.
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g s", seconds);
-  return text;
-}
 
 std::string lower_words(std::string text) {
   for (char& c : text)
@@ -37,7 +34,8 @@ std::string where_and_when(const v1::Failure& failure) {
                      failure.time_s() != 0.0;
   std::string text;
   if (timed) text += "\nat " + fixed(failure.time_s(), 3) + " s";
-  if (failure.time_step_s() > 0.0) text += " with a step of " + seconds_text(failure.time_step_s());
+  if (failure.time_step_s() > 0.0)
+    text += " with a step of " + fmt::format("{:.3g} s", failure.time_step_s());
   if (!place.empty()) text += (timed ? ", " : "\nat ") + place;
   return text;
 }
@@ -47,81 +45,53 @@ std::string residuals_text(const v1::Failure& failure) {
   constexpr int shown = 8;
   const int count = failure.residual_history_size();
   std::string text = count > 0 ? "; last residuals:" : "";
-  char number[24];
-  for (int i = std::max(0, count - shown); i < count; ++i) {
-    std::snprintf(number, sizeof number, " %.2e", failure.residual_history(i));
-    text += number;
-  }
+  for (int i = std::max(0, count - shown); i < count; ++i)
+    text += fmt::format(" {:.2e}", failure.residual_history(i));
   return text;
 }
 
-std::string row(const std::string& name, const std::string& value) {
-  return name + std::string(name.size() < 14 ? 14 - name.size() : 1, ' ') + value + "\n";
-}
+enum class Shown { always, if_any, on_request };  // if_any: where a job has something in it
 
-std::string job_cell(const v1::Job& job) {
-  return job.id();
-}
-std::string done_cell(const v1::Job& job) {
-  return job.has_last_step() ? fixed(100.0 * job.last_step().progress(), 0) + " %" : "-";
-}
-
-std::string labels_cell(const v1::Job& job) {
-  std::string text;
-  for (const std::string& label : job.labels()) text += (text.empty() ? "" : ",") + label;
-  return text;
-}
-
-std::string findings_cell(const v1::Job& job) {
-  return findings_count(job.findings());
-}
-
-std::string left_cell(const v1::Job& job) {
-  return job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "";
-}
-std::string created_cell(const v1::Job& job) {
-  return time_text(job.create_time());
-}
-std::string changes_cell(const v1::Job& job) {
-  return changes_text(job.changes());
-}
-std::string owner_cell(const v1::Job& job) {
-  return job.owner();
-}
-std::string study_cell(const v1::Job& job) {
-  return job.study();
-}
-std::string title_cell(const v1::Job& job) {
-  return job.title();
-}
+using Row = const v1::Job&;
 
 struct Column {
   const char* name;
   const char* heading;
-  std::string (*cell)(const v1::Job&);
-  bool usual;   ///< shown where no columns are asked for
-  bool if_any;  ///< then only if a job has something in it
+  std::string (*cell)(Row);
+  Shown shown = Shown::always;
 };
-constexpr std::array columns{
-    Column{"job", "JOB", job_cell, true, false},
-    Column{"state", "STATE", full_state_text, true, false},
-    Column{"done", ">DONE", done_cell, true, false},
-    Column{"curl", ">CURL mm", largest_curl_text, true, false},
-    Column{"findings", "FINDINGS", findings_cell, true, true},
-    Column{"left", ">LEFT", left_cell, true, true},
-    Column{"created", "CREATED", created_cell, true, false},
-    Column{"labels", "LABELS", labels_cell, true, true},
-    Column{"changes", "CHANGES", changes_cell, false, false},
-    Column{"owner", "OWNER", owner_cell, false, false},
-    Column{"study", "STUDY", study_cell, false, false},
-    Column{"title", "TITLE", title_cell, true, false},
+
+std::string done_cell(Row job) {
+  return job.has_last_step() ? fixed(100.0 * job.last_step().progress(), 0) + " %" : "-";
+}
+
+std::string left_cell(Row job) {
+  return job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "";
+}
+
+const std::array columns{
+    Column{"job", "JOB", [](Row job) { return job.id(); }},
+    Column{"state", "STATE", full_state_text},
+    Column{"done", ">DONE", done_cell},
+    Column{"curl", ">CURL mm", largest_curl_text},
+    Column{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
+           Shown::if_any},
+    Column{"left", ">LEFT", left_cell, Shown::if_any},
+    Column{"created", "CREATED", [](Row job) { return time_text(job.create_time()); }},
+    Column{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any},
+    Column{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
+           Shown::on_request},
+    Column{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request},
+    Column{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request},
+    Column{"title", "TITLE", [](Row job) { return job.title(); }},
 };
 
 std::vector<std::string> usual_columns(const std::vector<v1::Job>& jobs) {
   std::vector<std::string> names;
   for (const Column& column : columns) {
-    const auto says_something = [&](const v1::Job& job) { return !column.cell(job).empty(); };
-    if (column.usual && (!column.if_any || std::ranges::any_of(jobs, says_something)))
+    const auto says_something = [&](Row job) { return !column.cell(job).empty(); };
+    if (column.shown == Shown::always ||
+        (column.shown == Shown::if_any && std::ranges::any_of(jobs, says_something)))
       names.emplace_back(column.name);
   }
   return names;
@@ -137,7 +107,7 @@ std::string largest_curl_text(const v1::Job& job) {
   double largest = NAN;
   for (const v1::MonitorValue& monitor : job.last_step().monitors())
     if (!(std::abs(curl_of(monitor)) <= std::abs(largest))) largest = curl_of(monitor);
-  return std::isfinite(largest) ? fixed(1e3 * largest, 2) : "-";
+  return std::isfinite(largest) ? mm(largest, 2) : "-";
 }
 
 std::string state_text(v1::JobState state) {
@@ -162,11 +132,10 @@ std::string event_line(const v1::JobEvent& event) {
   if (event.has_message())
     return (event.message().level() == v1::JobEvent::Message::WARNING ? "warning: " : "") +
            event.message().text();
+  if (event.has_resumed() && event.resumed().step() == 0) return "started over";
   if (event.has_resumed())
-    return event.resumed().step() == 0
-               ? "started over"
-               : "resumed after step " + std::to_string(event.resumed().step()) + " at " +
-                     fixed(event.resumed().time_s(), 2) + " s";
+    return fmt::format("resumed after step {} at {} s", event.resumed().step(),
+                       fixed(event.resumed().time_s(), 2));
   if (event.has_validity_lost()) return "warning: " + validity_text(event.validity_lost());
   if (event.has_finding()) return finding_line(event.finding());
   if (event.has_run_ended()) return "the run has ended";
@@ -202,42 +171,50 @@ std::string failure_text(const v1::Failure& failure) {
 }
 
 std::string job_sheet(const v1::Job& job) {
-  std::string text =
-      row("job", job.id()) + row("title", job.title()) + row("state", state_text(job.state()));
-  if (!job.cause().empty()) text += row("cause", job.cause());
-  if (job.queue_position() > 0)
-    text += row("queue", "position " + std::to_string(job.queue_position()));
-  if (!job.held().empty()) text += row("held", job.held());
-  if (job.has_starts_in_s()) text += row("starts in", duration_text(job.starts_in_s()));
-  if (job.has_ends_in_s()) text += row("ends in", duration_text(job.ends_in_s()));
-  text += row("priority", lower_words(v1::Priority_Name(job.priority())));
-  text += row("created", time_text(job.create_time())) +
-          row("started", time_text(job.start_time())) + row("ended", time_text(job.end_time()));
-  text += row("attempts", std::to_string(job.attempts())) + row("request id", job.request_id());
-  if (!job.owner().empty()) text += row("owner", job.owner());
-  if (!job.study().empty()) text += row("study", job.study());
-  for (const std::string& label : job.labels()) text += row("label", label);
-  if (job.pinned()) text += row("pinned", "kept when old jobs are deleted");
-  if (job.time_limit_s() > 0.0) text += row("time limit", duration_text(job.time_limit_s()));
-  if (!job.mail().empty()) text += row("mail", job.mail());
-  for (const std::string& before : job.after()) text += row("after", before);
+  std::string text;
+  const auto add = [&](const char* name, const std::string& value) {
+    text += sheet_line(name, value);
+  };
+  const auto add_any = [&](const char* name, const std::string& value) {
+    if (!value.empty()) add(name, value);
+  };
+  add("job", job.id());
+  add("title", job.title());
+  add("state", state_text(job.state()));
+  add_any("cause", job.cause());
+  if (job.queue_position() > 0) add("queue", "position " + std::to_string(job.queue_position()));
+  add_any("held", job.held());
+  if (job.has_starts_in_s()) add("starts in", duration_text(job.starts_in_s()));
+  if (job.has_ends_in_s()) add("ends in", duration_text(job.ends_in_s()));
+  add("priority", lower_words(v1::Priority_Name(job.priority())));
+  add("created", time_text(job.create_time()));
+  add("started", time_text(job.start_time()));
+  add("ended", time_text(job.end_time()));
+  add("attempts", std::to_string(job.attempts()));
+  add("request id", job.request_id());
+  add_any("owner", job.owner());
+  add_any("study", job.study());
+  for (const std::string& label : job.labels()) add("label", label);
+  if (job.pinned()) add("pinned", "kept when old jobs are deleted");
+  if (job.time_limit_s() > 0.0) add("time limit", duration_text(job.time_limit_s()));
+  add_any("mail", job.mail());
+  for (const std::string& before : job.after()) add("after", before);
   for (const v1::CaseChange& change : job.changes())
-    text += row("changed", change.key() + " = " + change.value());
-  text += row("case sha256", job.case_sha256());
+    add("changed", change.key() + " = " + change.value());
+  add("case sha256", job.case_sha256());
   if (job.has_last_step()) {
     const v1::StepReport& step = job.last_step();
-    text += row("progress", fixed(100.0 * step.progress(), 1) + " %") +
-            row("last step", step_line(step));
-    text += row("mesh", std::to_string(step.nodes()) + " nodes, " +
-                            std::to_string(step.elements()) + " elements");
-    text += row("solver time", duration_text(step.solver_s()));
+    add("progress", fixed(100.0 * step.progress(), 1) + " %");
+    add("last step", step_line(step));
+    add("mesh", fmt::format("{} nodes, {} elements", step.nodes(), step.elements()));
+    add("solver time", duration_text(step.solver_s()));
   }
-  for (const v1::Finding& finding : job.findings()) text += row("finding", finding_line(finding));
-  if (job.has_validity_loss()) text += row("validity", validity_text(job.validity_loss()));
-  if (job.has_failure()) text += row("failure", failure_text(job.failure()));
+  for (const v1::Finding& finding : job.findings()) add("finding", finding_line(finding));
+  if (job.has_validity_loss()) add("validity", validity_text(job.validity_loss()));
+  if (job.has_failure()) add("failure", failure_text(job.failure()));
   for (const v1::Artifact& artifact : job.artifacts())
-    text += row("artifact", artifact.name() + "  " + std::to_string(artifact.size_bytes()) +
-                                " bytes  sha256 " + artifact.sha256());
+    add("artifact", fmt::format("{}  {} bytes  sha256 {}", artifact.name(), artifact.size_bytes(),
+                                artifact.sha256()));
   return text;
 }
 
@@ -263,6 +240,80 @@ std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string>
     table.add(std::move(row));
   }
   return table.text();
+}
+
+namespace {
+
+std::string megabytes(std::int64_t bytes) {
+  return fixed(1e-6 * static_cast<double>(bytes), 0) + " MB";
+}
+
+std::string bar(double progress) {
+  constexpr int width = 12;
+  const int full = std::clamp(static_cast<int>(std::lround(width * progress)), 0, width);
+  return "[" + std::string(full, '#') + std::string(width - full, '.') + "] " +
+         fixed(100.0 * progress, 0) + " %";
+}
+
+std::string running_table(const TopView& view) {
+  std::vector<std::string> ids;
+  for (const v1::Job& job : view.running) ids.push_back(job.id());
+  const std::size_t length = short_id_length(ids);
+  Table table({"JOB", "OWNER", "DONE", ">LEFT", ">CURL mm", "TITLE"});
+  for (const v1::Job& job : view.running)
+    table.add({job.id().substr(0, length), job.owner(), bar(job.last_step().progress()),
+               job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "-", largest_curl_text(job),
+               job.title() + (job.held().empty() ? "" : " (" + job.held() + ")")});
+  return table.text();
+}
+
+std::string queue_table(const TopView& view, std::int64_t now_unix) {
+  struct Waiting {
+    int jobs = 0, first = 0;
+    double starts_in_s = NAN;
+    std::int64_t oldest = INT64_MAX;
+  };
+  std::map<std::string, Waiting> owners;
+  for (const v1::Job& job : view.queued) {
+    Waiting& waiting = owners[job.owner()];
+    ++waiting.jobs;
+    waiting.oldest = std::min(waiting.oldest, job.create_time().seconds());
+    const int position = job.queue_position();
+    if (position == 0 || (waiting.first != 0 && position > waiting.first)) continue;
+    waiting.first = position;
+    waiting.starts_in_s = job.has_starts_in_s() ? job.starts_in_s() : NAN;
+  }
+  Table table({"OWNER", ">QUEUED", ">NEXT", ">STARTS IN", ">OLDEST"});
+  for (const auto& [owner, waiting] : owners)
+    table.add(
+        {owner.empty() ? "-" : owner, std::to_string(waiting.jobs),
+         waiting.first == 0 ? "-" : "#" + std::to_string(waiting.first),
+         std::isfinite(waiting.starts_in_s) ? duration_text(waiting.starts_in_s) : "-",
+         duration_text(static_cast<double>(std::max<std::int64_t>(0, now_unix - waiting.oldest)))});
+  return table.text();
+}
+
+}  // namespace
+
+std::string top_page(const TopView& view, int columns, int lines, std::int64_t now_unix) {
+  const v1::GetServerInfoResponse& about = view.about;
+  std::string page = fmt::format(
+      "dccastd {} on {}: {} of {} running, {} queued, {} paused\n"
+      "memory: daemon {}, {} workers {}\n",
+      about.version(), view.server, about.running(), about.workers(), about.queued(),
+      about.paused(), megabytes(about.memory_bytes()), about.worker_processes(),
+      megabytes(about.worker_memory_bytes()));
+  if (!about.storage_fault().empty()) page += "held: " + about.storage_fault() + "\n";
+  page += "\n" + (view.running.empty() ? "no job runs\n" : running_table(view));
+  if (!view.queued.empty()) page += "\n" + queue_table(view, now_unix);
+  if (about.queued() > static_cast<int>(view.queued.size()) && !view.queued.empty())
+    page += fmt::format("the newest {} of the queue\n", view.queued.size());
+  std::istringstream all(page);
+  std::string shown;
+  int count = 0;
+  for (std::string line; std::getline(all, line) && (lines == 0 || count < lines); ++count)
+    shown += cut_to(line, columns) + "\n";
+  return shown;
 }
 
 }  // namespace dccast::client::render

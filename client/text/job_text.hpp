@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "dccast/v1/job.pb.h"
+#include "dccast/v1/service.pb.h"
 
 namespace dccast::client::render {
 
@@ -39,5 +39,18 @@ std::vector<std::string> job_columns();
 /// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
 ///                 of the jobs has them
 std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string> columns);
+
+/// What `dccast top` shows at one moment.
+struct TopView {
+  std::string server;
+  v1::GetServerInfoResponse about{};
+  std::vector<v1::Job> running{};
+  std::vector<v1::Job> queued{};  ///< newest first; may be some of many
+};
+
+/// A page of at most so many columns and lines, each ended; with what does not fit left out.
+/// @param lines    0: as many as there are
+/// @param now_unix [s since 1970]
+std::string top_page(const TopView& view, int columns, int lines, std::int64_t now_unix);
 
 }  // namespace dccast::client::render

@@ -13,11 +13,18 @@ inline constexpr double litres_per_min_per_m =
 /// A number [any unit] with four significant digits, without trailing zeros; "-" if not finite.
 std::string plant_number(double value);
 
+/// A length [m] so, in millimetres: "570 mm".
+std::string plant_mm(double metres);
+
 /// A table in words: "40 mm/min to 60 s, then to 60 mm/min at 200 s".
 /// @param factor  [`unit` per stored unit]
 std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit);
 
 /// A case as readable TOML: speeds in mm/min, numbers rounded to nine digits.
 std::string readable_toml(const v1::Case& input);
+
+/// The casting of a case as a plant puts it, in one line: "slab 1320 x 570 mm of aa5182, speed 45
+/// -> 55 mm/min from 60 s to 200 s (over 117 mm), water 110 -> 198 l/min/m = 25 -> 45 m3/h".
+std::string casting_summary(const v1::Case& description);
 
 }  // namespace dccast::client::render

@@ -1,14 +1,15 @@
 #include "client/text/progress.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
 #include <google/protobuf/util/time_util.h>
 
-#include <cmath>
-#include <cstdio>
-
-#include "client/text/braille.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -17,8 +18,7 @@ constexpr int curve_columns = 12;               // of the renewed line
 constexpr std::chrono::milliseconds pause{50};  // 20 updates per second are enough
 
 std::string signed_mm(double metres) {
-  return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + fixed(1e3 * metres, 2) + " mm"
-                               : "- mm";
+  return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + mm(metres, 2) + " mm" : "- mm";
 }
 
 /// ", beyond validity from 166 s on"; nothing for a run that is valid.
@@ -35,9 +35,9 @@ std::string eta_text(const v1::StepReport& step) {
 }
 
 std::string step_facts(const v1::StepReport& step) {
-  std::string text = "step " + std::to_string(step.step()) + "  t " + fixed(step.time_s(), 2) +
-                     " s  " + (step.beyond_validity() ? std::string(beyond_validity) + "  " : "") +
-                     "cast " + fixed(1e3 * step.cast_length_m(), 1) + " mm";
+  std::string text = fmt::format(
+      "step {}  t {} s  {}cast {} mm", step.step(), fixed(step.time_s(), 2),
+      step.beyond_validity() ? std::string(beyond_validity) + "  " : "", mm(step.cast_length_m()));
   for (const v1::MonitorValue& monitor : step.monitors())
     text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
   return text + "  " + std::to_string(step.iterations()) + " it";
@@ -51,17 +51,11 @@ double remaining_s(const v1::StepReport& step) {
 }
 
 std::string duration_text(double seconds) {
-  char text[48];
   const long whole = std::lround(std::max(0.0, seconds));
-  if (whole >= 3600)
-    std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
-  else if (whole >= 60)
-    std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
-  else if (seconds < 10.0)
-    std::snprintf(text, sizeof text, "%.1f s", std::max(0.0, seconds));
-  else
-    std::snprintf(text, sizeof text, "%ld s", whole);
-  return text;
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return seconds < 10.0 ? fmt::format("{:.1f} s", std::max(0.0, seconds))
+                        : fmt::format("{} s", whole);
 }
 
 std::string step_line(const v1::StepReport& step) {
@@ -92,11 +86,10 @@ void Progress::show(const v1::JobEvent& event) {
   std::string curve;
   if (const auto* series = history_.largest())
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
-  char percent[16];
-  std::snprintf(percent, sizeof percent, "%3.0f %% ", 100.0 * event.step().progress());
   // The most important data come first: the end of the line is cut off in a narrow window.
   const std::string eta = eta_text(event.step());
-  renew(percent + eta + (eta.empty() ? "" : " ") + curve + " " + step_facts(event.step()),
+  renew(fmt::format("{:3.0f} % {}{}{} {}", 100.0 * event.step().progress(), eta,
+                    eta.empty() ? "" : " ", curve, step_facts(event.step())),
         event.step().progress() >= 1.0);
 }
 
@@ -129,46 +122,37 @@ void Progress::finish() {
 
 namespace {
 
-const char* event_name(const v1::JobEvent& event) {
+/// Adds what an event has of its own. @return its name
+const char* add_particulars(const v1::JobEvent& event, Json& line) {
   switch (event.what_case()) {
-    case v1::JobEvent::kStateChange:
-      return "state";
     case v1::JobEvent::kStep:
+      line["time_step_s"] = event.step().time_step_s();
+      line["progress"] = event.step().progress();
+      line["solver_s"] = event.step().solver_s();
+      line["contact_length_m"] = event.step().contact_length_m();
+      line["sump_depth_m"] = event.step().sump_depth_m();
       return "step";
+    case v1::JobEvent::kStateChange:
+      line["cause"] = event.state_change().cause();
+      line["terminal"] = event.state_change().terminal();
+      if (event.state_change().has_failure())
+        line["failure"] = to_json(event.state_change().failure());
+      return "state";
     case v1::JobEvent::kMessage:
+      line["text"] = event.message().text();
       return "message";
     case v1::JobEvent::kResumed:
+      line["resumed_step"] = event.resumed().step();
+      line["resumed_time_s"] = event.resumed().time_s();
       return "resumed";
     case v1::JobEvent::kValidityLost:
+      line["validity_loss"] = to_json(event.validity_lost());
       return "validity_lost";
     case v1::JobEvent::kFinding:
+      line["finding"] = to_json(event.finding());
       return "finding";
     default:
       return "unknown";
-  }
-}
-
-void add_particulars(const v1::JobEvent& event, Json& line) {
-  if (event.has_step()) {
-    line["time_step_s"] = event.step().time_step_s();
-    line["progress"] = event.step().progress();
-    line["solver_s"] = event.step().solver_s();
-    line["contact_length_m"] = event.step().contact_length_m();
-    line["sump_depth_m"] = event.step().sump_depth_m();
-  } else if (event.has_state_change()) {
-    line["cause"] = event.state_change().cause();
-    line["terminal"] = event.state_change().terminal();
-    if (event.state_change().has_failure())
-      line["failure"] = to_json(event.state_change().failure());
-  } else if (event.has_message()) {
-    line["text"] = event.message().text();
-  } else if (event.has_resumed()) {
-    line["resumed_step"] = event.resumed().step();
-    line["resumed_time_s"] = event.resumed().time_s();
-  } else if (event.has_validity_lost()) {
-    line["validity_loss"] = to_json(event.validity_lost());
-  } else if (event.has_finding()) {
-    line["finding"] = to_json(event.finding());
   }
 }
 
@@ -182,20 +166,21 @@ Json WatchOutput::line(const v1::JobEvent& event) {
     // A watch that begins in the middle of a run has not seen it start.
     if (state_ == v1::JOB_STATE_UNSPECIFIED) state_ = v1::RUNNING;
   }
-  Json line;
-  line["sequence"] = event.sequence();
-  line["event"] = event_name(event);
-  line["time"] = google::protobuf::util::TimeUtil::ToString(event.time());
-  line["state"] = v1::JobState_Name(state_);
-  line["step"] = stepped_ ? Json(step_.step()) : Json(nullptr);
-  line["time_s"] = stepped_ ? Json(step_.time_s()) : Json(nullptr);
-  line["cast_length_m"] = stepped_ ? Json(step_.cast_length_m()) : Json(nullptr);
-  line["iterations"] = stepped_ ? Json(step_.iterations()) : Json(nullptr);
-  line["beyond_validity"] = step_.beyond_validity();
-  line["monitors"] = Json::array();
+  const auto of_step = [&](auto value) { return stepped_ ? Json(value) : Json(); };
+  Json line{{"sequence", event.sequence()},
+            {"event", Json()},
+            {"time", google::protobuf::util::TimeUtil::ToString(event.time())},
+            {"state", v1::JobState_Name(state_)},
+            {"step", of_step(step_.step())},
+            {"time_s", of_step(step_.time_s())},
+            {"cast_length_m", of_step(step_.cast_length_m())},
+            {"iterations", of_step(step_.iterations())},
+            {"beyond_validity", step_.beyond_validity()},
+            {"monitors", Json::array()}};
   for (const v1::MonitorValue& monitor : step_.monitors())
     line["monitors"].push_back(to_json(monitor));
-  add_particulars(event, line);
+  const char* const name = add_particulars(event, line);  // moves the members of `line`
+  line["event"] = name;
   return line;
 }
 

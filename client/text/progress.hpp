@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string>
 
-#include "client/model/curl_history.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/job.pb.h"

@@ -1,19 +1,19 @@
-#include "client/text/recipe_text.hpp"
+#include "client/text/data_study_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "client/model/case_changes.hpp"
-#include "client/model/effects.hpp"
+#include <fmt/core.h>
+
+#include "client/model/answer.hpp"
+#include "client/model/study.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 
 namespace dccast::client::render {
 namespace {
-
-constexpr int text_columns = 100;
 
 using Candidate = v1::RecipeFound::Candidate;
 
@@ -44,10 +44,6 @@ bool has(const v1::RecipePlan& plan, const char* name) {
                              [&](const auto& number) { return number.name() == name; });
 }
 
-std::string millimetres(double metres) {
-  return fixed(1e3 * metres, 1);
-}
-
 std::string percent(double share) {
   return fixed(100.0 * share, 0);
 }
@@ -64,7 +60,7 @@ std::string full_text(const Candidate& candidate, const v1::RecipePlan& plan) {
   const double curl = candidate.full_curl_m();
   const bool good = candidate.full_dangers().empty() && curl >= plan.least_curl_m() &&
                     curl <= plan.greatest_curl_m();
-  return millimetres(curl) + (good ? "" : " !");
+  return mm(curl) + (good ? "" : " !");
 }
 
 std::vector<std::string> row_of(const std::string& name, const v1::RecipePlan& plan,
@@ -73,26 +69,22 @@ std::vector<std::string> row_of(const std::string& name, const v1::RecipePlan& p
   const auto numbers = by_name(plan, candidate);
   for (const Column& column : columns) {
     if (!has(plan, column.number)) continue;
-    std::string text =
-        plant_number(std::round(10.0 * column.factor * numbers.at(column.number)) / 10.0);
+    const auto shown = [&](const char* number) {
+      return plant_number(std::round(10.0 * column.factor * numbers.at(number)) / 10.0);
+    };
+    row.push_back(shown(column.number));
     if (column.to != nullptr && numbers.contains(column.to))
-      text +=
-          " to " + plant_number(std::round(10.0 * column.factor * numbers.at(column.to)) / 10.0);
-    row.push_back(text);
+      row.back() += " to " + shown(column.to);
   }
-  row.push_back(millimetres(candidate.low_m()) + ".." + millimetres(candidate.high_m()));
-  row.push_back(risk_text(candidate));
-  row.push_back(candidate.castings() == 0 ? "-"
-                                          : std::to_string(candidate.lost()) + " of " +
-                                                std::to_string(candidate.castings()));
-  row.push_back(fixed(candidate.casting_time_s(), 0));
-  row.push_back(full_text(candidate, plan));
+  const std::string lost = fmt::format("{} of {}", candidate.lost(), candidate.castings());
+  row.insert(row.end(), {mm(candidate.low_m()) + ".." + mm(candidate.high_m()),
+                         risk_text(candidate), candidate.castings() == 0 ? "-" : lost,
+                         fixed(candidate.casting_time_s(), 0), full_text(candidate, plan)});
   return row;
 }
 
 std::string band_text(const v1::RecipePlan& plan) {
-  return fixed(1e3 * plan.least_curl_m(), 0) + " to " + fixed(1e3 * plan.greatest_curl_m(), 0) +
-         " mm";
+  return mm(plan.least_curl_m(), 0) + " to " + mm(plan.greatest_curl_m(), 0) + " mm";
 }
 
 std::string chosen_text(const v1::RecipePlan& plan, const v1::RecipeFound& found) {
@@ -105,12 +97,11 @@ std::string chosen_text(const v1::RecipePlan& plan, const v1::RecipeFound& found
                       band_text(plan) + " or has a danger.";
   }
   const Candidate& chosen = found.front(found.chosen());
-  return "Recipe " + std::to_string(found.chosen() + 1) + ": " + risk_text(chosen) +
-         " % of castings end outside " + band_text(plan) + " or with a danger (" +
-         std::to_string(chosen.lost()) + " of " + std::to_string(chosen.castings()) +
-         " that were looked at); its run at full quality ends with " +
-         millimetres(chosen.full_curl_m()) + " mm and no danger, after " +
-         fixed(chosen.casting_time_s(), 0) + " s.";
+  return fmt::format(
+      "Recipe {}: {} % of castings end outside {} or with a danger ({} of {} that were looked at); "
+      "its run at full quality ends with {} mm and no danger, after {} s.",
+      found.chosen() + 1, risk_text(chosen), band_text(plan), chosen.lost(), chosen.castings(),
+      mm(chosen.full_curl_m()), fixed(chosen.casting_time_s(), 0));
 }
 
 }  // namespace
@@ -124,9 +115,9 @@ std::vector<std::string> recipe_headings(const v1::RecipePlan& plan) {
   return headings;
 }
 
-std::vector<std::vector<std::string>> recipe_rows(const v1::StudyResult& result) {
+Rows recipe_rows(const v1::StudyResult& result) {
   const v1::RecipePlan& plan = result.study().recipe();
-  std::vector<std::vector<std::string>> rows;
+  Rows rows;
   for (const Candidate& candidate : result.recipe().front())
     rows.push_back(row_of(std::to_string(rows.size() + 1), plan, candidate));
   if (result.recipe().has_itself()) rows.push_back(row_of("case", plan, result.recipe().itself()));
@@ -139,9 +130,9 @@ std::vector<std::string> recipe_sentences(const v1::StudyResult& result) {
   if (found.runs() == 0) return {"No answer yet: " + found.fault() + "."};
   std::vector<std::string> sentences;
   if (found.has_itself())
-    sentences.push_back("As the case is, " + percent(found.itself().risk()) +
-                        " % of castings end outside " + band_text(plan) + " or with a danger, " +
-                        percent(found.itself().danger()) + " % with a danger.");
+    sentences.push_back(fmt::format(
+        "As the case is, {} % of castings end outside {} or with a danger, {} % with a danger.",
+        percent(found.itself().risk()), band_text(plan), percent(found.itself().danger())));
   sentences.push_back(chosen_text(plan, found));
   if (found.chosen() >= 0)
     sentences.push_back("It is " + changes_text(found.front(found.chosen()).changes()) + ".");
@@ -150,29 +141,24 @@ std::vector<std::string> recipe_sentences(const v1::StudyResult& result) {
     sentences.push_back(
         "No recipe within these limits is safe whatever the data are: what leaves them open has to "
         "be measured first (dccast uncertainty, dccast sensitivity).");
-  sentences.push_back("The surfaces rest on " + std::to_string(found.runs()) + " drafts, " +
-                      std::to_string(found.dangers()) + " with a danger; the curl is off by " +
-                      millimetres(found.surface_error_m()) + " mm, the danger is misjudged in " +
-                      percent(found.misjudged()) + " % of them. Curls of drafts count " +
-                      fixed(found.full_over_draft(), 2) +
-                      " times, what full quality made of the case itself.");
+  sentences.push_back(fmt::format(
+      "The surfaces rest on {} drafts, {} with a danger; the curl is off by {} mm, the danger is "
+      "misjudged in {} % of them. Curls of drafts count {} times, what full quality made of the "
+      "case itself.",
+      found.runs(), found.dangers(), mm(found.surface_error_m()), percent(found.misjudged()),
+      fixed(found.full_over_draft(), 2)));
   return sentences;
 }
 
 std::string recipe_text(const v1::StudyResult& result) {
-  std::string text = "study " + result.study().id() + ": " + result.study().title() + "\n" +
-                     std::to_string(result.runs_size()) + " runs: " + count_runs(result).text() +
-                     "\n";
-  if (!result.recipe().front().empty()) {
-    Table table(recipe_headings(result.study().recipe()));
-    for (auto& row : recipe_rows(result)) table.add(std::move(row));
+  std::string text =
+      fmt::format("study {}: {}\n{} runs: {}\n", result.study().id(), result.study().title(),
+                  result.runs_size(), count_runs(result).text());
+  if (!result.recipe().front().empty())
     text += "\nrecipes of least risk, curl of the " + result.recipe().monitor() +
-            " at the cast length of the case\n" + table.text();
-  }
-  text += "\n";
-  for (const std::string& sentence : recipe_sentences(result))
-    text += wrapped(sentence, text_columns) + "\n";
-  return text;
+            " at the cast length of the case\n" +
+            Table(recipe_headings(result.study().recipe()), recipe_rows(result)).text();
+  return text + "\n" + paragraphs(recipe_sentences(result));
 }
 
 }  // namespace dccast::client::render

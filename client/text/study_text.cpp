@@ -6,6 +6,8 @@
 #include <limits>
 #include <ostream>
 
+#include <fmt/core.h>
+
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
@@ -16,23 +18,6 @@
 
 namespace dccast::client::render {
 namespace {
-
-std::string row(const std::string& name, const std::string& value) {
-  constexpr std::size_t width = 14;
-  return name + std::string(width - std::min(width, name.size()), ' ') + value + "\n";
-}
-
-std::string joined(const google::protobuf::RepeatedPtrField<std::string>& texts) {
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
-  return all;
-}
-
-using Rows = std::vector<std::vector<std::string>>;
-
-std::string millimetres(double metres) {
-  return fixed(1e3 * metres, 3);
-}
 
 /// A figure, with a mark if it is beyond validity.
 std::string marked(std::string figure, bool valid) {
@@ -50,7 +35,7 @@ std::string left_text(const v1::Study& study) {
 /// Curl at the end of a level; "-" where it has none.
 std::string end_curl(const StudyLevel& level, std::size_t monitor) {
   if (!level.succeeded() || monitor >= level.end_curl_m.size()) return "-";
-  return marked(millimetres(level.end_curl_m[monitor]), !level.ends_beyond_validity());
+  return marked(mm(level.end_curl_m[monitor], 3), !level.ends_beyond_validity());
 }
 
 }  // namespace
@@ -84,16 +69,14 @@ std::string plan_text(const v1::Study& study) {
     return study.sweep().further_of().empty()
                ? "calibration, " + count + " keys"
                : "further runs of calibration " + study.sweep().further_of();
-  std::string keys;
-  for (const auto& axis : study.sweep().axes()) keys += (keys.empty() ? "" : ", ") + axis.key();
-  return "sweep of " + keys;
+  return "sweep of " + joined(study.sweep().axes(), ", ", &v1::SweepPlan::Axis::key);
 }
 
 std::string progress_text(const v1::Study& study) {
   const int ended = study.succeeded() + study.failed() + study.cancelled();
-  std::string text = std::to_string(ended) + " of " + std::to_string(study.runs()) + " runs";
+  std::string text = fmt::format("{} of {} runs", ended, study.runs());
   const auto add = [&text](int count, const char* what) {
-    if (count > 0) text += ", " + std::to_string(count) + " " + what;
+    if (count > 0) text += fmt::format(", {} {}", count, what);
   };
   add(study.running(), "running");
   add(study.failed(), "failed");
@@ -102,14 +85,15 @@ std::string progress_text(const v1::Study& study) {
 }
 
 std::string study_sheet(const v1::Study& study) {
-  std::string text = row("study", study.id()) + row("title", study.title()) +
-                     row("plan", plan_text(study)) + row("state", state_text(study.state())) +
-                     row("runs", progress_text(study)) +
-                     row("created", time_text(study.create_time()));
-  if (study.has_end_time()) text += row("ended", time_text(study.end_time()));
-  if (!study.owner().empty()) text += row("owner", study.owner());
-  if (!study.labels().empty()) text += row("labels", joined(study.labels()));
-  if (!study.message().empty()) text += row("message", study.message());
+  std::string text = sheet_line("study", study.id()) + sheet_line("title", study.title()) +
+                     sheet_line("plan", plan_text(study)) +
+                     sheet_line("state", state_text(study.state())) +
+                     sheet_line("runs", progress_text(study)) +
+                     sheet_line("created", time_text(study.create_time()));
+  if (study.has_end_time()) text += sheet_line("ended", time_text(study.end_time()));
+  if (!study.owner().empty()) text += sheet_line("owner", study.owner());
+  if (!study.labels().empty()) text += sheet_line("labels", joined(study.labels()));
+  if (!study.message().empty()) text += sheet_line("message", study.message());
   return text;
 }
 
@@ -157,10 +141,10 @@ Rows limit_rows(const Study& study) {
     const std::size_t worst = monitor.least_certain();
     rows[0].push_back(limit.order ? fixed(*limit.order, 2) : "none");
     const bool valid = study.valid_at(study.time_s.back());
-    rows[1].push_back(marked(millimetres(limit.value_m.back()), valid));
-    rows[2].push_back(marked(millimetres(limit.uncertainty_m.back()), valid));
+    rows[1].push_back(marked(mm(limit.value_m.back(), 3), valid));
+    rows[2].push_back(marked(mm(limit.uncertainty_m.back(), 3), valid));
     rows[3].push_back(
-        marked(millimetres(limit.uncertainty_m[worst]), study.valid_at(study.time_s[worst])));
+        marked(mm(limit.uncertainty_m[worst], 3), study.valid_at(study.time_s[worst])));
     rows[4].push_back(fixed(study.time_s[worst], 2));
   }
   return study.monitors.empty() ? Rows{} : rows;
@@ -175,8 +159,7 @@ std::string validity_note(const Study& study) {
 std::string study_table(const Study& study) {
   std::vector<std::string> headings{">refinement", ">nodes", ">solver s", "state"};
   for (const std::string& name : monitor_names(study)) headings.push_back(">" + name + " mm");
-  Table table(headings);
-  for (auto& row : level_rows(study)) table.add(std::move(row));
+  Table table(headings, level_rows(study));
   for (auto& row : limit_rows(study)) table.add(std::move(row));
   const std::string note = validity_note(study);
   return table.text() + (note.empty() ? note : note + "\n");
@@ -207,13 +190,6 @@ std::string csv_head(const v1::StudyResult& result) {
   return head + ",solver_s,beyond_validity,findings,failure\n";
 }
 
-std::string finding_codes(const v1::StudyRun& run) {
-  std::string codes;
-  for (const v1::Finding& finding : run.findings())
-    codes += (codes.empty() ? "" : " ") + finding.code();
-  return codes;
-}
-
 /// What mesh and time steps leave uncertain of a curl of the run; NaN: not known.
 double mesh_error_m(const v1::StudyRun& run, double curl_m) {
   return run.has_relative_curl_error() ? run.relative_curl_error() * std::abs(curl_m)
@@ -221,13 +197,14 @@ double mesh_error_m(const v1::StudyRun& run, double curl_m) {
 }
 
 std::string csv_row(const v1::StudyRun& run, int number) {
-  std::string row = std::to_string(number) + "," + run.job() + "," + v1::JobState_Name(run.state());
+  std::string row = fmt::format("{},{},{}", number, run.job(), v1::JobState_Name(run.state()));
   for (int i = 0; i < run.values_size(); ++i)
     row += "," + csv_text(run.values(i)) + "," + csv_number(run.numbers(i));
   for (const double curl : run.end_curl_m())
     row += "," + csv_number(curl) + "," + csv_number(mesh_error_m(run, curl));
-  return row + "," + csv_number(run.solver_s()) + "," + (run.beyond_validity() ? "1" : "0") + "," +
-         finding_codes(run) + "," + csv_text(run.failure().message()) + "\n";
+  return row + fmt::format(",{},{:d},{},{}\n", csv_number(run.solver_s()), run.beyond_validity(),
+                           joined(run.findings(), " ", &v1::Finding::code),
+                           csv_text(run.failure().message()));
 }
 
 }  // namespace
@@ -237,11 +214,10 @@ std::string run_text(const v1::StudyRun& run) {
       run.job().empty() && run.state() == v1::QUEUED ? "waiting" : state_text(run.state());
   if (run.has_failure()) text += ": " + failure_kind_text(run.failure().kind());
   if (run.beyond_validity()) text += std::string(", ") + beyond_validity;
-  int findings = 0;
-  for (const v1::Finding& finding : run.findings())
-    if (finding.severity() > v1::Finding::NOTE) ++findings;
-  if (findings > 0)
-    text += ", " + std::to_string(findings) + (findings == 1 ? " finding" : " findings");
+  const auto findings = std::ranges::count_if(run.findings(), [](const v1::Finding& finding) {
+    return finding.severity() > v1::Finding::NOTE;
+  });
+  if (findings > 0) text += fmt::format(", {} finding{}", findings, findings == 1 ? "" : "s");
   return text;
 }
 
@@ -281,15 +257,9 @@ namespace {
 
 constexpr int usual_runs = 12;  // study.proto
 
-std::string mm(double metres, int decimals = 2) {
-  return fixed(1e3 * metres, decimals);
-}
-
 template <class Values>
 std::string listed(const Values& metres, int decimals) {
-  std::string text;
-  for (const double value : metres) text += (text.empty() ? "" : ", ") + mm(value, decimals);
-  return text;
+  return joined(metres, ", ", [&](double value) { return mm(value, decimals); });
 }
 
 std::string percent(double part, double whole) {
@@ -304,7 +274,7 @@ std::string opening_words(const v1::StudyResult::MouldFound& found) {
     const bool was_flat = flat;
     flat = i + 1 < found.x_m_size() && found.half_opening_m(i + 1) == found.half_opening_m(i);
     if (flat) continue;
-    words += (words.empty() ? "" : ", ") + mm(found.half_opening_m(i)) +
+    words += (words.empty() ? "" : ", ") + mm(found.half_opening_m(i), 2) +
              (was_flat ? " mm from the middle to " : " mm at ") + mm(found.x_m(i), 0) + " mm";
   }
   return words;
@@ -313,22 +283,22 @@ std::string opening_words(const v1::StudyResult::MouldFound& found) {
 /// How far the search came, and why it goes no further.
 std::string end_words(const MouldDesign& design) {
   const v1::Study& study = design.result.study();
-  const auto& found = design.found();
-  const std::string near = mm(found.residual_m()) + " mm";
-  if (found.within_tolerance())
-    return "flat within " + near + " (tolerance " + mm(study.mould().tolerance_m()) + " mm)";
-  if (study.state() != v1::STUDY_SUCCEEDED) return "within " + near + " of flat so far";
-  const int most = study.mould().maximum_runs() == 0 ? usual_runs : study.mould().maximum_runs();
-  return "within " + near + " of flat, more than the tolerance of " +
-         mm(study.mould().tolerance_m()) + " mm: " +
-         (study.runs() >= most ? "these were all the runs permitted"
-                               : "three straight segments cannot come closer");
+  const v1::MouldPlan& plan = study.mould();
+  const std::string near = mm(design.found().residual_m(), 2),
+                    tolerance = mm(plan.tolerance_m(), 2);
+  if (design.found().within_tolerance())
+    return fmt::format("flat within {} mm (tolerance {} mm)", near, tolerance);
+  if (study.state() != v1::STUDY_SUCCEEDED) return fmt::format("within {} mm of flat so far", near);
+  const int most = plan.maximum_runs() == 0 ? usual_runs : plan.maximum_runs();
+  return fmt::format("within {} mm of flat, more than the tolerance of {} mm: {}", near, tolerance,
+                     study.runs() >= most ? "these were all the runs permitted"
+                                          : "three straight segments cannot come closer");
 }
 
 std::string steady_words(const MouldDesign& design, const frames::SteadyFace& face) {
   std::string words = "Read " + mm(face.height_m, 0) +
                       " mm above the block, around which the half-thickness changes by " +
-                      mm(face.change_m) + " mm";
+                      mm(face.change_m, 2) + " mm";
   if (!design.steady())
     words +=
         ", more than the tolerance: the face is not steady yet and may contract further, the "
@@ -349,7 +319,7 @@ std::string mould_runs_table(const MouldDesign& design) {
       const v1::Curve& opening = run.cast->section.half_thickness_m();
       row[2] = listed(opening.at(), 0);
       row[3] = listed(opening.value(), 2);
-      row[4] = mm(run.cast->face.residual_m(design.wanted_m));
+      row[4] = mm(run.cast->face.residual_m(design.wanted_m), 2);
       row[5] = mm(run.cast->face.height_m, 0);
     }
     table.add(std::move(row));
@@ -368,7 +338,8 @@ std::string mould_opening_table(const MouldDesign& design) {
   if (found.x_m().empty()) return {};
   Table table({">break point mm", ">half-opening mm", ">opening mm", ">over wanted"});
   for (int i = 0; i < found.x_m_size(); ++i)
-    table.add({mm(found.x_m(i), 0), mm(found.half_opening_m(i)), mm(2.0 * found.half_opening_m(i)),
+    table.add({mm(found.x_m(i), 0), mm(found.half_opening_m(i), 2),
+               mm(2.0 * found.half_opening_m(i), 2),
                percent(found.half_opening_m(i) - design.wanted_m, design.wanted_m)});
   return table.text();
 }
@@ -379,8 +350,8 @@ std::string mould_profile_table(const MouldDesign& design) {
   const frames::SteadyFace& face = best->cast->face;
   Table table({">x mm", ">mould mm", ">cold slab mm", ">over wanted mm", ">pull-in"});
   for (std::size_t i = 0; i < face.x_m.size(); ++i)
-    table.add({mm(face.x_m[i], 1), mm(face.mould_m[i]), mm(face.cold_m[i]),
-               mm(face.cold_m[i] - design.wanted_m),
+    table.add({mm(face.x_m[i], 1), mm(face.mould_m[i], 2), mm(face.cold_m[i], 2),
+               mm(face.cold_m[i] - design.wanted_m, 2),
                percent(face.mould_m[i] - face.cold_m[i], face.mould_m[i])});
   return table.text();
 }
@@ -388,12 +359,13 @@ std::string mould_profile_table(const MouldDesign& design) {
 std::string mould_sentence(const MouldDesign& design) {
   const MouldRun* best = design.best();
   if (best == nullptr) return "No run has shown a cold slab yet.\n";
-  int succeeded = 0;
-  for (const MouldRun& run : design.runs) succeeded += run.state == v1::SUCCEEDED ? 1 : 0;
-  return "A mould with half-openings of " + opening_words(design.found()) +
-         " gives a cold slab of half-thickness " + mm(design.wanted_m) + " mm, " +
-         end_words(design) + ", after " + std::to_string(succeeded) +
-         (succeeded == 1 ? " run.\n" : " runs.\n") + steady_words(design, best->cast->face);
+  const auto succeeded = std::ranges::count(design.runs, v1::SUCCEEDED, &MouldRun::state);
+  return fmt::format(
+             "A mould with half-openings of {} gives a cold slab of half-thickness {} mm, {}, "
+             "after {} run{}.\n",
+             opening_words(design.found()), mm(design.wanted_m, 2), end_words(design), succeeded,
+             succeeded == 1 ? "" : "s") +
+         steady_words(design, best->cast->face);
 }
 
 std::string mould_text(const MouldDesign& design) {

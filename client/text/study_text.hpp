@@ -6,6 +6,7 @@
 
 #include "client/model/study.hpp"
 #include "client/session/plan_requests.hpp"
+#include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/study.pb.h"
 
@@ -51,8 +52,8 @@ std::vector<std::string> monitor_names(const Study& study);
 
 /// The cells of that table, for other kinds of tables: refinement, nodes, solver seconds and state,
 /// then one cell per monitor. limit_rows() is empty while there is no result.
-std::vector<std::vector<std::string>> level_rows(const Study& study);
-std::vector<std::vector<std::string>> limit_rows(const Study& study);
+Rows level_rows(const Study& study);
+Rows limit_rows(const Study& study);
 
 /// A sweep as a text table: one row per run with its values, the final curl of every monitor and
 /// its outcome.

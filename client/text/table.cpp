@@ -8,12 +8,12 @@
 
 namespace dccast::client::render {
 
-Table::Table(std::vector<std::string> headings) {
+Table::Table(std::vector<std::string> headings, Rows rows) : rows_(std::move(rows)) {
   for (std::string& heading : headings) {
     right_.push_back(heading.starts_with('>'));
     if (right_.back()) heading.erase(0, 1);
   }
-  rows_.push_back(std::move(headings));
+  rows_.insert(rows_.begin(), std::move(headings));
 }
 
 std::string Table::text() const {
@@ -34,6 +34,11 @@ std::string Table::text() const {
   return text;
 }
 
+std::string sheet_line(const std::string& name, const std::string& value) {
+  constexpr std::size_t width = 14;
+  return name + std::string(width - std::min(width, name.size()), ' ') + value + "\n";
+}
+
 std::string csv_text(const std::string& text) {
   const bool signed_one = text.find_first_of("+-") == 0;  // "-5 K" is none
   const bool formula = text.find_first_of("=@\t\r") == 0 ||
@@ -50,6 +55,10 @@ std::string fixed(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
+}
+
+std::string mm(double metres, int decimals) {
+  return fixed(1e3 * metres, decimals);
 }
 
 }  // namespace dccast::client::render

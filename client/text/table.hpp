@@ -1,22 +1,28 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace dccast::client::render {
 
+using Rows = std::vector<std::vector<std::string>>;  ///< cells by row
+
 /// Text table with columns as wide as needed, two blanks between them, no trailing blanks.
 class Table {
 public:
   /// A heading that begins with '>' makes a column that is set to the right (numbers).
-  explicit Table(std::vector<std::string> headings);
+  explicit Table(std::vector<std::string> headings, Rows rows = {});
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
   std::string text() const;
 
 private:
   std::vector<bool> right_;
-  std::vector<std::vector<std::string>> rows_;
+  Rows rows_;
 };
+
+/// A line of a sheet of facts, the values below each other.
+std::string sheet_line(const std::string& name, const std::string& value);
 
 /// A text as a cell of a CSV file. One that a spreadsheet would take for a formula has an
 /// apostrophe before it.
@@ -24,5 +30,20 @@ std::string csv_text(const std::string& text);
 
 /// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
 std::string fixed(double value, int decimals);
+
+/// A length [m] in millimetres, likewise.
+std::string mm(double metres, int decimals = 1);
+
+/// "a, b, c". @param text_of  what of an element is shown
+template <class Elements, class TextOf = std::identity>
+std::string joined(const Elements& elements, const std::string& separator = ", ",
+                   TextOf text_of = {}) {
+  std::string all;
+  for (const auto& element : elements) {
+    const std::string& text = std::invoke(text_of, element);
+    all += (all.empty() ? "" : separator) + text;
+  }
+  return all;
+}
 
 }  // namespace dccast::client::render

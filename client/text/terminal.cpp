@@ -1,8 +1,10 @@
 #include "client/text/terminal.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -81,8 +83,108 @@ std::string wrapped(const std::string& text, int columns, int first, int indent)
   return lines;
 }
 
+std::string paragraphs(const std::vector<std::string>& sentences) {
+  constexpr int columns = 100;
+  std::string text;
+  for (const std::string& sentence : sentences) text += wrapped(sentence, columns) + "\n";
+  return text;
+}
+
 std::string bold(const std::string& text, const Terminal& terminal) {
   return terminal.colour ? "\033[1m" + text + "\033[0m" : text;
 }
 
+namespace {
+
+/// UTF-8 of U+2800 + dots.
+std::string braille(unsigned dots) {
+  const unsigned code = 0x2800u + dots;
+  return {static_cast<char>(0xE0 | (code >> 12)), static_cast<char>(0x80 | ((code >> 6) & 0x3F)),
+          static_cast<char>(0x80 | (code & 0x3F))};
+}
+
+/// Bit of the dot in column 0..1 and row 0..3 from above (Unicode, Braille Patterns).
+unsigned dot(int column, int row) {
+  static constexpr unsigned bits[2][4] = {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}};
+  return bits[column][row];
+}
+
+/// Value of a line at x; not a number outside of it.
+double value_at(const BrailleLine& line, double x) {
+  if (line.x.empty() || x < line.x.front() || x > line.x.back()) return NAN;
+  const auto right =
+      static_cast<std::size_t>(std::lower_bound(line.x.begin(), line.x.end(), x) - line.x.begin());
+  if (right == 0) return line.y.front();
+  const double share = (x - line.x[right - 1]) / (line.x[right] - line.x[right - 1]);
+  return line.y[right - 1] + share * (line.y[right] - line.y[right - 1]);
+}
+
+/// Draws lines between the limits of a chart, and joins steep pieces, so that a jump is a line and
+/// not two dots. Nothing is drawn where a line has no finite value.
+void draw(const std::vector<BrailleLine>& lines, double begin, double end, int columns, int rows,
+          BrailleChart& chart) {
+  const double span = std::max(chart.high - chart.low, 1e-12);
+  const int dots = 4 * rows;
+  std::vector<std::vector<unsigned>> drawn(rows, std::vector<unsigned>(columns, 0));
+  chart.cells.assign(rows, std::vector<BrailleCell>(columns));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    int previous = -1;
+    for (int x = 0; x < 2 * columns; ++x) {
+      const double share = static_cast<double>(x) / std::max(1, 2 * columns - 1);
+      const double y = value_at(lines[i], begin + share * (end - begin));
+      if (!std::isfinite(y)) {
+        previous = -1;
+        continue;
+      }
+      const int level =
+          dots - 1 - static_cast<int>(std::lround((y - chart.low) / span * (dots - 1)));
+      // From beside the dot before, which is not drawn twice.
+      const int from = previous < 0 ? level : previous + (level > previous) - (level < previous);
+      for (int d = std::min(from, level); d <= std::max(from, level); ++d) {
+        drawn[d / 4][x / 2] |= dot(x % 2, d % 4);
+        chart.cells[d / 4][x / 2].line = i;
+      }
+      previous = level;
+    }
+  }
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      chart.cells[row][column].text = braille(drawn[row][column]);
+}
+
+}  // namespace
+
+std::vector<std::string> braille_curve(const std::vector<double>& y, int columns, int rows) {
+  BrailleLine line{{}, y};
+  for (std::size_t i = 0; i < y.size(); ++i) line.x.push_back(static_cast<double>(i));
+  BrailleChart chart;
+  if (!y.empty()) {
+    const auto [low, high] = std::ranges::minmax(y);
+    chart.low = low;
+    chart.high = high;
+  }
+  draw({line}, 0.0, y.empty() ? 0.0 : line.x.back(), columns, rows, chart);
+  std::vector<std::string> texts;
+  for (const auto& row : chart.cells) {
+    texts.emplace_back();
+    for (const BrailleCell& cell : row) texts.back() += cell.text;
+  }
+  return texts;
+}
+
+BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, int rows) {
+  BrailleChart chart;
+  double begin = INFINITY, end = -INFINITY;
+  for (const BrailleLine& line : lines) {
+    if (line.x.empty()) continue;
+    begin = std::min(begin, line.x.front());
+    end = std::max(end, line.x.back());
+    for (const double y : line.y) {
+      chart.low = std::min(chart.low, y);
+      chart.high = std::max(chart.high, y);
+    }
+  }
+  draw(lines, begin, end, columns, rows, chart);
+  return chart;
+}
 }  // namespace dccast::client::render

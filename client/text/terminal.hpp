@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace dccast::client::render {
 
@@ -30,7 +32,36 @@ std::string cut_to(const std::string& text, int columns);
 /// @param indent  blanks before each further line
 std::string wrapped(const std::string& text, int columns, int first = 0, int indent = 0);
 
+/// Sentences for the screen, each on lines of its own.
+std::string paragraphs(const std::vector<std::string>& sentences);
+
 /// The text in bold, if the terminal shows colour.
 std::string bold(const std::string& text, const Terminal& terminal);
+
+/// A small curve of braille characters with 2 x 4 dots per character.
+/// @param y        values [any unit], evenly distributed over the width
+/// @param columns  characters per line @param rows  number of lines
+/// @return         `rows` lines without line ends, the uppermost first
+std::vector<std::string> braille_curve(const std::vector<double>& y, int columns, int rows);
+
+/// One of several lines in a common chart.
+struct BrailleLine {
+  std::vector<double> x, y;  ///< [any unit] of equal length; x ascending
+};
+
+struct BrailleCell {
+  std::string text;  ///< one character
+  /// The last line that runs through the cell; empty if none does
+  std::optional<std::size_t> line;
+};
+
+struct BrailleChart {
+  std::vector<std::vector<BrailleCell>> cells;  ///< by row, the uppermost first
+  double low = 0.0, high = 0.0;                 ///< y at the lower and the upper edge [unit of y]
+};
+
+/// Draws several lines on common axes that include y = 0.
+/// @param columns  characters per line, 2 x 4 dots each @param rows  number of lines
+BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, int rows);
 
 }  // namespace dccast::client::render

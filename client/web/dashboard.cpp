@@ -12,16 +12,14 @@
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
-#include "client/html/job_report.hpp"
+#include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/case_changes.hpp"
 #include "client/model/comparison.hpp"
 #include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
 #include "client/text/comparison_text.hpp"
-#include "client/web/assets.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/digests.hpp"
@@ -70,10 +68,6 @@ Json history_json(const CurlHistory& history) {
   return json;
 }
 
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json();
-}
-
 /// The band of curl that the case accepts [m]; null where it has no such limit.
 Json wanted_json(const v1::Case& description) {
   const auto& limits = description.plausibility();
@@ -81,27 +75,28 @@ Json wanted_json(const v1::Case& description) {
           {"greatest_m", limits.has_greatest_curl_m() ? Json(limits.greatest_curl_m()) : Json()}};
 }
 
-/// A job with its curl, the error of its mesh and steps, and the times of its stored frames.
-Json job_json(Connection& connection, const std::string& id) {
+v1::Job job_of(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
+  return connection.call(&Stub::GetJob, request);
+}
+
+/// A job with its curl, the error of its mesh and steps, and the times of its stored frames.
+Json job_json(Connection& connection, const std::string& id) {
+  const v1::Job job = job_of(connection, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
-  Json json{{"job", to_json(job)},
-            {"history", history_json(curl_history(job, result))},
-            {"relative_curl_error", optional_json(discretisation_error(result.case_(), 1.0))},
-            {"wanted", wanted_json(result.case_())},
-            {"dimension", result.case_().section().kind() == v1::Section::QUARTER_SLAB ? 3 : 2}};
-  json["case"] = case_file::to_toml(result.case_());
-  return json;
+  return {{"job", to_json(job)},
+          {"history", history_json(curl_history(job, result))},
+          {"relative_curl_error", Json(discretisation_error(result.case_(), 1.0))},
+          {"wanted", wanted_json(result.case_())},
+          {"dimension", result.case_().section().kind() == v1::Section::QUARTER_SLAB ? 3 : 2},
+          {"case", case_file::to_toml(result.case_())}};
 }
 
 /// The largest curl of a job at some instants, for a small picture in a list.
 Json sketch_json(Connection& connection, const std::string& id) {
   constexpr std::size_t points = 60;
-  v1::GetJobRequest request;
-  request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::Job job = job_of(connection, id);
   const CurlHistory history = curl_history(job, query_result(connection, job.id()));
   std::vector<double> time_s, curl_m;
   if (const auto* series = history.largest()) {
@@ -127,14 +122,12 @@ public:
     const auto skin = render::skin_of(frame);
     if (!skin)
       throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
-    std::vector<int> triangles;
-    for (const auto& face : skin->faces)
-      for (std::size_t i = 1; i + 1 < face.size(); ++i)
-        triangles.insert(triangles.end(), {face[0], face[i], face[i + 1]});
+    std::vector<std::array<int, 3>> triangles;
+    for (const auto& face : skin->faces) render::add_triangles(face, triangles);
     const int dimension = frame.dimension(), nodes = frame.temperature_c_size();
     for (const std::size_t count :
          {std::size_t(nodes), std::size_t(frame.element_node_size() / frame.nodes_per_element()),
-          std::size_t(frame.nodes_per_element()), triangles.size() / 3, skin->edges.size(),
+          std::size_t(frame.nodes_per_element()), triangles.size(), skin->edges.size(),
           std::size_t(dimension), std::size_t(0), std::size_t(0)})
       add(static_cast<std::int32_t>(count));
     for (const double value :
@@ -144,7 +137,8 @@ public:
     add_vectors(render::drawn_displacement(frame), dimension, nodes);
     for (const double value : frame.temperature_c()) add(static_cast<float>(value));
     for (const int node : frame.element_node()) add(std::int32_t(node));
-    for (const int node : triangles) add(std::int32_t(node));
+    for (const auto& triangle : triangles)
+      for (const int node : triangle) add(std::int32_t(node));
     for (const auto& edge : skin->edges)
       for (const int node : edge) add(std::int32_t(node));
   }
@@ -182,12 +176,12 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
   return connection.call(&Stub::QueryResult, request);
 }
 
+constexpr const char* html = "text/html; charset=utf-8";
+
 Reply report(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
   std::ostringstream unseen;  // the page itself states what it lacks
-  return {.body = render::report_of(connection, connection.call(&Stub::GetJob, request), unseen),
-          .type = "text/html; charset=utf-8",
+  return {.body = render::report_of(connection, job_of(connection, id), unseen),
+          .type = html,
           .stands_alone = true};
 }
 
@@ -197,7 +191,7 @@ Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
   if (answers.size() < 2)
     throw CommandFailed(ExitCode::invalid, "a comparison takes two jobs or more");
   return {.body = render::comparison_page(answers, curl_differences(answers)),
-          .type = "text/html; charset=utf-8",
+          .type = html,
           .stands_alone = true};
 }
 
@@ -243,7 +237,7 @@ private:
 
 Json answer_json(const Answer& answer) {
   Json json{{"history", history_json(answer.history)},
-            {"relative_curl_error", optional_json(discretisation_error(answer.description, 1.0))},
+            {"relative_curl_error", Json(discretisation_error(answer.description, 1.0))},
             {"wanted", wanted_json(answer.description)},
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},
@@ -295,7 +289,7 @@ std::string type_of(const std::string& name) {
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
   if (name.ends_with(".svg")) return "image/svg+xml";
-  return "text/html; charset=utf-8";
+  return html;
 }
 
 void add_pages(WebServer& server) {
@@ -304,48 +298,53 @@ void add_pages(WebServer& server) {
                 asset.text);
 }
 
-/// A connection of its own for each request, which ends with it.
-Connection connected(const Connect& connect) {
-  Connection connection = connect(std::make_shared<Interruption>());
-  connection.set_policy({.attempts = 2});
-  return connection;
+/// A handler with a connection of its own for each request, which ends with it.
+template <class Handler>
+WebServer::Handler connected(const Connect& connect, Handler handler) {
+  return [=](const Request& request) {
+    Connection connection = connect(std::make_shared<Interruption>());
+    connection.set_policy({.attempts = 2});
+    return handler(connection, request);
+  };
 }
 
 void add_results(WebServer& server, const Connect& connect) {
-  server.get("/job", [=](const Request& request) {
-    Connection connection = connected(connect);
+  const auto get = [&](const std::string& path, const auto& handler) {
+    server.get(path, connected(connect, handler));
+  };
+  get("/job", [](Connection& connection, const Request& request) {
     return Reply{job_json(connection, request.name).dump()};
   });
-  server.get("/sketch", [=](const Request& request) {
-    Connection connection = connected(connect);
+  get("/sketch", [](Connection& connection, const Request& request) {
     return Reply{sketch_json(connection, request.name).dump()};
   });
-  server.get("/frames", [=](const Request& request) {
-    Connection connection = connected(connect);
+  get("/frames", [](Connection& connection, const Request& request) {
     const auto result = frame_of(connection, request.name, 1);
     return Reply{
         Json(std::vector<double>(result.frame_time_s().begin(), result.frame_time_s().end()))
             .dump()};
   });
-  server.get("/frame", [=](const Request& request) {
-    Connection connection = connected(connect);
+  get("/frame", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
     return Reply{.body = FrameBytes(frame_of(connection, request.name, number).frame()).take(),
                  .type = "application/octet-stream"};
+  });
+  get("/report", [](Connection& connection, const Request& request) {
+    return report(connection, request.name);
+  });
+  get("/compare", [](Connection& connection, const Request& request) {
+    return comparison(connection, request.values("job"));
+  });
+  get("/server", [](Connection& connection, const Request&) {
+    const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+    return Reply{
+        Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
   });
   server.get("/colours", [](const Request&) {
     const render::ColourBands bands;
     std::vector<std::string> colours;
     for (int band = 0; band < bands.count; ++band) colours.push_back(bands.colour(band));
     return Reply{Json(colours).dump()};
-  });
-  server.get("/report", [=](const Request& request) {
-    Connection connection = connected(connect);
-    return report(connection, request.name);
-  });
-  server.get("/compare", [=](const Request& request) {
-    Connection connection = connected(connect);
-    return comparison(connection, request.values("job"));
   });
   server.events("/watch", [=](const Request& request) {
     return [=](const auto& gone, const Send& send) {
@@ -368,10 +367,9 @@ void add_what_if(WebServer& server, const Connect& connect, const std::vector<st
       ask(connection, bases->read(request), send);
     };
   });
-  server.post("/keep", [=](const Request& request) {
-    Connection connection = connected(connect);
-    return Reply{Json{{"job", kept(connection, bases->read(request)).id()}}.dump()};
-  });
+  server.post("/keep", connected(connect, [=](Connection& connection, const Request& request) {
+                return Reply{Json{{"job", kept(connection, bases->read(request)).id()}}.dump()};
+              }));
 }
 
 }  // namespace
@@ -383,14 +381,9 @@ void add_dashboard(WebServer& server, const Connect& connect,
     const auto call = calls().find(request.name);
     if (call == calls().end())
       throw CommandFailed(ExitCode::not_found, "pages do not call " + request.name);
-    Connection connection = connected(connect);
-    return Reply{call->second(connection, request.body)};
-  });
-  server.get("/server", [=](const Request&) {
-    Connection connection = connected(connect);
-    const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
-    return Reply{
-        Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
+    return connected(connect, [call](Connection& connection, const Request& asked) {
+      return Reply{call->second(connection, asked.body)};
+    })(request);
   });
   server.post("/another", [&server](const Request&) {
     return Reply{Json{{"address", server.address()}}.dump()};

@@ -9,6 +9,15 @@
 
 namespace dccast::client::web {
 
+/// A file of the dashboard, embedded at build time (cmake/embed_texts.cmake) from
+/// client/web/assets.
+struct Asset {
+  std::string name;  ///< "app.js"
+  std::string text;
+};
+
+const std::vector<Asset>& assets();
+
 /// Connects to the server of the jobs. What waits for it ends when the interruption comes.
 using Connect = std::function<Connection(std::shared_ptr<Interruption>)>;
 

@@ -3,6 +3,9 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
 #include <thread>
 
 #include "client/model/json.hpp"
@@ -178,6 +181,75 @@ httplib::Server::Handler answering(WebServer::Handler handler) {
 std::string with_name(const std::string& path) {
   return path + "/([^/]*)";
 }
+
+/// Server-sent events of a source that runs in a thread of its own, on their way to the browser.
+/// The thread ends with this object.
+class EventStream {
+public:
+  explicit EventStream(Source source)
+      : thread_([this, source = std::move(source)] { run(source); }) {}
+  ~EventStream() {
+    change([this] { left_ = true; });
+    gone_->come();
+    thread_.join();
+  }
+  EventStream(const EventStream&) = delete;
+
+  /// What is to be written next: all events that wait, or a comment after a while without any.
+  /// @return empty at the end
+  std::string take() {
+    // At this interval a comment shows whether the browser is still there, and a server that stops
+    // is noticed.
+    constexpr std::chrono::milliseconds pulse{500};
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, pulse, [&] { return ended_ || !waiting_.empty(); });
+    std::string text;
+    for (const std::string& event : waiting_) text += event;
+    waiting_.clear();
+    if (text.empty() && !ended_) text = ": still here\n\n";
+    changed_.notify_all();
+    return text;
+  }
+
+private:
+  /// Waits while the browser has many to take. Throws Interrupted once it has gone.
+  void put(std::string text) {
+    constexpr std::size_t most_waiting = 1000;  // events that a slow browser has not taken
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return left_ || waiting_.size() < most_waiting; });
+    if (left_) throw Interrupted("");
+    waiting_.push_back(std::move(text));
+    changed_.notify_all();
+  }
+
+  template <class Change>
+  void change(const Change& what) {
+    const std::lock_guard lock(mutex_);
+    what();
+    changed_.notify_all();
+  }
+
+  void run(const Source& source) {
+    try {
+      try {
+        source(gone_, [&](const std::string& json) { put("data: " + json + "\n\n"); });
+      } catch (const Interrupted&) {
+        throw;
+      } catch (const std::exception& error) {
+        put("event: fault\ndata: " + fault(error.what()) + "\n\n");
+      }
+    } catch (const Interrupted&) {
+    }
+    change([this] { ended_ = true; });
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::string> waiting_;
+  bool ended_ = false, left_ = false;
+  std::shared_ptr<Interruption> gone_ = std::make_shared<Interruption>();
+  std::thread thread_;  // last: it uses the others
+};
 
 }  // namespace
 

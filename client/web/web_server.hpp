@@ -6,9 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "client/web/event_stream.hpp"
+#include "client/session/connection.hpp"
 
 namespace dccast::client::web {
+
+/// Writes one event to the browser.
+using Send = std::function<void(const std::string& json)>;
+/// Sends events until it returns. It shall end soon after `gone` comes: the browser has left.
+using Source = std::function<void(std::shared_ptr<Interruption> gone, const Send& send)>;
 
 /// What a browser asks for.
 struct Request {

@@ -3,10 +3,10 @@
 
 #include <sstream>
 
-#include "client/html/data_study_page.hpp"
-#include "client/model/effects.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/study.hpp"
 #include "client/model/measured_csv.hpp"
-#include "client/text/calibration_text.hpp"
+#include "client/text/data_study_text.hpp"
 
 namespace dccast::client {
 namespace {

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "client/html/pages.hpp"
 #include "client/html/svg_chart.hpp"
-#include "client/model/causes.hpp"
+#include "client/model/comparison.hpp"
 #include "client/text/comparison_text.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"

@@ -4,8 +4,8 @@
 #include <limits>
 #include <sstream>
 
-#include "client/html/data_study_page.hpp"
-#include "client/model/effects.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/study.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/study_text.hpp"
 

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/frame_slider.hpp"
+#include "client/html/frame_picture.hpp"
 #include "client/html/frame_surface.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/pages.hpp"
 #include "json_reading.hpp"
 
 namespace dccast::client::render {

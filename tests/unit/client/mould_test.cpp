@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/study_page.hpp"
+#include "client/html/pages.hpp"
 #include "client/text/study_text.hpp"
 
 namespace dccast::client::render {

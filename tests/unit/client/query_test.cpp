@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/model/comparison.hpp"
-#include "client/text/braille.hpp"
+#include "client/text/terminal.hpp"
 #include "client/text/comparison_text.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"

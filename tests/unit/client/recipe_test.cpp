@@ -3,8 +3,8 @@
 
 #include <sstream>
 
-#include "client/html/recipe_page.hpp"
-#include "client/text/recipe_text.hpp"
+#include "client/html/pages.hpp"
+#include "client/text/data_study_text.hpp"
 #include "client/text/terminal.hpp"
 
 namespace dccast::client {

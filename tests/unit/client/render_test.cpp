@@ -7,11 +7,10 @@
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_picture.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/pages.hpp"
 #include "client/html/svg_chart.hpp"
-#include "client/text/braille.hpp"
-#include "client/text/progress.hpp"
 #include "client/text/terminal.hpp"
+#include "client/text/progress.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
 

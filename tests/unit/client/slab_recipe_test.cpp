@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/casting_drawing.hpp"
-#include "client/text/casting_text.hpp"
+#include "client/html/pages.hpp"
+#include "client/text/plant_units.hpp"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"

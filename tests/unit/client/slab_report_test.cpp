@@ -7,7 +7,7 @@
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_picture.hpp"
 #include "client/html/frame_surface.hpp"
-#include "client/html/report_page.hpp"
+#include "client/html/pages.hpp"
 #include "client/html/slab_charts.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/text/plant_units.hpp"

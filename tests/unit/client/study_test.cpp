@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/report_page.hpp"
-#include "client/html/study_part.hpp"
+#include "client/html/pages.hpp"
+#include "client/html/report_parts.hpp"
 #include "client/text/study_text.hpp"
 
 namespace dccast::client {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/report_page.hpp"
+#include "client/html/pages.hpp"
 #include "client/model/json.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"

@@ -1,9 +1,10 @@
-#pragma once
+#include "client/html/html_parts.hpp"
 
 namespace dccast::client::render {
+namespace {
 
 /// Style sheet of the report: light and dark, on screen and on paper.
-inline constexpr const char* report_style = R"css(
+constexpr const char* report_style = R"css(
 :root{color-scheme:light dark;--page:#f5f6f8;--card:#fff;--ink:#1c2430;--soft:#5d6878;--rule:#e1e5eb;--zero:#98a2b1;
 --line-0:#1f5fbf;--line-1:#c8521a;--line-2:#2c8a57;--line-3:#8747b5;--line-4:#b5860b;--line-5:#0d8a96;--good:#1f7a46;--bad:#b3261e}
 @media (prefers-color-scheme:dark){:root{--page:#12161c;--card:#1b2129;--ink:#e6eaf0;--soft:#9aa6b6;--rule:#2d3541;--zero:#66717f;
@@ -53,5 +54,20 @@ th,td{padding:1px 4px 1px 0}table.figures th,table.figures td,table.figures.pull
 .first .card{padding:7px 10px}.first .cards{grid-template-columns:1fr 1fr;gap:0 8px}.first svg.chart{max-height:none}.first svg.slab{max-height:220px}
 .first .tiles{grid-template-columns:repeat(auto-fit,minmax(76px,1fr))}.first .tile span,.first .tile small{font-size:8.5px}.first .tile strong{font-size:15px}.first .tile em{font-size:11px}}
 )css";
+
+}  // namespace
+
+std::string whole_page(const std::string& title, const std::string& header,
+                       const std::string& body) {
+  return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width, initial-scale=1'>" +
+         element("title", title) + element("style", report_style) + "</head><body><main>" +
+         element("header", header) + body + "</main></body></html>\n";
+}
+
+std::string svg_file(const std::string& attributes, const std::string& content) {
+  return "<?xml version='1.0' encoding='UTF-8'?>\n<svg xmlns='http://www.w3.org/2000/svg' " +
+         attributes + ">" + element("style", report_style) + content + "</svg>\n";
+}
 
 }  // namespace dccast::client::render
