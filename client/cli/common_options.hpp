@@ -45,7 +45,7 @@ void follow_with_progress(Connection& connection, const std::string& id,
 /// The length in an option's value such as "285 mm" [m]. Throws CommandFailed, naming the option.
 double metres_of(const std::string& text, const char* option);
 
-/// Throws CommandFailed if the file exists and must not be overwritten.
+/// Throws CommandFailed if the file exists and must not be overwritten; "-" and no name are free.
 void require_free(const std::filesystem::path& file, bool force);
 
 /// Writes a whole file; one that could not be written whole is removed. Throws CommandFailed.

@@ -1,4 +1,4 @@
-#include "client/cli/completion.hpp"
+#include "client/cli/options.hpp"
 
 #include <algorithm>
 #include <initializer_list>

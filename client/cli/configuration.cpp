@@ -1,4 +1,4 @@
-#include "client/cli/configuration.hpp"
+#include "client/cli/options.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -25,8 +25,8 @@ public:
   explicit Settings(const fs::path& file) : file_(file) {}
 
   [[noreturn]] void refuse(const toml::source_position& at, const std::string& what) const {
-    throw CommandFailed(ExitCode::invalid, file_.string() + ":" + std::to_string(at.line) + ":" +
-                                               std::to_string(at.column) + ": " + what);
+    throw invalid(file_.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
+                  ": " + what);
   }
 
   [[noreturn]] void refuse_unknown(const toml::key& key, const std::vector<std::string>& known,
@@ -106,8 +106,7 @@ void apply_configuration(const fs::path& file, cli::CommandLine& line, std::stri
   if (file.empty()) return;
   if (!fs::exists(file, error)) {
     if (file != variable("DCCAST_CONFIG")) return;
-    throw CommandFailed(ExitCode::invalid,
-                        "DCCAST_CONFIG names " + file.string() + ", and there is no such file");
+    throw invalid("DCCAST_CONFIG names " + file.string() + ", and there is no such file");
   }
   const Settings settings(file);
   for (const auto& [key, node] : parsed(file, settings)) {

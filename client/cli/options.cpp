@@ -10,13 +10,13 @@ namespace dccast::client::cli {
 namespace {
 
 /// Suggestion for an unknown command, or for an unknown option of the given command.
-std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments,
-                         const std::vector<CommandSummary>& commands) {
+std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments) {
   const auto chosen = app.get_subcommands();
   for (const std::string& argument : arguments) {
     if (chosen.empty() && !argument.starts_with('-')) {
       std::vector<std::string> names;
-      for (const CommandSummary& command : commands) names.push_back(command.name);
+      for (const CLI::App* const command : app.get_subcommands({}))
+        names.push_back(command->get_name());
       return case_file::nearest(argument, names);
     }
     const std::string option = argument.substr(0, argument.find('='));
@@ -57,9 +57,6 @@ Option Option::show_default() const {
 Option Option::comma_separated() const {
   return Option(*option_->delimiter(','));
 }
-Option Option::one_value_each() const {
-  return Option(*option_->allow_extra_args(false));
-}
 Option Option::count(int fewest, int most) const {
   return Option(*option_->expected(fewest, most));
 }
@@ -88,24 +85,17 @@ Option Option::excludes(const std::string& other) const {
   return Option(*option_->excludes(other));
 }
 
-Option Command::option(const std::string& names, std::string& value,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
+Option Command::option(const std::string& names, Value value, const std::string& help) const {
+  return std::visit([&](auto to) { return Option(*app_->add_option(names, to.get(), help)); },
+                    value);
 }
-Option Command::option(const std::string& names, std::vector<std::string>& values,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, values, help));
+Option Command::repeatable(const std::string& names, std::vector<std::string>& values,
+                           const std::string& help) const {
+  return Option(*app_->add_option(names, values, help)->allow_extra_args(false));
 }
-Option Command::option(const std::string& names, int& value, const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
-}
-Option Command::option(const std::string& names, std::int64_t& value,
+Option Command::number(const std::string& names, int& value, int lowest, int highest,
                        const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
-}
-Option Command::option(const std::string& names, std::uint64_t& value,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
+  return option(names, value, help).between(lowest, highest).show_default();
 }
 Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
   return Option(*app_->add_flag(names, value, help));
@@ -115,9 +105,6 @@ Option Command::choice(const std::string& names, int& value,
   return Option(
       *app_->add_option(names, value, help)
            ->transform(CLI::CheckedTransformer(values, CLI::ignore_case).description("")));
-}
-Option Command::json(bool& value, const std::string& help) const {
-  return flag("--json", value, help);
 }
 
 Command Command::command(const std::string& name, const std::string& description) const {
@@ -182,7 +169,7 @@ ExitCode CommandLine::run(const std::vector<std::string>& arguments) {
   } catch (const CLI::ParseError& error) {
     app_->exit(error, std::cout, std::cerr);
     if (error.get_exit_code() == 0) return ExitCode::done;  // help or version
-    const std::string near = nearest_text(*app_, arguments, commands());
+    const std::string near = nearest_text(*app_, arguments);
     if (!near.empty()) std::cerr << "did you mean '" << near << "'?\n";
     return ExitCode::invalid;
   }

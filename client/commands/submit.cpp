@@ -31,7 +31,7 @@ struct SubmitOptions {
 };
 
 ExitCode refuse(const CaseUnderCheck& checked, bool json) {
-  if (json) std::cout << faults_json(checked).dump() << '\n';
+  if (json) print_line(faults_json(checked));
   print_faults(checked, std::cerr);
   std::cerr << "dccast: not submitted, " << checked.faults.size()
             << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
@@ -40,10 +40,10 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
 
 void require_source(const SubmitOptions& options) {
   if (options.files.empty() == options.from.empty())
-    throw CommandFailed(ExitCode::invalid, "give either FILEs or --from JOB");
+    throw invalid("give either FILEs or --from JOB");
   if (options.files.size() > 1 && options.watch)
-    throw CommandFailed(ExitCode::invalid, "--watch goes with one FILE; " +
-                                               std::to_string(options.files.size()) + " are given");
+    throw invalid("--watch goes with one FILE; " + std::to_string(options.files.size()) +
+                  " are given");
 }
 
 /// Checks all cases: if one has faults, none is submitted.
@@ -103,8 +103,9 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& opti
   return job;
 }
 
-ExitCode run(SubmitOptions options, Program& program) {
-  require_source(options);
+ExitCode run(const SubmitOptions& given, Program& program) {
+  require_source(given);
+  SubmitOptions options = given;
   Connection connection = program.connect();
   options.after = resolve_jobs(connection, options.after);
   auto cases = examined_cases(options, connection);
@@ -139,6 +140,12 @@ struct WatchOptions {
   bool json = false;
   bool strict = false;
 };
+
+ExitCode run(const WatchOptions& options, Program& program) {
+  Connection connection = program.connect();
+  return watch_job(connection, resolve_job(connection, options.id), options.from, options.json,
+                   false, options.strict);
+}
 
 void print_curl(const CurlHistory& history) {
   if (history.monitors.empty()) return;
@@ -182,9 +189,8 @@ void print_if_held(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
-  connection.set_policy({.attempts = 1});  // the watch itself retries
   try {
-    connection.try_call(&Stub::GetJob, request, job);
+    connection.try_once(&Stub::GetJob, request, job);
   } catch (const Interrupted&) {
     return;  // the watch itself reports how to continue
   }
@@ -193,61 +199,54 @@ void print_if_held(Connection& connection, const std::string& id) {
 
 /// Findings of the whole job: a watch may start after some of them.
 bool is_implausible(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  return render::more_than_notes(connection.call(&Stub::GetJob, request).findings());
+  return render::more_than_notes(connection.call(&Stub::GetJob, id).findings());
 }
 
 }  // namespace
 
 void add_submit(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<SubmitOptions>();
-  const cli::Command command =
-      line.command("submit", "Queue cases; prints the id of each job", submit_examples);
-  command.option("FILE", options->files, "Case files; - for standard input");
-  command.option("--from", options->from, "Instead of a FILE: the case of this job, as submitted")
+  const auto [command, options] = declare<SubmitOptions>(
+      line, program, run, "submit", "Queue cases; prints the id of each job", submit_examples);
+  command.option("FILE", options.files, "Case files; - for standard input");
+  command.option("--from", options.from, "Instead of a FILE: the case of this job, as submitted")
       .placeholder("JOB");
   command
-      .option("--after", options->after,
-              "Start when these jobs have succeeded; cancelled if one does not; repeatable")
+      .repeatable("--after", options.after,
+                  "Start when these jobs have succeeded; cancelled if one does not; repeatable")
       .placeholder("JOB")
-      .comma_separated()
-      .one_value_each();
-  add_set_option(command, options->set);
-  command.option("--label", options->labels, "Label for finding the job; repeatable")
-      .comma_separated()
-      .one_value_each();
-  command.flag("-w,--watch", options->watch,
+      .comma_separated();
+  add_set_option(command, options.set);
+  command.repeatable("--label", options.labels, "Label for finding the job; repeatable")
+      .comma_separated();
+  command.flag("-w,--watch", options.watch,
                "Follow the job to its end; exit code 3 if it does not succeed");
   command
-      .flag("--strict", options->strict,
+      .flag("--strict", options.strict,
             "With --watch: exit code 3 for a job with findings beyond notes too")
       .needs("--watch");
   command
-      .choice("-p,--priority", options->priority,
+      .choice("-p,--priority", options.priority,
               {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
               "Place in the queue: low, normal (default) or high")
       .placeholder("PRIORITY");
   command
-      .option("--time-limit", options->time_limit,
+      .option("--time-limit", options.time_limit,
               "Wall time after which the job ends as failed, e.g. \"30 min\"")
       .check([](const std::string& text) { return case_file::parse_quantity(text, "s").message; });
-  command.option("--mail", options->mail, "Address that the hook of the server is given at the end")
+  command.option("--mail", options.mail, "Address that the hook of the server is given at the end")
       .placeholder("ADDRESS");
   command
-      .option("--notify", options->notify,
+      .option("--notify", options.notify,
               "Wait for the jobs, and run this for each as wait --notify does")
       .placeholder("COMMAND")
       .excludes("--watch");
   command
-      .option(
-          "--request-id", options->request_id,
-          "Submitting again with the same id gives the same job, or jobs; by default a new one is "
-          "made")
+      .option("--request-id", options.request_id,
+              "Submitting again with the same id gives the same job, or jobs; by default a new one "
+              "is made")
       .check([](const std::string& text) { return values::too_long("the request id", text); });
-  command.json(options->json,
+  command.json(options.json,
                "Each job as JSON on a line, with --watch followed by one event a line");
-  command.action([options, &program] { return run(*options, program); });
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
@@ -264,22 +263,16 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
 }
 
 void add_watch(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<WatchOptions>();
-  const cli::Command command =
-      line.command("watch",
-                   "Follow a job to its end: every event so far, then as they happen. A dropped "
-                   "connection is taken up again; leaving with Ctrl-C does not touch the job",
-                   "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
-  command.option("JOB", options->id, job_help).required();
-  command.option("--from", options->from, "Sequence number of the first event").positive();
-  command.flag("--strict", options->strict,
+  const auto [command, options] = declare<WatchOptions>(
+      line, program, run, "watch",
+      "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
+      "taken up again; leaving with Ctrl-C does not touch the job",
+      "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
+  command.option("JOB", options.id, job_help).required();
+  command.option("--from", options.from, "Sequence number of the first event").positive();
+  command.flag("--strict", options.strict,
                "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
-  command.json(options->json, "One JSON object per event and line");
-  command.action([options, &program] {
-    Connection connection = program.connect();
-    return watch_job(connection, resolve_job(connection, options->id), options->from, options->json,
-                     false, options->strict);
-  });
+  command.json(options.json, "One JSON object per event and line");
 }
 
 }  // namespace dccast::client::commands

@@ -10,15 +10,15 @@ namespace {
 
 ExitCode exit_code_of(grpc::StatusCode code) {
   switch (code) {
-    case grpc::StatusCode::INVALID_ARGUMENT:
-    case grpc::StatusCode::ALREADY_EXISTS:
-    case grpc::StatusCode::OUT_OF_RANGE:
+    case grpc::INVALID_ARGUMENT:
+    case grpc::ALREADY_EXISTS:
+    case grpc::OUT_OF_RANGE:
       return ExitCode::invalid;
-    case grpc::StatusCode::NOT_FOUND:
-    case grpc::StatusCode::PERMISSION_DENIED:
-    case grpc::StatusCode::UNAUTHENTICATED:
+    case grpc::NOT_FOUND:
+    case grpc::PERMISSION_DENIED:
+    case grpc::UNAUTHENTICATED:
       return ExitCode::not_found;
-    case grpc::StatusCode::FAILED_PRECONDITION:
+    case grpc::FAILED_PRECONDITION:
       return ExitCode::wrong_state;
     default:
       return ExitCode::unreachable;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <optional>
@@ -31,10 +32,9 @@ std::string last_job(Connection& connection) {
     request.set_page_token(found.next_page_token());
     if (request.page_token().empty()) break;
   }
-  throw CommandFailed(ExitCode::not_found, "'last': no job on " + connection.server() +
-                                               " belongs to " + owner +
-                                               ", besides runs of studies; name one by its id "
-                                               "(dccast list)");
+  throw CommandFailed(ExitCode::not_found,
+                      "'last': no job on " + connection.server() + " belongs to " + owner +
+                          ", besides runs of studies; name one by its id (dccast list)");
 }
 
 std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& found) {
@@ -53,7 +53,7 @@ std::string job_that_begins(Connection& connection, const std::string& prefix) {
   if (found.jobs().empty())
     throw CommandFailed(ExitCode::not_found, "no job on " + connection.server() + " begins with '" +
                                                  prefix + "' (dccast list)");
-  if (found.jobs_size() > 1) throw CommandFailed(ExitCode::invalid, ambiguous(prefix, found));
+  if (found.jobs_size() > 1) throw invalid(ambiguous(prefix, found));
   return found.jobs(0).id();
 }
 
@@ -124,9 +124,9 @@ std::int64_t seconds_of_past(const std::string& text) {
     if (unit == 'd') return now - number * 24 * hour;
     if (unit == 'w') return now - number * 7 * 24 * hour;
   }
-  throw CommandFailed(ExitCode::invalid, "'" + text +
-                                             "' is no time: today, yesterday, \"3 h\", "
-                                             "\"2 d\", \"1 w\" or a day such as 2026-11-20");
+  throw invalid(
+      "'" + text +
+      "' is no time: today, yesterday, \"3 h\", \"2 d\", \"1 w\" or a day such as 2026-11-20");
 }
 
 std::size_t short_id_length(const std::vector<std::string>& ids) {
@@ -138,11 +138,7 @@ std::size_t short_id_length(const std::vector<std::string>& ids) {
   return id_length;
 }
 
-std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
-  return list_some_jobs(connection, std::move(request), limit).jobs;
-}
-
-JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
+JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
   constexpr int largest_page = 1000;  // service.proto
   JobListing listing;
   std::vector<v1::Job>& jobs = listing.jobs;
@@ -272,19 +268,10 @@ v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& 
 }
 
 bool is_passing(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::OK:
-    case grpc::StatusCode::UNAVAILABLE:
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-    case grpc::StatusCode::CANCELLED:
-    case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::UNKNOWN:
-    case grpc::StatusCode::INTERNAL:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return true;
-    default:
-      return false;
-  }
+  constexpr std::array passing{grpc::OK,        grpc::UNAVAILABLE,       grpc::DEADLINE_EXCEEDED,
+                               grpc::CANCELLED, grpc::ABORTED,           grpc::UNKNOWN,
+                               grpc::INTERNAL,  grpc::RESOURCE_EXHAUSTED};
+  return std::ranges::find(passing, code) != passing.end();
 }
 
 ExitCode exit_code_of(v1::JobState state) {

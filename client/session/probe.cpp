@@ -1,4 +1,4 @@
-#include "client/session/probe.hpp"
+#include "client/session/servers.hpp"
 
 #include <arpa/inet.h>
 #include <openssl/bio.h>
@@ -61,8 +61,8 @@ Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort&
                 to.host};
   if (outcome == Outcome::refused)
     return {"the machine answers, but no program listens at " + where,
-            "start dccastd there with listen_tls at this port, or give the port that it has "
-            "(its log names it)"};
+            "start dccastd there with listen_tls at this port, or give the port that it has (its "
+            "log names it)"};
   if (outcome == Outcome::timed_out)
     return {"nothing answers from " + where + " within " +
                 std::to_string(double(options.timeout.count()) / 1000.0).substr(0, 4) +
@@ -77,18 +77,7 @@ Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort&
 std::string date(const ASN1_TIME* time) {
   tm parts{};
   ASN1_TIME_to_tm(time, &parts);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
-}
-
-std::string clock_now() {
-  const std::time_t now = ::time(nullptr);
-  tm parts{};
-  ::gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
+  return utc_text(::timegm(&parts));
 }
 
 std::string names_of(X509* certificate) {
@@ -195,7 +184,7 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   const long verdict = SSL_get_verify_result(session);
   X509* shown = SSL_get0_peer_certificate(session);
   if (verdict == X509_V_OK || shown == nullptr) return {};
-  const std::string here = "; this machine's clock has " + clock_now();
+  const std::string here = "; this machine's clock has " + utc_text(::time(nullptr));
   switch (verdict) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
       return {"the server's certificate has expired on " + date(X509_get0_notAfter(shown)) + here,
@@ -215,8 +204,8 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
       return {
-          "the server's certificate is of a CA that is unknown here: another server, a proxy "
-          "that reads along, or a CA made anew",
+          "the server's certificate is of a CA that is unknown here: another server, a proxy that "
+          "reads along, or a CA made anew",
           "ask an admin whether the CA was changed; if so log in again with a new line"};
     default:
       return {std::string("the server's certificate is refused: ") +
@@ -269,17 +258,12 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   return {};
 }
 
-std::string role_text(v1::Role role) {
-  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
-}
-
 /// With a call: token, version, role.
 Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
                std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   Connection connection(endpoint, std::move(interruption));
-  connection.set_policy({.attempts = 1});
   v1::WhoAmIResponse who;
-  const grpc::Status status = connection.try_call(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
+  const grpc::Status status = connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return {"the server is of an earlier version than this client, " + options.version +
                 ", and knows no users",
@@ -295,7 +279,7 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   found.push_back("you are " + (who.name().empty() ? "a local user" : who.name()) + ", " +
                   role_text(who.role()) + ", by " + who.proof());
   v1::GetServerInfoResponse info;
-  if (connection.try_call(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
+  if (connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
       info.version() != options.version)
     return {"the server is dccastd " + info.version() + ", and this client is dccast " +
                 options.version,
@@ -322,6 +306,19 @@ Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
 }
 
 }  // namespace
+
+std::string utc_text(std::int64_t unix_s) {
+  const std::time_t time = unix_s;
+  tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
+  return text.data();
+}
+
+std::string role_text(v1::Role role) {
+  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
+}
 
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
@@ -373,8 +370,8 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
     return {bytes, static_cast<std::size_t>(length)};
   }
   throw refuse({"the server at " + address +
-                    " does not show the CA with the fingerprint of the "
-                    "line: it is another server, or some program in between",
+                    " does not show the CA with the fingerprint of the line: it is another server, "
+                    "or some program in between",
                 "do not go on; ask the admin who gave you the line"});
 }
 

@@ -10,7 +10,6 @@
 
 #include <array>
 #include <cerrno>
-#include <utility>
 
 namespace dccast::client {
 namespace {
@@ -56,8 +55,6 @@ std::string name_of_this_machine() {
   ::gethostname(name.data(), name.size() - 1);
   return name.data();
 }
-
-Socket::Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 Socket::~Socket() {
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <string>
 
 #include "proto/values/address.hpp"
@@ -17,7 +16,6 @@ public:
 
   Socket() = default;
   Socket(const Socket&) = delete;
-  Socket(Socket&& other) noexcept;
   ~Socket();
 
   /// @param reason  is set to the system's words if it is not connected

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "client/model/effects.hpp"
-#include "client/session/calibration.hpp"
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
 #include "client/text/table.hpp"
