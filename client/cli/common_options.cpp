@@ -12,17 +12,13 @@
 
 namespace dccast::client {
 
-cli::Option add_set_option(const cli::Command& command, std::vector<std::string>& changes) {
-  return command
-      .repeatable(
-          "--set", changes,
-          "Change one key of the case, e.g. --set mesh.rows=30, --set schedule.hold=\"5 s\" or "
-          "--set schedule.water_flow.scale=\"0.8 until 100 mm\"; may be given several times")
-      .placeholder("KEY=VALUE")
-      .check([](const std::string& text) {
-        return case_file::parse_change(text) ? std::string()
-                                             : "'" + text + "' is not KEY=VALUE, e.g. mesh.rows=30";
-      });
+void add_set_option(const cli::Command& command, std::vector<std::string>& changes,
+                    const std::string& help) {
+  const auto fault = [](const std::string& text) {
+    return case_file::parse_change(text) ? std::string()
+                                         : "'" + text + "' is not KEY=VALUE, e.g. mesh.rows=30";
+  };
+  command.repeatable("--set", changes, help, {.fault = fault, .placeholder = "KEY=VALUE"});
 }
 
 void add_force_flag(const cli::Command& command, bool& force) {

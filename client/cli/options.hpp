@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,33 +16,33 @@
 /// options.cpp includes its header.
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace dccast::client::cli {
 
-/// An option or a positional argument. Each call restricts what it takes, and returns the option.
-class Option {
-public:
-  explicit Option(CLI::Option& option) : option_(&option) {}
-
-  Option required() const;
-  Option show_default() const;               ///< in the help text
-  Option comma_separated() const;            ///< "a,b" are two values
-  Option count(int fewest, int most) const;  ///< number of values of a list
-  Option positive() const;
-  Option between(int lowest, int highest) const;
-  Option one_of(const std::vector<std::string>& texts) const;
-  /// @param fault  gives what is wrong with a text; empty: nothing
-  Option check(const std::function<std::string(const std::string&)>& fault) const;
-  Option placeholder(const std::string& name) const;  ///< of the value, in the help text
-  Option description(const std::string& text) const;
-  Option needs(const std::string& other) const;
-  Option excludes(const std::string& other) const;
-
-private:
-  CLI::Option* option_;
+/// Lowest and highest.
+struct Range {
+  int low, high;
 };
+
+/// What restricts an option or a positional argument.
+struct Rules {
+  bool required = false;
+  bool show_default = false;     ///< in the help text
+  bool comma_separated = false;  ///< "a,b" are two values
+  bool positive = false;
+  std::optional<Range> count{};    ///< number of values of a list
+  std::optional<Range> between{};  ///< of the value
+  std::vector<std::string> one_of{};
+  /// What is wrong with a text; empty: nothing.
+  std::function<std::string(const std::string&)> fault{};
+  std::string placeholder{};  ///< of the value, in the help text
+  std::string needs{};
+  std::vector<std::string> excludes{};
+};
+
+inline const Rules required{.required = true};
+inline const Rules shown{.show_default = true};
 
 /// Where the value of an option goes.
 using Value =
@@ -58,19 +59,24 @@ public:
   /// @param chosen  is set to the action of the command that is given
   Command(CLI::App& app, Action& chosen) : app_(&app), chosen_(&chosen) {}
 
-  Option option(const std::string& names, Value value, const std::string& help) const;
+  void option(const std::string& names, Value value, const std::string& help,
+              const Rules& rules = {}) const;
   /// A list; each value has the name of the option before it.
-  Option repeatable(const std::string& names, std::vector<std::string>& values,
-                    const std::string& help) const;
+  void repeatable(const std::string& names, std::vector<std::string>& values,
+                  const std::string& help, const Rules& rules = {}) const;
   /// A number from `lowest` to `highest`; the help text shows its default.
-  Option number(const std::string& names, int& value, int lowest, int highest,
-                const std::string& help) const;
-  Option flag(const std::string& names, bool& value, const std::string& help) const;
+  void number(const std::string& names, int& value, int lowest, int highest,
+              const std::string& help) const {
+    option(names, value, help, {.show_default = true, .between = {{lowest, highest}}});
+  }
+  void flag(const std::string& names, bool& value, const std::string& help,
+            const Rules& rules = {}) const;
   /// An option that takes one of the given texts, in any case.
-  Option choice(const std::string& names, int& value, const std::map<std::string, int>& values,
-                const std::string& help) const;
-  Option json(bool& value, const std::string& help = "As JSON") const {
-    return flag("--json", value, help);
+  void choice(const std::string& names, int& value, const std::map<std::string, int>& values,
+              const std::string& help, const Rules& rules = {}) const;
+  /// The flag --json.
+  void json(bool& value, const std::string& help = "As JSON", const Rules& rules = {}) const {
+    flag("--json", value, help, rules);
   }
 
   /// Adds a command below this one, which then may be given or not.

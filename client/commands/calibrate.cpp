@@ -192,19 +192,16 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
 }
 
 constexpr const char* examples =
-    "dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 "
-    "\\\n"
-    "      --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html\n"
-    "  dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one "
-    "answer\n"
-    "  dccast calibrate --study ID                     a calibration that was left\n"
-    "\n"
-    "The file of measurements names its columns with their units: the time or the cast length, "
-    "then\n"
-    "monitors of the case:\n"
-    "  time [s], curl corner [mm], thermocouple [degC]\n"
-    "  10,       4.1,              612\n"
-    "A length is a curl, a temperature that of the monitor. docs/calibration.md.";
+    R"(dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 \
+      --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html
+  dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one answer
+  dccast calibrate --study ID                     a calibration that was left
+
+The file of measurements names its columns with their units: the time or the cast length, then
+monitors of the case:
+  time [s], curl corner [mm], thermocouple [degC]
+  10,       4.1,              612
+A length is a curl, a temperature that of the monitor. docs/calibration.md.)";
 
 }  // namespace
 
@@ -225,7 +222,7 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
   command.repeatable("--noise", options.noise,
                      "Standard deviation of a reading, as 0.5 mm or 3 K; absent: inferred");
   command.number("--runs", options.plan.data.runs, 8, 10000, "Runs of the Latin hypercube");
-  command.option("--seed", options.plan.data.seed, "Its seed").show_default();
+  command.option("--seed", options.plan.data.seed, "Its seed", cli::shown);
   command.option(
       "-o,--output", options.output,
       "Write the case with the calibrated values and their ranges; - for standard output");

@@ -340,7 +340,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
       "Check a case file: list everything that is wrong with it, and findings on whether a plant "
       "could cast it",
       "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
-  command.option("FILE", options.file, "Case file; - for standard input").required();
+  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
   add_set_option(command, options.set);
   command.flag("--local", options.local,
                "Do not ask the server: check keys, units and ranges only");

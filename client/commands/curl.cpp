@@ -269,9 +269,9 @@ void add_curl(cli::CommandLine& line, Program& program) {
       "study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
       "the model had stopped being valid are marked",
       "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
-  command.option("JOB", options.id, job_help).required();
+  command.option("JOB", options.id, job_help, cli::required);
   command.flag("--csv", options.csv, "Comma-separated, in metres and seconds");
-  command.json(options.json, "As JSON, in metres and seconds").excludes("--csv");
+  command.json(options.json, "As JSON, in metres and seconds", {.excludes = {"--csv"}});
 }
 
 void add_contraction(cli::CommandLine& line, Program& program) {
@@ -281,14 +281,12 @@ void add_contraction(cli::CommandLine& line, Program& program) {
       "frame, compared with the mould: hot and at 20 degC. The head is the highest row that is "
       "completely solid",
       "dccast contraction JOB\n  dccast contraction last --wanted \"285 mm\" --height \"0.3 m\"");
-  command.option("JOB", options.id, job_help).required();
+  command.option("JOB", options.id, job_help, cli::required);
   command.option("--height", options.heights,
                  "Show the row nearest to this height above the block instead; repeatable");
   command.option("--wanted", options.wanted,
                  "Wanted half-thickness: adds the difference of the cold slab to it");
-  command.json(options.json, "As JSON in metres, all rows")
-      .excludes("--height")
-      .excludes("--wanted");
+  command.json(options.json, "As JSON in metres, all rows", {.excludes = {"--height", "--wanted"}});
 }
 
 }  // namespace dccast::client::commands

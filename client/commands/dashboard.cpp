@@ -84,8 +84,8 @@ void add_dashboard(cli::CommandLine& line, Program& program) {
       "dccast dashboard --open\n  dccast dashboard my.toml    what-if begins with this case\n"
       "  dccast --server viewer dashboard --listen desk7:7300 --certificate d.pem --key d.key");
   command.option("FILE", options.cases, "Case files that a what-if can begin with");
-  command.option("--port", options.port, "Port on 127.0.0.1; by default a free one")
-      .between(1, 65535);
+  command.option("--port", options.port, "Port on 127.0.0.1; by default a free one",
+                 {.between = {{1, 65535}}});
   command.option("--listen", options.listen,
                  "HOST[:PORT], a name or address of this machine: serve others, too. HTTPS, and "
                  "the login must be a viewer's");

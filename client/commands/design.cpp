@@ -98,35 +98,13 @@ ExitCode run(const MouldOptions& options, Program& program) {
 }
 
 constexpr const char* mould_examples =
-    "dccast design-mould stationary-3d.toml --flat --wanted \"285 mm\"\n"
-    "  dccast design-mould my.toml --flat --tolerance \"1 mm\" --set schedule.casting_speed=\"50 "
-    "mm/min\"\n"
-    "  dccast design-mould --study ID --plot mould.html   show an existing design, with a page of "
-    "charts\n"
-    "\n"
-    "The first run casts in the mould of the case; each further one in an opening corrected\n"
-    "by the deviation of the cold slab (docs/mould-design.md). Exit code 3 when no opening within "
-    "the\n"
-    "tolerance was found, or when the face that was found is not steady yet.";
+    R"(dccast design-mould stationary-3d.toml --flat --wanted "285 mm"
+  dccast design-mould my.toml --flat --tolerance "1 mm" --set schedule.casting_speed="50 mm/min"
+  dccast design-mould --study ID --plot mould.html   show an existing design, with a page of charts
 
-void add_options(const cli::Command& command, MouldOptions& options) {
-  command.option("CASE", options.base.file,
-                 "Case file of a quarter slab that is cast until it is steady");
-  command.flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
-  command
-      .option("--tolerance", options.tolerance,
-              "Largest permitted deviation of the half-thickness of the cold slab along the face")
-      .show_default();
-  command.option("--wanted", options.wanted,
-                 "Half-thickness of the cold slab; absent: the half-opening of the case's mould at "
-                 "its narrow face");
-  command.number("--runs", options.most_runs, 0, 50, "Largest number of runs; 0 for 12");
-  add_study_options(
-      command, options,
-      {.study = "Take this design up again",
-       .plot = "Write an HTML page with mould and cold slab of the runs; - for standard output",
-       .json = "As JSON, in metres, with every run"});
-}
+The first run casts in the mould of the case; each further one in an opening corrected
+by the deviation of the cold slab (docs/mould-design.md). Exit code 3 when no opening within the
+tolerance was found, or when the face that was found is not steady yet.)";
 
 struct RecipeOptions : StudyOptions {
   RecipeChoice choice;
@@ -201,36 +179,13 @@ ExitCode run(const RecipeOptions& options, Program& program) {
 }
 
 constexpr const char* recipe_examples =
-    "dccast design-recipe start-3d.toml --band \"35..45 mm\" -o chosen.toml --plot recipe.html\n"
-    "  dccast design-recipe my.toml --band \"35..45 mm\" --speed \"35..65 mm/min\" --water "
-    "\"60..200 l/min/m\"\n"
-    "  dccast design-recipe --study ID --no-wait      what there is so far\n"
-    "\n"
-    "Drafts over recipe and data, surfaces that propose, castings and a run at the quality of the\n"
-    "case that confirm (docs/recipe.md). The same command goes on with what is there. Exit code 3\n"
-    "when no recipe is confirmed.";
+    R"(dccast design-recipe start-3d.toml --band "35..45 mm" -o chosen.toml --plot recipe.html
+  dccast design-recipe my.toml --band "35..45 mm" --speed "35..65 mm/min" --water "60..200 l/min/m"
+  dccast design-recipe --study ID --no-wait      what there is so far
 
-void add_limits(const cli::Command& command, RecipeChoice& choice) {
-  command.option("--speed", choice.speed, "Limits of the casting speed").show_default();
-  command.option("--speed-rate", choice.speed_rate, "Greatest rate of the speed").show_default();
-  command.option("--water", choice.water, "Limits of the water per metre of perimeter")
-      .show_default();
-  command.option("--water-rate", choice.water_rate, "Greatest rate of the water").show_default();
-  command.option("--hold", choice.hold, "Limits of the hold").show_default();
-  command.option("--filling", choice.filling, "Limits of the filling").show_default();
-  command.option("--ramp", choice.ramp, "Limits of the time of a ramp").show_default();
-  command.number("--within", choice.within_percent, 1, 90,
-                 "Levels of speed and water are within this of those of the case, in percent");
-}
-
-void add_search(const cli::Command& command, RecipeChoice& choice) {
-  command.option("--point", choice.point, "Monitor; absent: that with the largest curl");
-  command.number("--drafts", choice.drafts, 12, 5000, "Drafts over recipe and data");
-  command.number("--castings", choice.castings, 2, 200,
-                 "Drafts over the data at each recipe, twice");
-  command.number("--candidates", choice.candidates, 1, 10, "Recipes of the front");
-  command.option("--seed", choice.seed, "Of all that is drawn").show_default();
-}
+Drafts over recipe and data, surfaces that propose, castings and a run at the quality of the
+case that confirm (docs/recipe.md). The same command goes on with what is there. Exit code 3
+when no recipe is confirmed.)";
 
 }  // namespace
 
@@ -238,7 +193,22 @@ void add_design_mould(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<MouldOptions>(
       line, program, run, "design-mould",
       "Find the mould opening of three segments that gives a flat cold slab", mould_examples);
-  add_options(command, options);
+  command.option("CASE", options.base.file,
+                 "Case file of a quarter slab that is cast until it is steady");
+  command.flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
+  command.option(
+      "--tolerance", options.tolerance,
+      "Largest permitted deviation of the half-thickness of the cold slab along the face",
+      cli::shown);
+  command.option("--wanted", options.wanted,
+                 "Half-thickness of the cold slab; absent: the half-opening of the case's mould at "
+                 "its narrow face");
+  command.number("--runs", options.most_runs, 0, 50, "Largest number of runs; 0 for 12");
+  add_study_options(
+      command, options,
+      {.study = "Take this design up again",
+       .plot = "Write an HTML page with mould and cold slab of the runs; - for standard output",
+       .json = "As JSON, in metres, with every run"});
 }
 
 void add_design_recipe(cli::CommandLine& line, Program& program) {
@@ -246,12 +216,26 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
       line, program, run, "design-recipe",
       "Find speed, filling, hold and water that keep the curl inside a band, whatever the data are",
       recipe_examples);
+  RecipeChoice& choice = options.choice;
   command.option("CASE", options.base.file, "Case file whose recipe is changed");
-  command.option("--band", options.choice.band,
+  command.option("--band", choice.band,
                  "Curls that the plant accepts, as 35..45 mm; absent: those of the case");
   command.option("-o,--output", options.output, "Write the case with the chosen recipe");
-  add_limits(command, options.choice);
-  add_search(command, options.choice);
+  command.option("--speed", choice.speed, "Limits of the casting speed", cli::shown);
+  command.option("--speed-rate", choice.speed_rate, "Greatest rate of the speed", cli::shown);
+  command.option("--water", choice.water, "Limits of the water per metre of perimeter", cli::shown);
+  command.option("--water-rate", choice.water_rate, "Greatest rate of the water", cli::shown);
+  command.option("--hold", choice.hold, "Limits of the hold", cli::shown);
+  command.option("--filling", choice.filling, "Limits of the filling", cli::shown);
+  command.option("--ramp", choice.ramp, "Limits of the time of a ramp", cli::shown);
+  command.number("--within", choice.within_percent, 1, 90,
+                 "Levels of speed and water are within this of those of the case, in percent");
+  command.option("--point", choice.point, "Monitor; absent: that with the largest curl");
+  command.number("--drafts", choice.drafts, 12, 5000, "Drafts over recipe and data");
+  command.number("--castings", choice.castings, 2, 200,
+                 "Drafts over the data at each recipe, twice");
+  command.number("--candidates", choice.candidates, 1, 10, "Recipes of the front");
+  command.option("--seed", choice.seed, "Of all that is drawn", cli::shown);
   add_study_options(command, options,
                     {.study = "Show this study",
                      .plot = "Write an HTML page; - for standard output",

@@ -39,9 +39,7 @@ std::string xml_escaped(const std::string& text) {
 /// have been fetched under another name.
 void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   std::ifstream stream(sidecar, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  std::string text = content.str();
+  std::string text(std::istreambuf_iterator<char>(stream), {});
   const std::string named = "results.h5:";
   const std::string name = xml_escaped(results.filename().string()) + ":";
   for (auto at = text.find(named); at != std::string::npos; at = text.find(named, at + name.size()))
@@ -91,8 +89,6 @@ ExitCode run(const FetchOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-constexpr std::chrono::seconds longest{60};
-
 /// A folder of its own, removed with what is in it.
 class TemporaryFolder {
 public:
@@ -140,6 +136,7 @@ void run_silently(std::vector<std::string> words) {
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0) return;
+  constexpr std::chrono::seconds longest{60};
   const auto end = std::chrono::steady_clock::now() + longest;
   while (::waitpid(process, nullptr, WNOHANG) == 0) {
     if (std::chrono::steady_clock::now() > end) {
@@ -223,11 +220,9 @@ void add_fetch(cli::CommandLine& line, Program& program) {
                             "Fetch the results of a job that has succeeded: the HDF5 file and its "
                             "XDMF sidecar for ParaView",
                             "dccast fetch JOB -o results.h5");
-  command.option("JOB", options.id, job_help).required();
-  command
-      .option("-o,--output", options.output,
-              "File or folder to write to; an interrupted FILE.part is continued")
-      .show_default();
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("-o,--output", options.output,
+                 "File or folder to write to; an interrupted FILE.part is continued", cli::shown);
   add_force_flag(command, options.force);
   command.json(options.json, "What was written, as JSON");
 }
@@ -237,11 +232,10 @@ void add_report(cli::CommandLine& line, Program& program) {
       line, program, run, "report",
       "Write one HTML page about a job: findings, curl, recipe, histories, the last frame, checks",
       "dccast report JOB -o report.html");
-  command.option("JOB", options.id, job_help).required();
-  command
-      .option("-o,--output", options.output,
-              "File to write, HTML or with Chromium also .pdf; - for standard output")
-      .show_default();
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("-o,--output", options.output,
+                 "File to write, HTML or with Chromium also .pdf; - for standard output",
+                 cli::shown);
   add_force_flag(command, options.force);
   command.json(options.json, "What was written, as JSON");
 }

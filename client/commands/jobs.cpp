@@ -67,12 +67,12 @@ ExitCode run(const ListOptions& options, Program& program) {
 }
 
 constexpr const char* list_examples =
-    "dccast list --state running,queued\n"
-    "  dccast list --mine --since yesterday --name 'line 3*'\n"
-    "  dccast list --label trial-7 --columns job,curl,changes\n"
-    "  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'\n"
-    "\n"
-    "JOB is the beginning of an id that no other job listed has; every command takes it.";
+    R"(dccast list --state running,queued
+  dccast list --mine --since yesterday --name 'line 3*'
+  dccast list --label trial-7 --columns job,curl,changes
+  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'
+
+JOB is the beginning of an id that no other job listed has; every command takes it.)";
 
 struct WaitOptions {
   std::vector<std::string> ids;
@@ -189,7 +189,7 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
                              std::function<void(Request&)> complete = nullptr) {
   const cli::Command command = line.command(about.name, about.description, about.example);
   const auto json = std::make_shared<bool>(false);
-  command.option("JOB", *request->mutable_id(), job_help).required();
+  command.option("JOB", *request->mutable_id(), job_help, cli::required);
   command.json(*json);
   command.action([=, &program] {
     if (complete) complete(*request);
@@ -239,20 +239,18 @@ void add_list(cli::CommandLine& line, Program& program) {
       declare<ListOptions>(line, program, run, "list", "List jobs, newest first", list_examples);
   std::vector<std::string> names;
   for (const auto& [name, state] : state_names) names.push_back(name);
-  command.option("-s,--state", options.states, "Only jobs in these states")
-      .comma_separated()
-      .one_of(names);
-  command.repeatable("--label", options.labels, "Only jobs with this label; repeatable")
-      .comma_separated();
+  command.option("-s,--state", options.states, "Only jobs in these states",
+                 {.comma_separated = true, .one_of = names});
+  command.repeatable("--label", options.labels, "Only jobs with this label; repeatable",
+                     {.comma_separated = true});
   command.option("--owner", options.owner, "Only the jobs of this user");
   command.flag("--mine", options.mine, "Only your own jobs");
   command.option("--since", options.since,
                  "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
   command.option("--name", options.name, "Only jobs with this title; * and ? as in a shell");
   command.option("--study", options.study, "Only the jobs of this study");
-  command.option("-c,--columns", options.columns, "Columns to show")
-      .comma_separated()
-      .one_of(render::job_columns());
+  command.option("-c,--columns", options.columns, "Columns to show",
+                 {.comma_separated = true, .one_of = render::job_columns()});
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
   command.flag("--ids", options.ids, "Print only complete ids, one per line");
   command.json(options.json);
@@ -264,12 +262,12 @@ void add_wait(cli::CommandLine& line, Program& program) {
       "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
       "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
       "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
-  command.option("JOB", options.ids, job_help).required();
-  command
-      .option("--notify", options.notify,
-              "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
-              "DCCAST_STATE in its environment")
-      .placeholder("COMMAND");
+  command.option("JOB", options.ids, job_help, cli::required);
+  command.option(
+      "--notify", options.notify,
+      "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
+      "DCCAST_STATE in its environment",
+      {.placeholder = "COMMAND"});
   command.json(options.json, "Each job as JSON on a line");
 }
 
@@ -278,7 +276,7 @@ void add_delete(cli::CommandLine& line, Program& program) {
       line, program, run, "delete",
       "Remove ended jobs and their files; waits for one that is being cancelled",
       "dccast delete JOB\n  dccast delete --cancel JOB JOB");
-  command.option("JOB", options.ids, job_help).required();
+  command.option("JOB", options.ids, job_help, cli::required);
   command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
   command.json(options.json, "As JSON, one a line");
 }
@@ -295,10 +293,9 @@ void add_label(cli::CommandLine& line, Program& program) {
         request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
       });
   command.option("LABEL", options->labels, "Labels to be added");
-  command
-      .repeatable("--remove", options->remove,
-                  "Labels, or keys of labels, to be removed; repeatable")
-      .comma_separated();
+  command.repeatable("--remove", options->remove,
+                     "Labels, or keys of labels, to be removed; repeatable",
+                     {.comma_separated = true});
 }
 
 void add_pin(cli::CommandLine& line, Program& program) {
@@ -322,8 +319,9 @@ void add_cancel(cli::CommandLine& line, Program& program) {
                       {"cancel", "Stop a job permanently; a job that has ended is not changed",
                        "dccast cancel JOB --reason \"wrong alloy\"", true, v1::CANCELLED},
                       &Stub::CancelJob, request);
-  command.option("--reason", *request->mutable_reason(), "Kept with the job")
-      .check([](const std::string& text) { return values::too_long("the reason", text); });
+  command.option(
+      "--reason", *request->mutable_reason(), "Kept with the job",
+      {.fault = [](const std::string& text) { return values::too_long("the reason", text); }});
 }
 
 void add_pause(cli::CommandLine& line, Program& program) {

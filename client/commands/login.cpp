@@ -117,10 +117,9 @@ void add_login(cli::CommandLine& line, Program& program) {
       line, program, run, "login", "Log in to a server with the line of `dccastd user add`",
       "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
       "  dccast login --name north < line.txt");
-  command
-      .option("LINE", options.words,
-              "The line, before it another address if need be; without it standard input")
-      .count(0, 2);
+  command.option("LINE", options.words,
+                 "The line, before it another address if need be; without it standard input",
+                 {.count = {{0, 2}}});
   command.option("--name", options.name, "Name for --server; else that of the host");
   command.flag("--default", options.first, "Make it the server of commands without --server");
 }
@@ -141,8 +140,8 @@ void add_doctor(cli::CommandLine& line, Program& program) {
       line, program, run, "doctor", "Why calls to a server fail: the cause and its remedy",
       "dccast doctor casthouse:7118");
   command.option("SERVER", options.server, "Name or address; else the default");
-  command.option("--role", options.role, "Also whether the user has this role")
-      .one_of({"viewer", "submitter", "admin"});
+  command.option("--role", options.role, "Also whether the user has this role",
+                 {.one_of = {"viewer", "submitter", "admin"}});
   command.number("--timeout", options.timeout_s, 1, 60, "Seconds to wait in each step");
 }
 

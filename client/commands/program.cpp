@@ -47,9 +47,9 @@ ExitCode run(const InfoOptions& options, Program& program) {
 }
 
 constexpr const char* completion_examples =
-    "dccast completion bash > ~/.local/share/bash-completion/completions/dccast\n"
-    "  dccast completion zsh > \"${fpath[1]}/_dccast\"\n"
-    "  dccast completion fish > ~/.config/fish/completions/dccast.fish";
+    R"(dccast completion bash > ~/.local/share/bash-completion/completions/dccast
+  dccast completion zsh > "${fpath[1]}/_dccast"
+  dccast completion fish > ~/.config/fish/completions/dccast.fish)";
 
 }  // namespace
 
@@ -73,7 +73,8 @@ void add_completion(cli::CommandLine& line, Program&) {
   const auto shell = std::make_shared<std::string>();
   const cli::Command command = line.command(
       "completion", "Print a script for shell completion of dccast", completion_examples);
-  command.option("SHELL", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
+  command.option("SHELL", *shell, "bash, zsh or fish",
+                 {.required = true, .one_of = {"bash", "zsh", "fish"}});
   command.action([shell, &line] {
     std::cout << completion_script(line.commands(), *shell);
     return ExitCode::done;

@@ -204,7 +204,7 @@ void add_query(cli::CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<QueryOptions>(line, program, run, "query",
                             "Compute the curl of a case at once, without a job", query_examples);
-  command.option("FILE", options.file, "Case file; - for standard input").required();
+  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
   add_set_option(command, options.set);
   command.flag("--keep", options.keep, "Keep the run as a job, with its results");
   command.json(options.json, "As JSON, in metres and seconds, with the history");
@@ -217,9 +217,10 @@ void add_compare(cli::CommandLine& line, Program& program) {
       "difference is real, and what differed before it. Case files are computed, as by query",
       "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
       "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
-  command.option("RUN", options.runs, "Jobs or case files").required().count(1, 100);
-  add_set_option(command, options.set)
-      .description("Also compare with the first RUN, a case file or a job, with this change");
+  command.option("RUN", options.runs, "Jobs or case files",
+                 {.required = true, .count = {{1, 100}}});
+  add_set_option(command, options.set,
+                 "Also compare with the first RUN, a case file or a job, with this change");
   command.flag("--paired", options.paired,
                "Compute the case files at another quality too: the error of a difference then "
                "comes from the two pairs");

@@ -104,7 +104,7 @@ cli::Command add_action(const cli::Command& command, Program& program, StudiesOp
                         const std::string& name, const std::string& description,
                         ExitCode (*run)(const StudiesOptions&, Program&)) {
   const cli::Command added = command.command(name, description);
-  added.option("STUDY", options.id, study_help).required();
+  added.option("STUDY", options.id, study_help, cli::required);
   added.json(options.json);
   added.action([&options, &program, run] { return run(options, program); });
   return added;
@@ -195,38 +195,14 @@ ExitCode run(const SweepOptions& options, Program& program) {
 }
 
 constexpr const char* sweep_examples =
-    "dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,60 mm/min,70 mm/min'\n"
-    "  dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,80 mm/min' \\\n"
-    "      --grid schedule.water_flow.scale=0.7,1.2 --lhs 40 --plot sweep.html\n"
-    "  dccast sweep SWEEP.toml --csv sweep.csv           case, design and keys in a file\n"
-    "  dccast sweep --study ID --no-wait --json          what there is so far, with the curves\n"
-    "\n"
-    "docs/studies.md has the format of a sweep file. The runs wait behind all other jobs; dccast\n"
-    "studies cancels and resumes them, dccast predict answers for values that were not run.";
+    R"(dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,60 mm/min,70 mm/min'
+  dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,80 mm/min' \
+      --grid schedule.water_flow.scale=0.7,1.2 --lhs 40 --plot sweep.html
+  dccast sweep SWEEP.toml --csv sweep.csv           case, design and keys in a file
+  dccast sweep --study ID --no-wait --json          what there is so far, with the curves
 
-void add_options(const cli::Command& command, SweepOptions& options) {
-  command.option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
-  command.option("--grid", options.grid,
-                 "KEY=a,b,c: every value with those of the other keys; repeatable");
-  command
-      .option("--list", options.list,
-              "KEY=a,b,c: the first values of all keys, the second ones, ...")
-      .excludes("--grid");
-  command
-      .option("--lhs", options.hypercube,
-              "Number of runs of a Latin hypercube between the two values of each --grid")
-      .between(1, 10000)
-      .excludes("--list");
-  command.option("--seed", options.seed, "Seed of the Latin hypercube").show_default();
-  command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
-  command.option("-o,--output", options.output,
-                 "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
-  add_study_options(
-      command, options,
-      {.study = "Take this study up again",
-       .plot = "Write an HTML page with the curl against the keys; - for standard output",
-       .json = "As JSON, in metres, with the curves"});
-}
+docs/studies.md has the format of a sweep file. The runs wait behind all other jobs; dccast
+studies cancels and resumes them, dccast predict answers for values that were not run.)";
 
 struct PredictOptions {
   std::string id;
@@ -298,7 +274,7 @@ void add_studies(cli::CommandLine& line, Program& program) {
       command, program, options, "fetch",
       "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
       fetch);
-  fetched.option("-o,--output", options.output, "File to write").show_default();
+  fetched.option("-o,--output", options.output, "File to write", cli::shown);
   add_force_flag(fetched, options.force);
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
       .option("--reason", options.reason, "Kept with the jobs");
@@ -312,7 +288,24 @@ void add_sweep(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<SweepOptions>(
       line, program, run, "sweep", "Run a case at many values of its keys, and compare the curl",
       sweep_examples);
-  add_options(command, options);
+  command.option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
+  command.option("--grid", options.grid,
+                 "KEY=a,b,c: every value with those of the other keys; repeatable");
+  command.option("--list", options.list,
+                 "KEY=a,b,c: the first values of all keys, the second ones, ...",
+                 {.excludes = {"--grid"}});
+  command.option("--lhs", options.hypercube,
+                 "Number of runs of a Latin hypercube between the two values of each --grid",
+                 {.between = {{1, 10000}}, .excludes = {"--list"}});
+  command.option("--seed", options.seed, "Seed of the Latin hypercube", cli::shown);
+  command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
+  command.option("-o,--output", options.output,
+                 "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
+  add_study_options(
+      command, options,
+      {.study = "Take this study up again",
+       .plot = "Write an HTML page with the curl against the keys; - for standard output",
+       .json = "As JSON, in metres, with the curves"});
 }
 
 void add_predict(cli::CommandLine& line, Program& program) {
@@ -323,7 +316,7 @@ void add_predict(cli::CommandLine& line, Program& program) {
       "what mesh and time steps of the runs leave uncertain are given apart",
       "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
       "schedule.water_flow.scale=0.9");
-  command.option("STUDY", options.id, study_help).required();
+  command.option("STUDY", options.id, study_help, cli::required);
   command.option("--set", options.set,
                  "KEY=VALUE of a swept key; others keep the value of the case");
   command.json(options.json, "As JSON, in metres, with the curves against time");

@@ -123,16 +123,15 @@ ExitCode run(const SubmitOptions& given, Program& program) {
 }
 
 constexpr const char* submit_examples =
-    "dccast submit my.toml\n"
-    "  dccast submit --watch --priority high my.toml\n"
-    "  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale=\"0.8 until 100 mm\" "
-    "my.toml\n"
-    "  dccast submit --label trial-7 --request-id trial-7 casts/*.toml\n"
-    "  dccast submit --from JOB --set mesh.rows=30\n"
-    "  dccast submit --after JOB next.toml\n"
-    "  sed s/680/690/ my.toml | dccast submit -\n"
-    "\n"
-    "Of several files all are checked before the first is submitted; one id a line.";
+    R"(dccast submit my.toml
+  dccast submit --watch --priority high my.toml
+  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale="0.8 until 100 mm" my.toml
+  dccast submit --label trial-7 --request-id trial-7 casts/*.toml
+  dccast submit --from JOB --set mesh.rows=30
+  dccast submit --after JOB next.toml
+  sed s/680/690/ my.toml | dccast submit -
+
+Of several files all are checked before the first is submitted; one id a line.)";
 
 struct WatchOptions {
   std::string id;
@@ -208,43 +207,37 @@ void add_submit(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<SubmitOptions>(
       line, program, run, "submit", "Queue cases; prints the id of each job", submit_examples);
   command.option("FILE", options.files, "Case files; - for standard input");
-  command.option("--from", options.from, "Instead of a FILE: the case of this job, as submitted")
-      .placeholder("JOB");
-  command
-      .repeatable("--after", options.after,
-                  "Start when these jobs have succeeded; cancelled if one does not; repeatable")
-      .placeholder("JOB")
-      .comma_separated();
+  command.option("--from", options.from, "Instead of a FILE: the case of this job, as submitted",
+                 {.placeholder = "JOB"});
+  command.repeatable("--after", options.after,
+                     "Start when these jobs have succeeded; cancelled if one does not; repeatable",
+                     {.comma_separated = true, .placeholder = "JOB"});
   add_set_option(command, options.set);
-  command.repeatable("--label", options.labels, "Label for finding the job; repeatable")
-      .comma_separated();
+  command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
+                     {.comma_separated = true});
   command.flag("-w,--watch", options.watch,
                "Follow the job to its end; exit code 3 if it does not succeed");
-  command
-      .flag("--strict", options.strict,
-            "With --watch: exit code 3 for a job with findings beyond notes too")
-      .needs("--watch");
-  command
-      .choice("-p,--priority", options.priority,
-              {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
-              "Place in the queue: low, normal (default) or high")
-      .placeholder("PRIORITY");
-  command
-      .option("--time-limit", options.time_limit,
-              "Wall time after which the job ends as failed, e.g. \"30 min\"")
-      .check([](const std::string& text) { return case_file::parse_quantity(text, "s").message; });
-  command.option("--mail", options.mail, "Address that the hook of the server is given at the end")
-      .placeholder("ADDRESS");
-  command
-      .option("--notify", options.notify,
-              "Wait for the jobs, and run this for each as wait --notify does")
-      .placeholder("COMMAND")
-      .excludes("--watch");
-  command
-      .option("--request-id", options.request_id,
-              "Submitting again with the same id gives the same job, or jobs; by default a new one "
-              "is made")
-      .check([](const std::string& text) { return values::too_long("the request id", text); });
+  command.flag("--strict", options.strict,
+               "With --watch: exit code 3 for a job with findings beyond notes too",
+               {.needs = "--watch"});
+  command.choice("-p,--priority", options.priority,
+                 {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
+                 "Place in the queue: low, normal (default) or high", {.placeholder = "PRIORITY"});
+  command.option("--time-limit", options.time_limit,
+                 "Wall time after which the job ends as failed, e.g. \"30 min\"",
+                 {.fault = [](const std::string& text) {
+                   return case_file::parse_quantity(text, "s").message;
+                 }});
+  command.option("--mail", options.mail, "Address that the hook of the server is given at the end",
+                 {.placeholder = "ADDRESS"});
+  command.option("--notify", options.notify,
+                 "Wait for the jobs, and run this for each as wait --notify does",
+                 {.placeholder = "COMMAND", .excludes = {"--watch"}});
+  command.option(
+      "--request-id", options.request_id,
+      "Submitting again with the same id gives the same job, or jobs; by default a new one "
+      "is made",
+      {.fault = [](const std::string& text) { return values::too_long("the request id", text); }});
   command.json(options.json,
                "Each job as JSON on a line, with --watch followed by one event a line");
 }
@@ -268,8 +261,8 @@ void add_watch(cli::CommandLine& line, Program& program) {
       "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
       "taken up again; leaving with Ctrl-C does not touch the job",
       "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
-  command.option("JOB", options.id, job_help).required();
-  command.option("--from", options.from, "Sequence number of the first event").positive();
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("--from", options.from, "Sequence number of the first event", {.positive = true});
   command.flag("--strict", options.strict,
                "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");

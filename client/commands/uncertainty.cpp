@@ -186,7 +186,7 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "Ranges stand in [uncertainty] of case and alloy card (docs/uncertainty.md). The runs are\n"
       "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
   command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
-  command.option("--seed", options.plan.seed, "Its seed").show_default();
+  command.option("--seed", options.plan.seed, "Its seed", cli::shown);
   command.option("--band", options.band, "Curls that the plant accepts, as 35..45 mm");
   add_common(command, options,
              "Write an HTML page with the bands of data and of mesh; - for standard output");

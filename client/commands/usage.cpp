@@ -66,7 +66,7 @@ void add_file_command(cli::CommandLine& line, Program& program, const char* name
                       const char* description, const char* example, const char* file) {
   const auto id = std::make_shared<std::string>();
   const cli::Command command = line.command(name, description, example);
-  command.option("JOB", *id, job_help).required();
+  command.option("JOB", *id, job_help, cli::required);
   command.action([id, file, &program] {
     Connection connection = program.connect();
     std::cout << read_file_of_job(connection, resolve_job(connection, *id), file) << std::flush;
@@ -80,9 +80,8 @@ void add_usage(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<UsageOptions>(
       line, program, run, "usage", "Jobs and processor hours by owner, study, label or state",
       "dccast usage --by owner --since 2026-11-01");
-  command.option("--by", options.by, "What jobs are counted by")
-      .one_of({"owner", "study", "label", "state"})
-      .show_default();
+  command.option("--by", options.by, "What jobs are counted by",
+                 {.show_default = true, .one_of = {"owner", "study", "label", "state"}});
   command.option("--since", options.since,
                  "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
   command.json(options.json);

@@ -21,19 +21,15 @@ namespace {
 struct Lever {
   const char* key;
   const char* range;
-  bool (*is_there)(const v1::Case&);
+  bool (*is_there)(const v1::Case&) = nullptr;  ///< in this case; null: in every one
 };
-
-bool always(const v1::Case&) {
-  return true;
-}
 
 bool has_points_in_time(const v1::Curve& curve) {
   return curve.value_size() > 1 && curve.abscissa() == v1::TIME;
 }
 
 const std::array levers{
-    Lever{"schedule.casting_speed.scale", "0.9..1.1", always},
+    Lever{"schedule.casting_speed.scale", "0.9..1.1"},
     Lever{
         "schedule.casting_speed.shift", "-10 s..10 s",
         [](const v1::Case& c) { return has_points_in_time(c.schedule().casting_speed_m_per_s()); }},
@@ -41,9 +37,9 @@ const std::array levers{
           [](const v1::Case& c) { return c.cooling().water().enabled(); }},
     Lever{"schedule.water_flow.shift", "-10 s..10 s",
           [](const v1::Case& c) { return has_points_in_time(c.schedule().water_flow_m2_per_s()); }},
-    Lever{"schedule.casting_temperature.offset", "-10 K..10 K", always},
-    Lever{"cooling.water.temperature.offset", "-5 K..5 K", always},
-    Lever{"cooling.bottom_block.temperature.offset", "-20 K..20 K", always},
+    Lever{"schedule.casting_temperature.offset", "-10 K..10 K"},
+    Lever{"cooling.water.temperature.offset", "-5 K..5 K"},
+    Lever{"cooling.bottom_block.temperature.offset", "-20 K..20 K"},
     Lever{"schedule.filling.scale", "0.9..1.1",
           [](const v1::Case& c) { return c.schedule().filling_s() > 0.0; }},
     Lever{"schedule.hold.scale", "0.9..1.1",
@@ -256,7 +252,9 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
   for (const Lever& lever : levers) {
     const std::string key = lever.key;
     const bool is_datum = !key.ends_with(".shift") && data.contains(datum_of(key));
-    if (!plan.only.empty() || is_datum || !lever.is_there(request.case_())) continue;
+    if (!plan.only.empty() || is_datum ||
+        (lever.is_there != nullptr && !lever.is_there(request.case_())))
+      continue;
     const auto ends = case_file::parse_range(lever.range);
     add_axis(sweep, key, ends->low, ends->high);
   }
