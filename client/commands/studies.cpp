@@ -160,17 +160,16 @@ void print(const SweepOptions& options, const v1::StudyResult& result) {
   std::cout << std::flush;
 }
 
-void fetch_table(Connection& connection, const std::string& id, const std::string& file) {
-  const Download table = download_study(connection, id, file, std::cerr);
-  std::cerr << "wrote " << file << " (" << table.bytes << " bytes, checksum verified)\n";
-}
-
 ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
                         const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
   const v1::StudyResult result = evaluate_study(connection, id, options.json);
   print(options, result);
-  if (!options.output.empty()) fetch_table(connection, id, options.output);
+  if (!options.output.empty()) {
+    const Download table = download_study(connection, id, options.output, std::cerr);
+    std::cerr << "wrote " << options.output << " (" << table.bytes
+              << " bytes, checksum verified)\n";
+  }
   if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return exit_code_of(result.study().state());
 }
@@ -210,14 +209,6 @@ struct PredictOptions {
   bool json = false;
 };
 
-v1::PredictStudyRequest request_of(Connection& connection, const PredictOptions& options) {
-  v1::PredictStudyRequest request;
-  request.set_id(resolve_study(connection, options.id));
-  const auto values = changes_of(options.set);
-  *request.mutable_values() = {values.begin(), values.end()};
-  return request;
-}
-
 std::string millimetres(double metres) {
   return render::fixed(1e3 * metres, 3);
 }
@@ -251,8 +242,11 @@ void print(const v1::Prediction& prediction) {
 
 ExitCode run(const PredictOptions& options, Program& program) {
   Connection connection = program.connect();
-  const v1::Prediction prediction =
-      connection.call(&Stub::PredictStudy, request_of(connection, options));
+  v1::PredictStudyRequest request;
+  request.set_id(resolve_study(connection, options.id));
+  const auto values = changes_of(options.set);
+  *request.mutable_values() = {values.begin(), values.end()};
+  const v1::Prediction prediction = connection.call(&Stub::PredictStudy, request);
   if (options.json)
     print_line(to_json(prediction));
   else

@@ -17,13 +17,6 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-v1::QueryButtCurlRequest request_of(const CaseUnderCheck& checked, bool keep) {
-  v1::QueryButtCurlRequest request;
-  put_case(checked, request);
-  request.set_keep(keep);
-  return request;
-}
-
 /// Of one code the last finding holds.
 void take(const v1::Finding& finding, std::vector<v1::Finding>& findings) {
   const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
@@ -86,7 +79,9 @@ private:
 std::optional<Answer> ask_query(
     Connection& connection, CaseUnderCheck& checked, bool keep,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response) {
-  const v1::QueryButtCurlRequest request = request_of(checked, keep);
+  v1::QueryButtCurlRequest request;
+  put_case(checked, request);
+  request.set_keep(keep);
   Answer answer;
   answer.changes = checked.changes;
   grpc::ClientContext context;

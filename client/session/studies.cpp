@@ -13,14 +13,6 @@
 namespace dccast::client {
 namespace {
 
-v1::CreateStudyRequest request_of(const StudyCase& base, const CaseUnderCheck& checked) {
-  v1::CreateStudyRequest request;
-  request.set_request_id(values::random_uuid());
-  put_case(checked, request);
-  *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
-  return request;
-}
-
 /// What is wrong with a plan or one of its cases, a line each.
 void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
   const std::string& message = status.error_message();
@@ -63,7 +55,10 @@ std::optional<v1::Study> create_study(
     print_faults(checked, std::cerr);
     return std::nullopt;
   }
-  v1::CreateStudyRequest request = request_of(base, checked);
+  v1::CreateStudyRequest request;
+  request.set_request_id(values::random_uuid());
+  put_case(checked, request);
+  *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
   add_plan(request);
   v1::Study study;
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
