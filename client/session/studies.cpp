@@ -78,14 +78,16 @@ v1::Study follow_study(Connection& connection, const std::string& id,
                        const std::function<void(const v1::Study&)>& on_study,
                        std::ostream& messages, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
-  for (int attempt = 1; attempt < policy.attempts; ++attempt) {
+  for (int attempt = 0; attempt < policy.attempts;) {
     const Stream stream = read_stream(connection, id, on_study);
     if (stream.status.ok() && stream.last && stream.last->state() != v1::STUDY_RUNNING)
       return *stream.last;
     if (connection.interruption().came()) throw Interrupted("");
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
-    if (stream.last) attempt = 1, pause = policy.first_pause;
+    attempt = stream.last ? 1 : attempt + 1;
+    if (stream.last) pause = policy.first_pause;
+    if (attempt == policy.attempts) break;
     messages << "watch: the stream from " << connection.server()
              << " ended but the study has not; taking it up again (attempt " << attempt << " of "
              << policy.attempts - 1 << ")" << std::endl;
