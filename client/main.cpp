@@ -1,6 +1,5 @@
 #include <cstdlib>
 
-#include "client/cli/configuration.hpp"
 #include "client/commands/commands.hpp"
 
 int main(int argc, char** argv) {

@@ -12,18 +12,13 @@
 
 namespace dccast::client {
 
-cli::Option add_set_option(const cli::Command& command, std::vector<std::string>& changes) {
-  return command
-      .option("--set", changes,
-              "Change one key of the case, e.g. --set mesh.rows=30, "
-              "--set schedule.hold=\"5 s\" or --set schedule.water_flow.scale=\"0.8 until 100 "
-              "mm\"; may be given several times")
-      .placeholder("KEY=VALUE")
-      .one_value_each()
-      .check([](const std::string& text) {
-        return case_file::parse_change(text) ? std::string()
-                                             : "'" + text + "' is not KEY=VALUE, e.g. mesh.rows=30";
-      });
+void add_set_option(const cli::Command& command, std::vector<std::string>& changes,
+                    const std::string& help) {
+  const auto fault = [](const std::string& text) {
+    return case_file::parse_change(text) ? std::string()
+                                         : "'" + text + "' is not KEY=VALUE, e.g. mesh.rows=30";
+  };
+  command.repeatable("--set", changes, help, {.fault = fault, .placeholder = "KEY=VALUE"});
 }
 
 void add_force_flag(const cli::Command& command, bool& force) {
@@ -55,18 +50,17 @@ void follow_with_progress(Connection& connection, const std::string& id,
 double metres_of(const std::string& text, const char* option) {
   const case_file::Quantity quantity = case_file::parse_quantity(text, "m");
   if (!quantity.value)
-    throw CommandFailed(ExitCode::invalid, std::string(option) + " \"" + text + "\": " +
-                                               quantity.message + ", for example \"285 mm\"");
+    throw invalid(std::string(option) + " \"" + text + "\": " + quantity.message +
+                  ", for example \"285 mm\"");
   return *quantity.value;
 }
 
 void require_free(const std::filesystem::path& file, bool force) {
   std::error_code error;
   // Devices and pipes may always be written to.
-  if (force || !std::filesystem::is_regular_file(file, error)) return;
-  throw CommandFailed(
-      ExitCode::invalid,
-      file.string() + " exists already; give another -o, or --force to overwrite it");
+  if (force || file.empty() || file == "-" || !std::filesystem::is_regular_file(file, error))
+    return;
+  throw invalid(file.string() + " exists already; give another -o, or --force to overwrite it");
 }
 
 void write_file(const std::filesystem::path& file, const std::string& content) {

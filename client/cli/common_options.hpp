@@ -11,7 +11,11 @@
 namespace dccast::client {
 
 /// The option `--set KEY=VALUE`, which may be given several times.
-cli::Option add_set_option(const cli::Command& command, std::vector<std::string>& changes);
+void add_set_option(const cli::Command& command, std::vector<std::string>& changes,
+                    const std::string& help =
+                        "Change one key of the case, e.g. --set mesh.rows=30, --set "
+                        "schedule.hold=\"5 s\" or --set schedule.water_flow.scale=\"0.8 until 100 "
+                        "mm\"; may be given several times");
 
 /// The flag `--force`, without which no file is overwritten.
 void add_force_flag(const cli::Command& command, bool& force);
@@ -45,7 +49,7 @@ void follow_with_progress(Connection& connection, const std::string& id,
 /// The length in an option's value such as "285 mm" [m]. Throws CommandFailed, naming the option.
 double metres_of(const std::string& text, const char* option);
 
-/// Throws CommandFailed if the file exists and must not be overwritten.
+/// Throws CommandFailed if the file exists and must not be overwritten; "-" and no name are free.
 void require_free(const std::filesystem::path& file, bool force);
 
 /// Writes a whole file; one that could not be written whole is removed. Throws CommandFailed.

@@ -1,4 +1,4 @@
-#include "client/cli/completion.hpp"
+#include "client/cli/options.hpp"
 
 #include <algorithm>
 #include <initializer_list>
@@ -27,12 +27,6 @@ std::string first_sentence(const std::string& text) {
   return text.substr(0, text.find_first_of(".;:"));
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 /// In single quotes of a shell.
 std::string single_quoted(const std::string& text) {
   std::string quoted = "'";
@@ -41,25 +35,21 @@ std::string single_quoted(const std::string& text) {
 }
 
 std::string option_names(const cli::CommandSummary& command) {
-  std::vector<std::string> names;
+  std::string names;
   for (const cli::OptionSummary& option : command.options)
-    names.insert(names.end(), option.names.begin(), option.names.end());
-  return joined(names);
-}
-
-std::string command_names(const Commands& commands) {
-  std::vector<std::string> names;
-  for (const cli::CommandSummary& command : commands) names.push_back(command.name);
-  return joined(names);
+    for (const std::string& name : option.names) names += (names.empty() ? "" : " ") + name;
+  return names;
 }
 
 // The command is the first word that is no option; `dccast list` is asked for the ids.
 std::string bash_script(const Commands& commands) {
-  std::string cases;
-  for (const cli::CommandSummary& command : commands)
+  std::string names, cases;
+  for (const cli::CommandSummary& command : commands) {
+    names += command.name + " ";
     cases += "    " + command.name + ") words=" + single_quoted(option_names(command)) +
              "; jobs=" + (takes_job(command) ? "1" : "") +
              "; files=" + (takes_file(command) ? "1" : "") + " ;;\n";
+  }
   return "# bash completion of dccast\n"
          "_dccast() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} command= word words= jobs= files=\n"
@@ -69,7 +59,7 @@ std::string bash_script(const Commands& commands) {
          "  COMPREPLY=()\n"
          "  case $command in\n"
          "    '') words=" +
-         single_quoted(command_names(commands) + " --server --version --help") + " ;;\n" + cases +
+         single_quoted(names + "--server --version --help") + " ;;\n" + cases +
          "  esac\n"
          "  if [[ -n $jobs && $current != -* ]]; then\n"
          "    words+=\" last $(dccast list --ids 2>/dev/null)\"\n"
@@ -126,8 +116,8 @@ std::string zsh_script(const Commands& commands) {
          "fi\n";
 }
 
-std::string fish_option(const cli::CommandSummary& command, const cli::OptionSummary& option) {
-  std::string line = "complete -c dccast -n '__fish_seen_subcommand_from " + command.name + "'";
+/// @param line  the beginning of everything about its command
+std::string fish_option(std::string line, const cli::OptionSummary& option) {
   for (const std::string& name : option.names)
     line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   return line + (option.takes_value ? " -r" : "") + " -d " +
@@ -143,7 +133,7 @@ std::string fish_script(const Commands& commands) {
         "complete -c dccast -n '__fish_seen_subcommand_from " + command.name + "'";
     if (takes_job(command)) script += here + " -a '(dccast list --ids 2>/dev/null) last'\n";
     if (takes_file(command)) script += here + " -F\n";
-    for (const cli::OptionSummary& option : command.options) script += fish_option(command, option);
+    for (const cli::OptionSummary& option : command.options) script += fish_option(here, option);
   }
   return script;
 }

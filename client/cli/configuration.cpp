@@ -1,4 +1,4 @@
-#include "client/cli/configuration.hpp"
+#include "client/cli/options.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -20,31 +20,25 @@ std::string variable(const char* name) {
 }
 
 /// What goes wrong with a settings file, and where.
-class Settings {
-public:
-  explicit Settings(const fs::path& file) : file_(file) {}
+[[noreturn]] void refuse(const fs::path& file, const toml::source_position& at,
+                         const std::string& what) {
+  throw invalid(file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
+                ": " + what);
+}
 
-  [[noreturn]] void refuse(const toml::source_position& at, const std::string& what) const {
-    throw CommandFailed(ExitCode::invalid, file_.string() + ":" + std::to_string(at.line) + ":" +
-                                               std::to_string(at.column) + ": " + what);
-  }
+[[noreturn]] void refuse_unknown(const fs::path& file, const toml::key& key,
+                                 const std::vector<std::string>& known, const std::string& what) {
+  const std::string near = case_file::nearest(key.str(), known);
+  refuse(file, key.source().begin,
+         "unknown " + what + " '" + std::string(key.str()) + "'" +
+             (near.empty() ? "" : "; did you mean '" + near + "'?"));
+}
 
-  [[noreturn]] void refuse_unknown(const toml::key& key, const std::vector<std::string>& known,
-                                   const std::string& what) const {
-    const std::string near = case_file::nearest(key.str(), known);
-    refuse(key.source().begin, "unknown " + what + " '" + std::string(key.str()) + "'" +
-                                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
-  }
-
-private:
-  fs::path file_;
-};
-
-toml::table parsed(const fs::path& file, const Settings& settings) {
+toml::table parsed(const fs::path& file) {
   try {
     return toml::parse_file(file.string());
   } catch (const toml::parse_error& error) {
-    settings.refuse(error.source().begin, "not valid TOML: " + std::string(error.description()));
+    refuse(file, error.source().begin, "not valid TOML: " + std::string(error.description()));
   }
 }
 
@@ -70,24 +64,22 @@ std::vector<std::string> option_names(const cli::CommandSummary& command) {
 }
 
 void set_defaults(const toml::key& key, const toml::node& node, cli::CommandLine& line,
-                  const Settings& settings) {
+                  const fs::path& file) {
   const auto commands = line.commands();
   std::vector<std::string> names{"server"};
   for (const cli::CommandSummary& command : commands) names.push_back(command.name);
-  const auto command = std::find_if(commands.begin(), commands.end(),
-                                    [&](const auto& one) { return one.name == key.str(); });
-  if (command == commands.end()) settings.refuse_unknown(key, names, "key");
+  const auto command = std::ranges::find(commands, key.str(), &cli::CommandSummary::name);
+  if (command == commands.end()) refuse_unknown(file, key, names, "key");
   const toml::table* const table = node.as_table();
   if (table == nullptr)
-    settings.refuse(node.source().begin,
-                    "a table of defaults is expected: [" + command->name + "]");
+    refuse(file, node.source().begin, "a table of defaults is expected: [" + command->name + "]");
   const auto options = option_names(*command);
   for (const auto& [option, value] : *table) {
-    if (std::find(options.begin(), options.end(), option.str()) == options.end())
-      settings.refuse_unknown(option, options, "option of " + command->name);
+    if (std::ranges::find(options, option.str()) == options.end())
+      refuse_unknown(file, option, options, "option of " + command->name);
     const std::string wrong =
         line.set_default(command->name, std::string(option.str()), text_of(value));
-    if (!wrong.empty()) settings.refuse(value.source().begin, wrong);
+    if (!wrong.empty()) refuse(file, value.source().begin, wrong);
   }
 }
 
@@ -106,17 +98,15 @@ void apply_configuration(const fs::path& file, cli::CommandLine& line, std::stri
   if (file.empty()) return;
   if (!fs::exists(file, error)) {
     if (file != variable("DCCAST_CONFIG")) return;
-    throw CommandFailed(ExitCode::invalid,
-                        "DCCAST_CONFIG names " + file.string() + ", and there is no such file");
+    throw invalid("DCCAST_CONFIG names " + file.string() + ", and there is no such file");
   }
-  const Settings settings(file);
-  for (const auto& [key, node] : parsed(file, settings)) {
+  for (const auto& [key, node] : parsed(file)) {
     if (key.str() != "server") {
-      set_defaults(key, node, line, settings);
+      set_defaults(key, node, line, file);
       continue;
     }
     const auto address = node.value<std::string>();
-    if (!address) settings.refuse(node.source().begin, "server is text, e.g. \"127.0.0.1:7117\"");
+    if (!address) refuse(file, node.source().begin, "server is text, e.g. \"127.0.0.1:7117\"");
     server = *address;
   }
 }

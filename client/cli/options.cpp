@@ -10,13 +10,13 @@ namespace dccast::client::cli {
 namespace {
 
 /// Suggestion for an unknown command, or for an unknown option of the given command.
-std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments,
-                         const std::vector<CommandSummary>& commands) {
+std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments) {
   const auto chosen = app.get_subcommands();
   for (const std::string& argument : arguments) {
     if (chosen.empty() && !argument.starts_with('-')) {
       std::vector<std::string> names;
-      for (const CommandSummary& command : commands) names.push_back(command.name);
+      for (const CLI::App* const command : app.get_subcommands({}))
+        names.push_back(command->get_name());
       return case_file::nearest(argument, names);
     }
     const std::string option = argument.substr(0, argument.find('='));
@@ -46,78 +46,41 @@ CommandSummary summary_of(const CLI::App& command) {
   return summary;
 }
 
+void apply(const Rules& rules, CLI::Option& option) {
+  option.required(rules.required);
+  if (rules.show_default) option.capture_default_str();
+  if (rules.comma_separated) option.delimiter(',');
+  if (rules.positive) option.check(CLI::PositiveNumber);
+  if (rules.count) option.expected(rules.count->low, rules.count->high);
+  if (rules.between) option.check(CLI::Range(rules.between->low, rules.between->high));
+  if (!rules.one_of.empty()) option.check(CLI::IsMember(rules.one_of));
+  if (rules.fault) option.check(rules.fault);
+  if (!rules.placeholder.empty()) option.type_name(rules.placeholder);
+  if (!rules.needs.empty()) option.needs(rules.needs);
+  for (const std::string& other : rules.excludes) option.excludes(other);
+}
+
 }  // namespace
 
-Option Option::required() const {
-  return Option(*option_->required());
-}
-Option Option::show_default() const {
-  return Option(*option_->capture_default_str());
-}
-Option Option::comma_separated() const {
-  return Option(*option_->delimiter(','));
-}
-Option Option::one_value_each() const {
-  return Option(*option_->allow_extra_args(false));
-}
-Option Option::count(int fewest, int most) const {
-  return Option(*option_->expected(fewest, most));
-}
-Option Option::positive() const {
-  return Option(*option_->check(CLI::PositiveNumber));
-}
-Option Option::between(int lowest, int highest) const {
-  return Option(*option_->check(CLI::Range(lowest, highest)));
-}
-Option Option::one_of(const std::vector<std::string>& texts) const {
-  return Option(*option_->check(CLI::IsMember(texts)));
-}
-Option Option::check(const std::function<std::string(const std::string&)>& fault) const {
-  return Option(*option_->check(fault));
-}
-Option Option::placeholder(const std::string& name) const {
-  return Option(*option_->type_name(name));
-}
-Option Option::description(const std::string& text) const {
-  return Option(*option_->description(text));
-}
-Option Option::needs(const std::string& other) const {
-  return Option(*option_->needs(other));
-}
-Option Option::excludes(const std::string& other) const {
-  return Option(*option_->excludes(other));
+void Command::option(const std::string& names, Value value, const std::string& help,
+                     const Rules& rules) const {
+  std::visit([&](auto to) { apply(rules, *app_->add_option(names, to.get(), help)); }, value);
 }
 
-Option Command::option(const std::string& names, std::string& value,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
+void Command::repeatable(const std::string& names, std::vector<std::string>& values,
+                         const std::string& help, const Rules& rules) const {
+  apply(rules, *app_->add_option(names, values, help)->allow_extra_args(false));
 }
-Option Command::option(const std::string& names, std::vector<std::string>& values,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, values, help));
+
+void Command::flag(const std::string& names, bool& value, const std::string& help,
+                   const Rules& rules) const {
+  apply(rules, *app_->add_flag(names, value, help));
 }
-Option Command::option(const std::string& names, int& value, const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
-}
-Option Command::option(const std::string& names, std::int64_t& value,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
-}
-Option Command::option(const std::string& names, std::uint64_t& value,
-                       const std::string& help) const {
-  return Option(*app_->add_option(names, value, help));
-}
-Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
-  return Option(*app_->add_flag(names, value, help));
-}
-Option Command::choice(const std::string& names, int& value,
-                       const std::map<std::string, int>& values, const std::string& help) const {
-  return Option(
-      *app_->add_option(names, value, help)
-           ->transform(CLI::CheckedTransformer(values, CLI::ignore_case).description("")));
-}
-Option Command::json(bool& value, const std::string& help) const {
-  return flag("--json", value, help);
+
+void Command::choice(const std::string& names, int& value, const std::map<std::string, int>& values,
+                     const std::string& help, const Rules& rules) const {
+  const auto one_of_them = CLI::CheckedTransformer(values, CLI::ignore_case).description("");
+  apply(rules, *app_->add_option(names, value, help)->transform(one_of_them));
 }
 
 Command Command::command(const std::string& name, const std::string& description) const {
@@ -182,7 +145,7 @@ ExitCode CommandLine::run(const std::vector<std::string>& arguments) {
   } catch (const CLI::ParseError& error) {
     app_->exit(error, std::cout, std::cerr);
     if (error.get_exit_code() == 0) return ExitCode::done;  // help or version
-    const std::string near = nearest_text(*app_, arguments, commands());
+    const std::string near = nearest_text(*app_, arguments);
     if (!near.empty()) std::cerr << "did you mean '" << near << "'?\n";
     return ExitCode::invalid;
   }

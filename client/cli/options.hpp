@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "client/session/failure.hpp"
@@ -13,34 +16,39 @@
 /// options.cpp includes its header.
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace dccast::client::cli {
 
-/// An option or a positional argument. Each call restricts what it takes, and returns the option.
-class Option {
-public:
-  explicit Option(CLI::Option& option) : option_(&option) {}
-
-  Option required() const;
-  Option show_default() const;     ///< in the help text
-  Option comma_separated() const;  ///< "a,b" are two values
-  Option one_value_each() const;   ///< for a list: what follows the value is no second value
-  Option count(int fewest, int most) const;  ///< number of values of a list
-  Option positive() const;
-  Option between(int lowest, int highest) const;
-  Option one_of(const std::vector<std::string>& texts) const;
-  /// @param fault  gives what is wrong with a text; empty: nothing
-  Option check(const std::function<std::string(const std::string&)>& fault) const;
-  Option placeholder(const std::string& name) const;  ///< of the value, in the help text
-  Option description(const std::string& text) const;
-  Option needs(const std::string& other) const;
-  Option excludes(const std::string& other) const;
-
-private:
-  CLI::Option* option_;
+/// Lowest and highest.
+struct Range {
+  int low, high;
 };
+
+/// What restricts an option or a positional argument.
+struct Rules {
+  bool required = false;
+  bool show_default = false;     ///< in the help text
+  bool comma_separated = false;  ///< "a,b" are two values
+  bool positive = false;
+  std::optional<Range> count{};    ///< number of values of a list
+  std::optional<Range> between{};  ///< of the value
+  std::vector<std::string> one_of{};
+  /// What is wrong with a text; empty: nothing.
+  std::function<std::string(const std::string&)> fault{};
+  std::string placeholder{};  ///< of the value, in the help text
+  std::string needs{};
+  std::vector<std::string> excludes{};
+};
+
+inline const Rules required{.required = true};
+inline const Rules shown{.show_default = true};
+
+/// Where the value of an option goes.
+using Value =
+    std::variant<std::reference_wrapper<std::string>,
+                 std::reference_wrapper<std::vector<std::string>>, std::reference_wrapper<int>,
+                 std::reference_wrapper<std::int64_t>, std::reference_wrapper<std::uint64_t>>;
 
 /// One command. Names are as in "-o,--output"; a name without a dash is a positional argument. The
 /// values must live until the action has run.
@@ -51,17 +59,25 @@ public:
   /// @param chosen  is set to the action of the command that is given
   Command(CLI::App& app, Action& chosen) : app_(&app), chosen_(&chosen) {}
 
-  Option option(const std::string& names, std::string& value, const std::string& help) const;
-  Option option(const std::string& names, std::vector<std::string>& values,
-                const std::string& help) const;
-  Option option(const std::string& names, int& value, const std::string& help) const;
-  Option option(const std::string& names, std::int64_t& value, const std::string& help) const;
-  Option option(const std::string& names, std::uint64_t& value, const std::string& help) const;
-  Option flag(const std::string& names, bool& value, const std::string& help) const;
+  void option(const std::string& names, Value value, const std::string& help,
+              const Rules& rules = {}) const;
+  /// A list; each value has the name of the option before it.
+  void repeatable(const std::string& names, std::vector<std::string>& values,
+                  const std::string& help, const Rules& rules = {}) const;
+  /// A number from `lowest` to `highest`; the help text shows its default.
+  void number(const std::string& names, int& value, int lowest, int highest,
+              const std::string& help) const {
+    option(names, value, help, {.show_default = true, .between = {{lowest, highest}}});
+  }
+  void flag(const std::string& names, bool& value, const std::string& help,
+            const Rules& rules = {}) const;
   /// An option that takes one of the given texts, in any case.
-  Option choice(const std::string& names, int& value, const std::map<std::string, int>& values,
-                const std::string& help) const;
-  Option json(bool& value, const std::string& help = "As JSON") const;  ///< the flag --json
+  void choice(const std::string& names, int& value, const std::map<std::string, int>& values,
+              const std::string& help, const Rules& rules = {}) const;
+  /// The flag --json.
+  void json(bool& value, const std::string& help = "As JSON", const Rules& rules = {}) const {
+    flag("--json", value, help, rules);
+  }
 
   /// Adds a command below this one, which then may be given or not.
   Command command(const std::string& name, const std::string& description) const;
@@ -117,3 +133,26 @@ private:
 };
 
 }  // namespace dccast::client::cli
+
+namespace dccast::client {
+
+/// A shell script that completes commands, options, their choices and job ids.
+/// @param shell  "bash", "zsh" or "fish"
+std::string completion_script(const std::vector<cli::CommandSummary>& commands,
+                              const std::string& shell);
+
+/// Path of the user's settings: $DCCAST_CONFIG, else dccast/client.toml in $XDG_CONFIG_HOME or
+/// ~/.config. Empty if none of these is defined.
+std::filesystem::path configuration_file();
+
+/// Sets the defaults of options from a TOML file: `server` at the top level, and for each command a
+/// table with its name whose keys are long options, e.g. `[submit]` with `priority = "low"`. The
+/// environment and the command line take precedence. A missing file is no error.
+/// @param line    with all its commands, before parsing
+/// @param server  set if the file names one
+/// Throws CommandFailed for a file that cannot be read, an unknown key or a wrong value, with its
+/// line.
+void apply_configuration(const std::filesystem::path& file, cli::CommandLine& line,
+                         std::string& server);
+
+}  // namespace dccast::client

@@ -5,9 +5,7 @@
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/json.hpp"
 #include "client/model/measured_csv.hpp"
-#include "client/session/calibration.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
@@ -35,8 +33,7 @@ std::vector<MeasuredCase> cases_of(const CalibrateOptions& options) {
   for (const std::string& text : options.castings) {
     const auto colon = text.rfind(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
-      throw CommandFailed(ExitCode::invalid,
-                          "--casting " + text + ": write CASE.toml:MEASURED.csv");
+      throw invalid("--casting " + text + ": write CASE.toml:MEASURED.csv");
     cases.push_back({text.substr(0, colon), {text.substr(colon + 1)}});
   }
   return cases;
@@ -54,8 +51,7 @@ Noise noise_of(const std::vector<std::string>& texts) {
     const auto kelvin = case_file::parse_quantity(text, "K").value;
     const auto value = metres ? metres : kelvin;
     if (!value || !(*value > 0.0))
-      throw CommandFailed(ExitCode::invalid,
-                          "--noise \"" + text + "\": write a length or kelvins, as 0.5 mm or 3 K");
+      throw invalid("--noise \"" + text + "\": write a length or kelvins, as 0.5 mm or 3 K");
     (metres ? noise.curl_m : noise.temperature_k) = *value;
   }
   return noise;
@@ -70,7 +66,7 @@ std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1
   std::string faults;
   for (const std::string& file : casting.measured) {
     std::ifstream stream(file);
-    if (!stream) throw CommandFailed(ExitCode::invalid, "cannot read " + file);
+    if (!stream) throw invalid("cannot read " + file);
     MeasuredFile read = read_measured(stream, file, monitors);
     for (const std::string& fault : read.faults) faults += "\n  " + fault;
     for (v1::MeasuredCurve& curve : read.curves) {
@@ -78,14 +74,13 @@ std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1
       curves.push_back(std::move(curve));
     }
   }
-  if (!faults.empty()) throw CommandFailed(ExitCode::invalid, "measurements have faults:" + faults);
+  if (!faults.empty()) throw invalid("measurements have faults:" + faults);
   return curves;
 }
 
 /// Creates the study of every casting. @return empty: a case has faults, which have been printed
 std::vector<CastingStudies> create(Connection& connection, const CalibrateOptions& options) {
-  if (options.measured.empty())
-    throw CommandFailed(ExitCode::invalid, "give what was measured, as --measured curl.csv");
+  if (options.measured.empty()) throw invalid("give what was measured, as --measured curl.csv");
   const Noise noise = noise_of(options.noise);
   const auto cases = cases_of(options);
   std::vector<std::vector<v1::MeasuredCurve>> curves;  // all are read before any run is queued
@@ -149,32 +144,28 @@ void write_case(Connection& connection, const CalibrateOptions& options,
   const CaseUnderCheck read = read_case(options.base.file, changes_of(options.base.set));
   if (!read.faults.empty()) {
     print_faults(read, std::cerr);
-    throw CommandFailed(ExitCode::invalid, options.base.file + " has faults");
+    throw invalid(options.base.file + " has faults");
   }
   v1::CreateStudyRequest request;
-  *request.mutable_case_() = read.description;
-  *request.mutable_attachments() = {read.read.attachments.begin(), read.read.attachments.end()};
+  put_case(read, request);
   write_output(options.output, calibrated_case(connection, request, result));
 }
 
 void print(Connection& connection, const CalibrateOptions& options, const v1::StudyResult& result) {
   if (!options.plot.empty()) write_output(options.plot, render::calibration_page(result));
   if (options.json)
-    std::cout << to_json(result).dump() << '\n';
+    print_line(to_json(result));
   else if (options.plot != "-" && options.output != "-")
     std::cout << render::calibration_text(result);
   if (!options.output.empty() && result.has_calibration()) write_case(connection, options, result);
-  std::cout << std::flush;
 }
 
 void require_sense(const CalibrateOptions& options) {
   if (options.base.file.empty() && options.study.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "give a case FILE to begin, or --study ID to take a calibration up again");
+    throw invalid("give a case FILE to begin, or --study ID to take a calibration up again");
   if (!options.output.empty() && options.base.file.empty())
-    throw CommandFailed(ExitCode::invalid, "-o needs the case FILE too, whose values it changes");
-  for (const std::string& file : {options.plot, options.output})
-    if (!file.empty() && file != "-") require_free(file, options.force);
+    throw invalid("-o needs the case FILE too, whose values it changes");
+  for (const std::string& file : {options.plot, options.output}) require_free(file, options.force);
 }
 
 ExitCode run(const CalibrateOptions& options, Program& program) {
@@ -201,60 +192,45 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
 }
 
 constexpr const char* examples =
-    "dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 "
-    "\\\n"
-    "      --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html\n"
-    "  dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one "
-    "answer\n"
-    "  dccast calibrate --study ID                     a calibration that was left\n"
-    "\n"
-    "The file of measurements names its columns with their units: the time or the cast length, "
-    "then\n"
-    "monitors of the case:\n"
-    "  time [s], curl corner [mm], thermocouple [degC]\n"
-    "  10,       4.1,              612\n"
-    "A length is a curl, a temperature that of the monitor. docs/calibration.md.";
+    R"(dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 \
+      --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html
+  dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one answer
+  dccast calibrate --study ID                     a calibration that was left
+
+The file of measurements names its columns with their units: the time or the cast length, then
+monitors of the case:
+  time [s], curl corner [mm], thermocouple [degC]
+  10,       4.1,              612
+A length is a curl, a temperature that of the monitor. docs/calibration.md.)";
 
 }  // namespace
 
 void add_calibrate(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<CalibrateOptions>();
-  const cli::Command command = line.command(
-      "calibrate",
-      "Infer uncertain data from a measured curl or temperature: values, ranges, and keys that the "
-      "measurement cannot separate",
-      examples);
-  command.option("FILE", options->base.file, "Case file");
-  command
-      .option("--measured", options->measured, "CSV file of readings of this casting; repeatable")
-      .one_value_each();
-  command
-      .option("--casting", options->castings,
-              "CASE.toml:MEASURED.csv of a further casting with the same data; repeatable")
-      .one_value_each();
-  command
-      .option("--free", options->plan.free,
-              "KEY=RANGE, or KEY with the range of case or card; repeatable. Absent: every key to "
-              "which case or card gives a range")
-      .one_value_each();
-  command
-      .option("--noise", options->noise,
-              "Standard deviation of a reading, as 0.5 mm or 3 K; absent: inferred")
-      .one_value_each();
-  command.option("--runs", options->plan.data.runs, "Runs of the Latin hypercube")
-      .between(8, 10000)
-      .show_default();
-  command.option("--seed", options->plan.data.seed, "Its seed").show_default();
+  const auto [command, options] =
+      declare<CalibrateOptions>(line, program, run, "calibrate",
+                                "Infer uncertain data from a measured curl or temperature: values, "
+                                "ranges, and keys that the measurement cannot separate",
+                                examples);
+  command.option("FILE", options.base.file, "Case file");
+  command.repeatable("--measured", options.measured,
+                     "CSV file of readings of this casting; repeatable");
+  command.repeatable("--casting", options.castings,
+                     "CASE.toml:MEASURED.csv of a further casting with the same data; repeatable");
+  command.repeatable("--free", options.plan.free,
+                     "KEY=RANGE, or KEY with the range of case or card; repeatable. Absent: every "
+                     "key to which case or card gives a range");
+  command.repeatable("--noise", options.noise,
+                     "Standard deviation of a reading, as 0.5 mm or 3 K; absent: inferred");
+  command.number("--runs", options.plan.data.runs, 8, 10000, "Runs of the Latin hypercube");
+  command.option("--seed", options.plan.data.seed, "Its seed", cli::shown);
   command.option(
-      "-o,--output", options->output,
+      "-o,--output", options.output,
       "Write the case with the calibrated values and their ranges; - for standard output");
-  add_study_options(
-      command, *options,
-      {.study = "Take this calibration up again; ids of several castings with commas",
-       .plot = "Write an HTML page with measured and computed curves and their bands; - "
-               "for standard output",
-       .json = "As JSON, in metres and degrees Celsius"});
-  command.action([options, &program] { return run(*options, program); });
+  add_study_options(command, options,
+                    {.study = "Take this calibration up again; ids of several castings with commas",
+                     .plot = "Write an HTML page with measured and computed curves and their "
+                             "bands; - for standard output",
+                     .json = "As JSON, in metres and degrees Celsius"});
 }
 
 }  // namespace dccast::client::commands

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <iostream>
 
@@ -5,19 +7,116 @@
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/json.hpp"
+#include "client/model/slab_recipe.hpp"
 #include "client/session/case_faults.hpp"
-#include "client/text/plant_units.hpp"
 #include "client/text/findings.hpp"
+#include "client/text/plant_units.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/case_file/text_checks.hpp"
 
 namespace dccast::client::commands {
 namespace {
+
+struct NewOptions {
+  std::string name;
+  SlabRecipe recipe;
+  std::string output;
+  bool force = false;
+  bool list = false;
+  bool json = false;
+};
+
+const std::string& text_of(const std::string& name) {
+  if (const auto* shipped = shipped::find(shipped::case_templates(), name)) return shipped->text;
+  const auto names = shipped::names_of(shipped::case_templates());
+  const std::string near = case_file::nearest(name, names);
+  std::string known;
+  for (const std::string& one : names) known += " " + one;
+  throw CommandFailed(ExitCode::not_found, "no case named '" + name + "'; " +
+                                               (near.empty() ? "" : "did you mean " + near + "? ") +
+                                               "there are:" + known);
+}
+
+/// The answer on the terminal; an empty line is the one in brackets. Throws CommandFailed at the
+/// end of the input.
+std::string asked(const std::string& question, const std::string& usual) {
+  std::cerr << question << " [" << usual << "]: " << std::flush;
+  std::string answer;
+  if (!std::getline(std::cin, answer))
+    throw invalid("no answer; give --slab, or the name of a shipped case");
+  return answer.empty() ? usual : answer;
+}
+
+/// Asks for what the options would give. An answer at fault is asked for again.
+void ask(NewOptions& options) {
+  std::string alloys;
+  for (const std::string& name : case_file::alloy_names()) alloys += " " + name;
+  std::cerr << "A case for the start of a slab. Shipped cases: dccast new --list\n";
+  NewCase made;
+  do {
+    for (const std::string& fault : made.faults) std::cerr << fault << '\n';
+    options.recipe.slab = asked("Slab, width x thickness", "1320x570mm");
+    options.recipe.alloy = asked("Alloy, one of" + alloys, "aa5182");
+    options.recipe.speed = asked("Casting speed, start..steady", "40..60mm/min");
+    options.recipe.water =
+        asked("Water, in all (m3/h) or per metre of perimeter (l/min/m)", "90..180l/min/m");
+    made = new_case(options.recipe);
+  } while (!made.faults.empty());
+  if (options.output.empty()) options.output = asked("File to write, - for the screen", "my.toml");
+}
+
+/// The text of the recipe's case; what it is goes to standard error.
+std::string slab_text(const SlabRecipe& recipe) {
+  const NewCase made = new_case(recipe);
+  std::string faults;
+  for (const std::string& fault : made.faults) faults += (faults.empty() ? "" : "\n") + fault;
+  if (!faults.empty()) throw invalid(faults);
+  std::cerr << made.summary << '\n';
+  return made.text;
+}
+
+bool on_terminal() {
+  return ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
+}
+
+void list_names(bool json) {
+  if (json) std::cout << Json(shipped::names_of(shipped::case_templates())).dump() << '\n';
+  if (!json)
+    for (const std::string& name : shipped::names_of(shipped::case_templates()))
+      std::cout << name << '\n';
+}
+
+ExitCode run(const NewOptions& given, Program&) {
+  NewOptions options = given;
+  const bool undecided = options.name.empty() && options.recipe.slab.empty();
+  const SlabRecipe& recipe = options.recipe;
+  if (recipe.slab.empty() && !(recipe.alloy + recipe.speed + recipe.water).empty())
+    throw invalid("--alloy, --speed and --water belong to --slab");
+  if (!options.name.empty() && !recipe.slab.empty())
+    throw invalid("give the name of a shipped case or --slab, not both");
+  if (options.list || (undecided && (options.json || !on_terminal()))) {
+    list_names(options.json);
+    return ExitCode::done;
+  }
+  if (undecided) ask(options);
+  const std::string text = recipe.slab.empty() ? text_of(options.name) : slab_text(recipe);
+  const bool to_screen = options.output.empty() || options.output == "-";
+  require_free(options.output, options.force);
+  if (options.json) {
+    print_line({{"name", options.name + recipe.slab}, {"text", text}});
+  } else if (to_screen) {
+    std::cout << text;
+  } else {
+    write_file(options.output, text);
+  }
+  return ExitCode::done;
+}
 
 struct ValidateOptions {
   std::string file;
@@ -48,12 +147,6 @@ v1::Case complete_case(const CaseUnderCheck& checked) {
   return complete;
 }
 
-/// Of a case whose keys could all be read.
-void write_drawing(const ValidateOptions& options, const CaseUnderCheck& checked) {
-  if (options.drawing.empty() || !checked.read.ok()) return;
-  write_output(options.drawing, render::casting_drawing(complete_case(checked)));
-}
-
 void print_verdict(const CaseUnderCheck& checked, bool local) {
   if (!checked.faults.empty())
     std::cerr << checked.faults.size() << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
@@ -76,7 +169,7 @@ void print_ranges(const CaseUnderCheck& checked) {
 
 ExitCode run(const ValidateOptions& options, Program& program) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
-  if (!options.drawing.empty()) require_free(options.drawing, options.force);
+  require_free(options.drawing, options.force);
   if (!options.local) {
     Connection connection = program.connect();
     check_with_server(checked, connection);
@@ -84,7 +177,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
   if (options.json) {
     Json json = faults_json(checked);
     if (checked.read.ok()) json["casting"] = render::casting_summary(complete_case(checked));
-    std::cout << json.dump() << '\n';
+    print_line(json);
   } else {
     if (checked.read.ok()) std::cout << render::casting_summary(complete_case(checked)) << '\n';
     print_faults(checked, std::cout);
@@ -93,7 +186,8 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
   }
-  write_drawing(options, checked);
+  if (!options.drawing.empty() && checked.read.ok())
+    write_output(options.drawing, render::casting_drawing(complete_case(checked)));
   const bool implausible = options.strict && render::more_than_notes(checked.findings);
   return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }
@@ -147,7 +241,7 @@ Json row_json(const KeyReference& row) {
           {"doc", row.doc}};
 }
 
-ExitCode run(const SchemaOptions& options) {
+ExitCode run(const SchemaOptions& options, Program&) {
   const auto& descriptor =
       options.daemon ? *v1::DaemonConfig::descriptor() : *v1::Case::descriptor();
   Json list = Json::array();
@@ -164,7 +258,7 @@ ExitCode run(const SchemaOptions& options) {
   if (!found)
     throw CommandFailed(ExitCode::not_found,
                         "no key of a case has '" + options.prefix + "' in its path");
-  if (options.json) std::cout << list.dump() << '\n';
+  if (options.json) print_line(list);
   return ExitCode::done;
 }
 
@@ -184,10 +278,10 @@ std::vector<v1::Alloy> shipped_alloys() {
 std::vector<v1::Alloy> alloys_of(const AlloysOptions& options, Program& program) {
   if (options.local) return shipped_alloys();
   Connection connection = program.connect();
-  connection.set_policy({.attempts = 1});  // the shipped cards are available without the server
   v1::ListAlloysResponse response;
+  // Once: the shipped cards are available without the server.
   const grpc::Status status =
-      connection.try_call(&Stub::ListAlloys, v1::ListAlloysRequest(), response);
+      connection.try_once(&Stub::ListAlloys, v1::ListAlloysRequest(), response);
   if (status.ok()) return {response.alloys().begin(), response.alloys().end()};
   std::cerr << "dccast: " << failure_of(status, connection.server()).what()
             << "; these are the shipped cards\n";
@@ -195,13 +289,12 @@ std::vector<v1::Alloy> alloys_of(const AlloysOptions& options, Program& program)
 }
 
 ExitCode print_one(const std::vector<v1::Alloy>& alloys, const AlloysOptions& options) {
-  for (const v1::Alloy& alloy : alloys) {
-    if (alloy.card() != options.name) continue;
-    std::cout << (options.json ? to_json(alloy).dump() + "\n" : case_file::to_toml(alloy));
-    return ExitCode::done;
-  }
-  throw CommandFailed(ExitCode::not_found,
-                      "no alloy card named '" + options.name + "'; see `dccast alloys`");
+  const auto alloy = std::ranges::find(alloys, options.name, &v1::Alloy::card);
+  if (alloy == alloys.end())
+    throw CommandFailed(ExitCode::not_found,
+                        "no alloy card named '" + options.name + "'; see `dccast alloys`");
+  std::cout << (options.json ? to_json(*alloy).dump() + "\n" : case_file::to_toml(*alloy));
+  return ExitCode::done;
 }
 
 ExitCode run(const AlloysOptions& options, Program& program) {
@@ -220,47 +313,63 @@ ExitCode run(const AlloysOptions& options, Program& program) {
 
 }  // namespace
 
-void add_validate(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<ValidateOptions>();
-  const cli::Command command =
-      line.command("validate",
-                   "Check a case file: list everything that is wrong with it, and findings on "
-                   "whether a plant could cast it",
-                   "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
-  command.option("FILE", options->file, "Case file; - for standard input").required();
-  add_set_option(command, options->set);
-  command.flag("--local", options->local,
-               "Do not ask the server: check keys, units and ranges only");
-  command.flag("--ranges", options->ranges, "List the data with a range (docs/uncertainty.md)");
-  command.option("--drawing", options->drawing,
-                 "Also write this SVG file: mould, water line, block, and the ramps");
-  add_force_flag(command, options->force);
-  command.flag("--strict", options->strict,
-               "Exit code 2 for findings beyond notes too (docs/findings.md)");
-  command.json(options->json);
-  command.action([options, &program] { return run(*options, program); });
+void add_new(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<NewOptions>(
+      line, program, run, "new",
+      "Write a case file to begin with: a shipped case, or the start of a slab of your own",
+      "dccast new start-2d-thickness > my.toml\n"
+      "  dccast new --slab 1320x570mm --alloy aa5182 --speed 45..55mm/min --water 25..45m3/h --out "
+      "my.toml\n  dccast new        # asks for the same");
+  command.option("NAME", options.name, "Name of a shipped case");
+  command.option("--slab", options.recipe.slab, "Width x thickness of a slab, e.g. 1320x570mm");
+  command.option("--alloy", options.recipe.alloy, "Of the slab: name of a card (dccast alloys)");
+  command.option("--speed", options.recipe.speed,
+                 "Of the slab: casting speed, start..steady, e.g. 45..55mm/min");
+  command.option(
+      "--water", options.recipe.water,
+      "Of the slab: water in all, e.g. 25..45m3/h, or per metre of perimeter, e.g. 90..180l/min/m");
+  command.option("-o,--output,--out", options.output, "File to write instead of standard output");
+  add_force_flag(command, options.force);
+  command.flag("--list", options.list, "List the names");
+  command.json(options.json);
 }
 
-void add_schema(cli::CommandLine& line, Program&) {
-  const auto options = std::make_shared<SchemaOptions>();
-  const cli::Command command =
-      line.command("schema", "Reference of every key of a case file: unit, range, default, meaning",
-                   "dccast schema cooling.water");
-  command.option("PART", options->prefix, "Only keys with this in their path");
-  command.flag("--daemon", options->daemon, "Keys of the daemon's configuration instead");
-  command.json(options->json);
-  command.action([options] { return run(*options); });
+void add_validate(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<ValidateOptions>(
+      line, program, run, "validate",
+      "Check a case file: list everything that is wrong with it, and findings on whether a plant "
+      "could cast it",
+      "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
+  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
+  add_set_option(command, options.set);
+  command.flag("--local", options.local,
+               "Do not ask the server: check keys, units and ranges only");
+  command.flag("--ranges", options.ranges, "List the data with a range (docs/uncertainty.md)");
+  command.option("--drawing", options.drawing,
+                 "Also write this SVG file: mould, water line, block, and the ramps");
+  add_force_flag(command, options.force);
+  command.flag("--strict", options.strict,
+               "Exit code 2 for findings beyond notes too (docs/findings.md)");
+  command.json(options.json);
+}
+
+void add_schema(cli::CommandLine& line, Program& program) {
+  const auto [command, options] =
+      declare<SchemaOptions>(line, program, run, "schema",
+                             "Reference of every key of a case file: unit, range, default, meaning",
+                             "dccast schema cooling.water");
+  command.option("PART", options.prefix, "Only keys with this in their path");
+  command.flag("--daemon", options.daemon, "Keys of the daemon's configuration instead");
+  command.json(options.json);
 }
 
 void add_alloys(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<AlloysOptions>();
-  const cli::Command command =
-      line.command("alloys", "List the alloy cards, or print one as TOML",
-                   "dccast alloys\n  dccast alloys aa5182 > my-alloy.toml");
-  command.option("CARD", options->name, "Print this card");
-  command.flag("--local", options->local, "Do not ask the server: shipped cards only");
-  command.json(options->json);
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] = declare<AlloysOptions>(
+      line, program, run, "alloys", "List the alloy cards, or print one as TOML",
+      "dccast alloys\n  dccast alloys aa5182 > my-alloy.toml");
+  command.option("CARD", options.name, "Print this card");
+  command.flag("--local", options.local, "Do not ask the server: shipped cards only");
+  command.json(options.json);
 }
 
 }  // namespace dccast::client::commands

@@ -3,14 +3,15 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/cli/options.hpp"
+#include "client/model/json.hpp"
 #include "client/session/connection.hpp"
 #include "client/session/ssh_tunnel.hpp"
 
-/// The commands, several to a file by what they are about. Each `add_` function declares one: its
-/// options and its action.
+/// The commands, several to a file by what they are about.
 namespace dccast::client::commands {
 
 /// What the command line has for every command.
@@ -25,54 +26,38 @@ struct Program {
   Connection connect() const { return Connection(endpoint(), interruption); }
 };
 
-void add_new(cli::CommandLine& line, Program& program);
-void add_validate(cli::CommandLine& line, Program& program);
-void add_submit(cli::CommandLine& line, Program& program);
-void add_watch(cli::CommandLine& line, Program& program);
-void add_wait(cli::CommandLine& line, Program& program);
-void add_query(cli::CommandLine& line, Program& program);
-void add_compare(cli::CommandLine& line, Program& program);
-void add_completion(cli::CommandLine& line, Program& program);
-void add_list(cli::CommandLine& line, Program& program);
-void add_show(cli::CommandLine& line, Program& program);
-void add_curl(cli::CommandLine& line, Program& program);
-void add_dashboard(cli::CommandLine& line, Program& program);
-void add_contraction(cli::CommandLine& line, Program& program);
-void add_cancel(cli::CommandLine& line, Program& program);
-void add_pause(cli::CommandLine& line, Program& program);
-void add_resume(cli::CommandLine& line, Program& program);
-void add_delete(cli::CommandLine& line, Program& program);
-void add_label(cli::CommandLine& line, Program& program);
-void add_pin(cli::CommandLine& line, Program& program);
-void add_unpin(cli::CommandLine& line, Program& program);
-void add_top(cli::CommandLine& line, Program& program);
-void add_usage(cli::CommandLine& line, Program& program);
-void add_case(cli::CommandLine& line, Program& program);
-void add_logs(cli::CommandLine& line, Program& program);
-void add_fetch(cli::CommandLine& line, Program& program);
-void add_convergence(cli::CommandLine& line, Program& program);
-void add_sweep(cli::CommandLine& line, Program& program);
-void add_predict(cli::CommandLine& line, Program& program);
-void add_uncertainty(cli::CommandLine& line, Program& program);
-void add_sensitivity(cli::CommandLine& line, Program& program);
-void add_calibrate(cli::CommandLine& line, Program& program);
-void add_design_mould(cli::CommandLine& line, Program& program);
-void add_design_recipe(cli::CommandLine& line, Program& program);
-void add_studies(cli::CommandLine& line, Program& program);
-void add_report(cli::CommandLine& line, Program& program);
-void add_schema(cli::CommandLine& line, Program& program);
-void add_alloys(cli::CommandLine& line, Program& program);
-void add_login(cli::CommandLine& line, Program& program);
-void add_logout(cli::CommandLine& line, Program& program);
-void add_whoami(cli::CommandLine& line, Program& program);
-void add_doctor(cli::CommandLine& line, Program& program);
-void add_info(cli::CommandLine& line, Program& program);
+/// Adds a command to the line. @return it and its options, which are to be declared; they have
+/// their values when `run` is called.
+template <typename Options>
+std::pair<cli::Command, Options&> declare(cli::CommandLine& line, Program& program,
+                                          ExitCode (*run)(const Options&, Program&),
+                                          const std::string& name, const std::string& description,
+                                          const std::string& example) {
+  const auto options = std::make_shared<Options>();
+  const cli::Command command = line.command(name, description, example);
+  command.action([=, &program] { return run(*options, program); });
+  return {command, *options};
+}
+
+/// Declares one command: its options and its action.
+using Add = void(cli::CommandLine&, Program&);
+Add add_new, add_validate, add_schema, add_alloys;
+Add add_submit, add_watch, add_query, add_compare;
+Add add_list, add_show, add_wait, add_cancel, add_pause, add_resume, add_delete;
+Add add_label, add_pin, add_unpin, add_usage, add_case, add_logs, add_top;
+Add add_curl, add_contraction, add_fetch, add_report, add_dashboard;
+Add add_studies, add_convergence, add_sweep, add_predict, add_uncertainty, add_sensitivity;
+Add add_calibrate, add_design_mould, add_design_recipe;
+Add add_login, add_logout, add_whoami, add_doctor, add_info, add_completion;
+
+/// Writes JSON to standard output, on one line.
+void print_line(const Json& json);
 
 /// Follows a job as `watch` does and reports how it ended; results on stdout unless
 /// `messages_only`.
 /// @param strict  findings beyond notes give ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool messages_only, bool strict = false);
+                   bool messages_only, bool strict);
 
 /// Waits until jobs have ended and prints how, in the order given.
 /// @param command  run in a shell for each of them; empty: none

@@ -8,7 +8,6 @@
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
@@ -67,10 +66,7 @@ grpc::Status create(const Options& options, const std::string& study, const Case
                     Connection& connection) {
   v1::CreateStudyRequest request;
   request.set_request_id(study);
-  *request.mutable_case_() = checked.description;
-  *request.mutable_attachments() = {checked.read.attachments.begin(),
-                                    checked.read.attachments.end()};
-  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
+  put_case(checked, request);
   request.mutable_refinement()->set_levels(options.levels);
   v1::Study created;
   try {
@@ -105,9 +101,8 @@ bool submit(const Options& options, const std::string& study, Connection& connec
   print_effort(checked, options, connection);
   const grpc::Status status = create(options, study, checked, connection);
   if (status.error_code() == grpc::StatusCode::ALREADY_EXISTS)
-    throw CommandFailed(ExitCode::invalid,
-                        "study " + study + " is of another case" +
-                            ". Take it up without FILE, or begin a new one without --study");
+    throw invalid("study " + study + " is of another case" +
+                  ". Take it up without FILE, or begin a new one without --study");
   if (!faults_of(status).empty()) {
     print_refusal(checked, status);
     return false;
@@ -127,40 +122,21 @@ void repair(Connection& connection, const std::string& study) {
   check(status, connection.server());
 }
 
+/// Levels by their refinement, as they were named last.
+using NamedLevels = std::map<int, v1::StudyRun>;
+
 /// Prints the job of each level as soon as it has one.
-class LevelNames {
-public:
-  /// @param before  the study as it was before levels were queued again
-  explicit LevelNames(const v1::StudyResult& before) {
-    for (const v1::StudyRun& run : before.runs()) known_[run.refinement()] = run;
+void name_levels(const v1::StudyResult& now, NamedLevels& named) {
+  for (const v1::StudyRun& run : now.runs()) {
+    v1::StudyRun& known = named[run.refinement()];
+    if (run.job().empty() || run.job() == known.job()) continue;
+    std::cerr << "refinement " << run.refinement() << ": job " << run.job();
+    if (!known.job().empty())
+      std::cerr << " replaces job " << known.job() << ", which is "
+                << render::state_text(known.state());
+    std::cerr << std::endl;
+    known = run;
   }
-
-  void name(const v1::StudyResult& now) {
-    for (const v1::StudyRun& run : now.runs()) {
-      v1::StudyRun& known = known_[run.refinement()];
-      if (run.job().empty() || run.job() == known.job()) continue;
-      std::cerr << "refinement " << run.refinement() << ": job " << run.job();
-      if (!known.job().empty())
-        std::cerr << " replaces job " << known.job() << ", which is "
-                  << render::state_text(known.state());
-      std::cerr << std::endl;
-      known = run;
-    }
-  }
-
-private:
-  std::map<int, v1::StudyRun> known_;
-};
-
-/// The present state of the study; empty if there is none yet.
-v1::StudyResult as_it_is(Connection& connection, const std::string& id) {
-  v1::EvaluateStudyRequest request;
-  request.set_id(id);
-  v1::StudyResult result;
-  const grpc::Status status = connection.try_call(&Stub::EvaluateStudy, request, result);
-  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
-  check(status, connection.server());
-  return result;
 }
 
 void print_paused_jobs(Connection& connection, const std::string& id) {
@@ -170,27 +146,26 @@ void print_paused_jobs(Connection& connection, const std::string& id) {
                 << '\n';
 }
 
-bool waits_for_its_job(const v1::StudyRun& run) {
-  return run.job().empty() && run.state() == v1::QUEUED;
-}
-
 /// Prints the jobs of all levels; the server queues them shortly, unless its disk is full.
-void name_jobs(Connection& connection, const std::string& id, LevelNames& names) {
+void name_jobs(Connection& connection, const std::string& id, NamedLevels& levels) {
   constexpr std::chrono::milliseconds pause{50};
   constexpr int most_attempts = 100;
   for (int made = 0; made < most_attempts; ++made) {
     const v1::StudyResult now = evaluate_study(connection, id);
-    names.name(now);
-    if (std::none_of(now.runs().begin(), now.runs().end(), waits_for_its_job)) return;
+    name_levels(now, levels);
+    const bool waiting = std::ranges::any_of(now.runs(), [](const v1::StudyRun& run) {
+      return run.job().empty() && run.state() == v1::QUEUED;
+    });
+    if (!waiting) return;
     connection.interruption().sleep(pause);
   }
 }
 
 /// Waits until every job of the study has ended. Throws Interrupted with the command that
 /// continues.
-Study finished_study(Connection& connection, const std::string& id, LevelNames& names) {
+Study finished_study(Connection& connection, const std::string& id, NamedLevels& levels) {
   try {
-    name_jobs(connection, id, names);
+    name_jobs(connection, id, levels);
     print_paused_jobs(connection, id);
     follow_study(
         connection, id, [](const v1::Study&) {}, std::cerr);
@@ -232,49 +207,48 @@ Json monitor_json(const Study& study, const MonitorStudy& monitor) {
           {"history", {{"limit_m", limit.value_m}, {"uncertainty_m", limit.uncertainty_m}}}};
 }
 
-Json validity_json(const v1::Job& job) {
-  return job.has_validity_loss() ? to_json(job.validity_loss()) : Json();
+Json level_json(const StudyLevel& level) {
+  const v1::Job& job = level.job;
+  return {{"refinement", level.refinement},
+          {"job", job.id()},
+          {"state", v1::JobState_Name(job.state())},
+          {"nodes", job.last_step().nodes()},
+          {"solver_s", job.last_step().solver_s()},
+          {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()}};
 }
 
-void print_json(const Study& study) {
-  Json json{{"study", study.id}, {"levels", Json::array()}};
-  for (const StudyLevel& level : study.levels)
-    json["levels"].push_back({{"refinement", level.refinement},
-                              {"job", level.job.id()},
-                              {"state", v1::JobState_Name(level.job.state())},
-                              {"nodes", level.job.last_step().nodes()},
-                              {"solver_s", level.job.last_step().solver_s()},
-                              {"validity_loss", validity_json(level.job)}});
-  json["time_s"] = study.time_s;
-  json["cast_length_m"] = study.cast_length_m;
-  json["beyond_validity"] = Json::array();
-  for (const double instant_s : study.time_s)
-    json["beyond_validity"].push_back(!study.valid_at(instant_s));
-  json["monitors"] = Json::array();
-  for (const MonitorStudy& monitor : study.monitors)
-    json["monitors"].push_back(monitor_json(study, monitor));
-  std::cout << json.dump() << '\n';
+Json study_json(const Study& study) {
+  const auto beyond = [&](double instant_s) { return !study.valid_at(instant_s); };
+  const auto monitor = [&](const MonitorStudy& one) { return monitor_json(study, one); };
+  return {{"study", study.id},
+          {"levels", json_list(study.levels, level_json)},
+          {"time_s", study.time_s},
+          {"cast_length_m", study.cast_length_m},
+          {"beyond_validity", json_list(study.time_s, beyond)},
+          {"monitors", json_list(study.monitors, monitor)}};
 }
 
 ExitCode run(const Options& options, Program& program) {
   if (options.file.empty() && options.study.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "give a case FILE to begin a study, or --study ID to take one up again");
+    throw invalid("give a case FILE to begin a study, or --study ID to take one up again");
   Connection connection = program.connect();
   const std::string id =
       options.study.empty() ? values::random_uuid() : resolve_study(connection, options.study);
-  LevelNames names(options.study.empty() ? v1::StudyResult{} : as_it_is(connection, id));
+  NamedLevels levels;
+  if (!options.study.empty()) {
+    const v1::StudyResult before = find_study(connection, id);
+    for (const v1::StudyRun& run : before.runs()) levels[run.refinement()] = run;
+  }
   if (!options.file.empty()) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
     if (!submit(options, id, connection)) return ExitCode::invalid;
   }
   if (!options.as_it_is && !options.study.empty()) repair(connection, id);
-  const Study study = finished_study(connection, id, names);
+  const Study study = finished_study(connection, id, levels);
   if (options.json)
-    print_json(study);
+    print_line(study_json(study));
   else
     std::cout << "study " << study.id << '\n' << render::study_table(study);
-  std::cout << std::flush;
   return report_losses(study) ? ExitCode::done : ExitCode::solve_failed;
 }
 
@@ -296,27 +270,21 @@ constexpr const char* examples =
 }  // namespace
 
 void add_convergence(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<Options>();
-  const cli::Command command = line.command(
-      "convergence",
-      "How much of a curl is discretisation: runs the case with cells and steps halved again and "
-      "again, and extrapolates the curl of every monitor",
-      examples);
-  command.option("FILE", options->file, "Case file; needed to begin a study");
-  add_set_option(command, options->set);
-  command.option(
-      "--study", options->study,
-      "Take this study up again: submit levels that were lost again, wait for what has not ended, "
-      "print the table; with FILE also submit the levels that are missing");
-  command.flag("--as-it-is", options->as_it_is,
+  const auto [command, options] =
+      declare<Options>(line, program, run, "convergence",
+                       "How much of a curl is discretisation: runs the case with cells and steps "
+                       "halved again and again, and extrapolates the curl of every monitor",
+                       examples);
+  command.option("FILE", options.file, "Case file; needed to begin a study");
+  add_set_option(command, options.set);
+  command.option("--study", options.study,
+                 "Take this study up again: submit levels that were lost again, wait for what has "
+                 "not ended, print the table; with FILE also submit the levels that are missing");
+  command.flag("--as-it-is", options.as_it_is,
                "With --study and without FILE: submit nothing, levels that were lost stay so");
-  command
-      .option("--levels", options->levels,
-              "Runs, each with half the cell and step of the one before; an order needs three")
-      .between(2, 5)
-      .show_default();
-  command.json(options->json, "As JSON, in metres and seconds, with the histories");
-  command.action([options, &program] { return run(*options, program); });
+  command.number("--levels", options.levels, 2, 5,
+                 "Runs, each with half the cell and step of the one before; an order needs three");
+  command.json(options.json, "As JSON, in metres and seconds, with the histories");
 }
 
 }  // namespace dccast::client::commands

@@ -4,8 +4,6 @@
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/json.hpp"
-#include "client/session/failure.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
@@ -84,10 +82,16 @@ void print_csv(const JobCurl& curl) {
   }
 }
 
-/// One number a time in a section, [x, y] in a quarter slab.
-Json horizontal_json(const CurlHistory::Series& series) {
-  Json json = Json::array();
-  for (const auto& u : series.horizontal_m) json.push_back(u.size() == 1 ? Json(u[0]) : Json(u));
+Json monitor_json(const JobCurl& curl, const CurlHistory::Series& series) {
+  // One number a time in a section, [x, y] in a quarter slab.
+  const auto horizontal = [](const auto& u) { return u.size() == 1 ? Json(u[0]) : Json(u); };
+  Json json{{"name", series.name},
+            {"curl_m", series.curl_m},
+            {"horizontal_m", json_list(series.horizontal_m, horizontal)},
+            {"temperature_c", series.temperature_c}};
+  const Error error = error_of(curl, series);
+  if (!error.limit_m.empty()) json["limit_m"] = error.limit_m;
+  if (!error.uncertainty_m.empty()) json["uncertainty_m"] = error.uncertainty_m;
   return json;
 }
 
@@ -97,21 +101,13 @@ void print_json(const JobCurl& curl) {
             {"time_s", history.time_s},
             {"cast_length_m", history.cast_length_m},
             {"beyond_validity", history.beyond},
-            {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()}};
-  json["findings"] = Json::array();
-  for (const v1::Finding& finding : job.findings()) json["findings"].push_back(to_json(finding));
+            {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()},
+            {"findings", json_list(job.findings(), to_json)}};
   if (study.valid_until_s) json["limit_valid_until_s"] = *study.valid_until_s;
-  json["monitors"] = Json::array();
-  for (const auto& series : history.monitors) {
-    Json& monitor = json["monitors"].push_back(Json{{"name", series.name},
-                                                    {"curl_m", series.curl_m},
-                                                    {"horizontal_m", horizontal_json(series)},
-                                                    {"temperature_c", series.temperature_c}});
-    const Error error = error_of(curl, series);
-    if (!error.limit_m.empty()) monitor["limit_m"] = error.limit_m;
-    if (!error.uncertainty_m.empty()) monitor["uncertainty_m"] = error.uncertainty_m;
-  }
-  std::cout << json.dump() << '\n';
+  json["monitors"] = json_list(history.monitors, [&](const CurlHistory::Series& series) {
+    return monitor_json(curl, series);
+  });
+  print_line(json);
 }
 
 void print_table(const JobCurl& curl) {
@@ -140,10 +136,8 @@ void print_table(const JobCurl& curl) {
 }
 
 JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connection) {
-  v1::GetJobRequest request;
-  request.set_id(id);
   JobCurl curl;
-  curl.job = connection.call(&Stub::GetJob, request);
+  curl.job = connection.call(&Stub::GetJob, id);
   const auto result = query_result(connection, id);
   curl.history = curl_history(curl.job, result);
   curl.relative_error = discretisation_error(result.case_(), 1.0);
@@ -173,18 +167,15 @@ struct ContractionOptions {
   bool json = false;
 };
 
-/// A row to be shown and its name.
-struct NamedRow {
-  std::string name;
-  const FaceRow* row;
-};
+/// A row to be shown, after its name.
+using NamedRow = std::pair<std::string, const FaceRow*>;
 
 /// Butt, middle and head, each row once; or the requested rows.
 std::vector<NamedRow> chosen_rows(const Contraction& contraction,
                                   const ContractionOptions& options) {
   std::vector<NamedRow> rows;
   const auto add = [&](const char* name, const FaceRow& row) {
-    if (rows.empty() || rows.back().row != &row) rows.push_back({name, &row});
+    if (rows.empty() || rows.back().second != &row) rows.push_back({name, &row});
   };
   if (!options.heights.empty()) {
     for (const std::string& text : options.heights)
@@ -245,21 +236,10 @@ Json json_of(const FaceRow& row) {
 
 /// All rows, independently of those shown in the table.
 void print_json(const std::string& id, const Contraction& contraction) {
-  Json json{{"job", id},
-            {"time_s", contraction.time_s},
-            {"cast_length_m", contraction.cast_length_m},
-            {"rows", Json::array()}};
-  for (const FaceRow& row : contraction.rows) json["rows"].push_back(json_of(row));
-  std::cout << json.dump() << '\n';
-}
-
-/// @throws CommandFailed
-Contraction read_contraction(const v1::QueryResultResponse& result) {
-  try {
-    return frames::contraction_of(result.case_(), result.frame());
-  } catch (const frames::NoContraction& error) {
-    throw CommandFailed(ExitCode::invalid, error.what());
-  }
+  print_line({{"job", id},
+              {"time_s", contraction.time_s},
+              {"cast_length_m", contraction.cast_length_m},
+              {"rows", json_list(contraction.rows, json_of)}});
 }
 
 ExitCode run(const ContractionOptions& options, Program& program) {
@@ -267,47 +247,45 @@ ExitCode run(const ContractionOptions& options, Program& program) {
   const std::string id = resolve_job(connection, options.id);
   v1::QueryResultResponse result;
   check(try_query_result(connection, id, true, result), connection.server());
-  const Contraction contraction = read_contraction(result);
-  if (options.json)
-    print_json(id, contraction);
-  else
-    print_table(contraction, options);
+  try {
+    const Contraction contraction = frames::contraction_of(result.case_(), result.frame());
+    if (options.json)
+      print_json(id, contraction);
+    else
+      print_table(contraction, options);
+  } catch (const frames::NoContraction& error) {
+    throw invalid(error.what());
+  }
   return ExitCode::done;
 }
 
 }  // namespace
 
 void add_curl(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<CurlOptions>();
-  const cli::Command command = line.command(
-      "curl",
-      "Butt curl (upward displacement) of every monitor, step by step. Of a job that belongs to "
-      "a study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
+  const auto [command, options] = declare<CurlOptions>(
+      line, program, run, "curl",
+      "Butt curl (upward displacement) of every monitor, step by step. Of a job that belongs to a "
+      "study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
       "the model had stopped being valid are marked",
       "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
-  command.option("JOB", options->id, job_help).required();
-  command.flag("--csv", options->csv, "Comma-separated, in metres and seconds");
-  command.json(options->json, "As JSON, in metres and seconds").excludes("--csv");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("JOB", options.id, job_help, cli::required);
+  command.flag("--csv", options.csv, "Comma-separated, in metres and seconds");
+  command.json(options.json, "As JSON, in metres and seconds", {.excludes = {"--csv"}});
 }
 
 void add_contraction(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<ContractionOptions>();
-  const cli::Command command = line.command(
-      "contraction",
+  const auto [command, options] = declare<ContractionOptions>(
+      line, program, run, "contraction",
       "Half-thickness of a quarter slab along its wide face at butt, middle and head in the last "
       "frame, compared with the mould: hot and at 20 degC. The head is the highest row that is "
       "completely solid",
       "dccast contraction JOB\n  dccast contraction last --wanted \"285 mm\" --height \"0.3 m\"");
-  command.option("JOB", options->id, job_help).required();
-  command.option("--height", options->heights,
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("--height", options.heights,
                  "Show the row nearest to this height above the block instead; repeatable");
-  command.option("--wanted", options->wanted,
+  command.option("--wanted", options.wanted,
                  "Wanted half-thickness: adds the difference of the cold slab to it");
-  command.json(options->json, "As JSON in metres, all rows")
-      .excludes("--height")
-      .excludes("--wanted");
-  command.action([options, &program] { return run(*options, program); });
+  command.json(options.json, "As JSON in metres, all rows", {.excludes = {"--height", "--wanted"}});
 }
 
 }  // namespace dccast::client::commands

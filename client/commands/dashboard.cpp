@@ -22,26 +22,23 @@ void require_viewer(Program& program) {
   Connection connection = program.connect();
   const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
   if (who.role() != v1::VIEWER)
-    throw CommandFailed(ExitCode::invalid,
-                        "--listen: those who open the page would act as " + who.name() +
-                            ", who may do more than look; log in as a viewer (on the server: "
-                            "dccastd user add wall --role viewer)");
+    throw invalid("--listen: those who open the page would act as " + who.name() +
+                  ", who may do more than look; log in as a viewer (on the server: dccastd user "
+                  "add wall --role viewer)");
 }
 
 web::Listening listening_of(const DashboardOptions& options, Program& program) {
   if (options.listen.empty()) return {.port = options.port};
   if (options.certificate.empty() || options.key.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "--listen " + options.listen +
-                            ": others are served by HTTPS alone; give --certificate and --key, "
-                            "PEM files of a certificate for this name");
+    throw invalid("--listen " + options.listen +
+                  ": others are served by HTTPS alone; give --certificate and --key, PEM files of "
+                  "a certificate for this name");
   require_viewer(program);
   const values::HostAndPort at = values::host_and_port(options.listen);
   if (at.port.size() > 5 || at.port.find_first_not_of("0123456789") != std::string::npos ||
       std::atoi(at.port.c_str()) > 65535)
-    throw CommandFailed(ExitCode::invalid, "--listen " + options.listen +
-                                               ": the port is not 1 to 65535; without one, a free "
-                                               "one is taken");
+    throw invalid("--listen " + options.listen +
+                  ": the port is not 1 to 65535; without one, a free one is taken");
   return {.host = at.host,
           .port = at.port.empty() ? options.port : std::atoi(at.port.c_str()),
           .certificate = options.certificate,
@@ -60,7 +57,7 @@ void open_in_browser(const std::string& address) {
 ExitCode run(const DashboardOptions& options, Program& program) {
   for (const std::string& file : options.cases)
     if (::access(file.c_str(), R_OK) != 0)
-      throw CommandFailed(ExitCode::invalid, file + ": cannot be read; give a case file");
+      throw invalid(file + ": cannot be read; give a case file");
   web::WebServer server(listening_of(options, program));
   web::add_dashboard(
       server,
@@ -80,24 +77,21 @@ ExitCode run(const DashboardOptions& options, Program& program) {
 }  // namespace
 
 void add_dashboard(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<DashboardOptions>();
-  const cli::Command command = line.command(
-      "dashboard",
+  const auto [command, options] = declare<DashboardOptions>(
+      line, program, run, "dashboard",
       "Show queue, results and what-if in a browser: a web server on the loopback address, for you "
       "alone, until Ctrl-C",
       "dccast dashboard --open\n  dccast dashboard my.toml    what-if begins with this case\n"
       "  dccast --server viewer dashboard --listen desk7:7300 --certificate d.pem --key d.key");
-  command.option("FILE", options->cases, "Case files that a what-if can begin with");
-  command.option("--port", options->port, "Port on 127.0.0.1; by default a free one")
-      .between(1, 65535);
-  command.option(
-      "--listen", options->listen,
-      "HOST[:PORT], a name or address of this machine: serve others, too. HTTPS, and the "
-      "login must be a viewer's");
-  command.option("--certificate", options->certificate, "PEM file for --listen, with its chain");
-  command.option("--key", options->key, "PEM file with the certificate's key");
-  command.flag("--open", options->open, "Open the page in your browser");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("FILE", options.cases, "Case files that a what-if can begin with");
+  command.option("--port", options.port, "Port on 127.0.0.1; by default a free one",
+                 {.between = {{1, 65535}}});
+  command.option("--listen", options.listen,
+                 "HOST[:PORT], a name or address of this machine: serve others, too. HTTPS, and "
+                 "the login must be a viewer's");
+  command.option("--certificate", options.certificate, "PEM file for --listen, with its chain");
+  command.option("--key", options.key, "PEM file with the certificate's key");
+  command.flag("--open", options.open, "Open the page in your browser");
 }
 
 }  // namespace dccast::client::commands

@@ -1,14 +1,21 @@
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <thread>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
-#include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
-#include "client/session/pdf.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -32,9 +39,7 @@ std::string xml_escaped(const std::string& text) {
 /// have been fetched under another name.
 void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   std::ifstream stream(sidecar, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  std::string text = content.str();
+  std::string text(std::istreambuf_iterator<char>(stream), {});
   const std::string named = "results.h5:";
   const std::string name = xml_escaped(results.filename().string()) + ":";
   for (auto at = text.find(named); at != std::string::npos; at = text.find(named, at + name.size()))
@@ -46,7 +51,7 @@ void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
 /// Where the results go: a file, or results.h5 in a folder.
 fs::path target_of(const std::string& output) {
   const auto refuse = [&](const std::string& why) {
-    throw CommandFailed(ExitCode::invalid, "-o \"" + output + "\": " + why);
+    throw invalid("-o \"" + output + "\": " + why);
   };
   std::error_code error;
   if (output.empty()) refuse("give a file or a folder");
@@ -71,19 +76,112 @@ ExitCode run(const FetchOptions& options, Program& program) {
   download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
   if (options.json)
-    std::cout << Json{{"job", id},
-                      {"file", file.string()},
-                      {"bytes", results.bytes},
-                      {"sha256", results.sha256},
-                      {"resumed_at", results.resumed_at},
-                      {"xdmf", sidecar.string()}}
-                     .dump()
-              << '\n';
+    print_line({{"job", id},
+                {"file", file.string()},
+                {"bytes", results.bytes},
+                {"sha256", results.sha256},
+                {"resumed_at", results.resumed_at},
+                {"xdmf", sidecar.string()}});
   else
     std::cout << results.sha256 << "  " << file.string() << '\n';
   std::cerr << "fetched " << file.string() << " (" << results.bytes
             << " bytes, checksum verified) and " << sidecar.string() << '\n';
   return ExitCode::done;
+}
+
+/// A folder of its own, removed with what is in it.
+class TemporaryFolder {
+public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "dccast-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw CommandFailed(ExitCode::not_found, "cannot make a folder in " + name);
+    path = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+  fs::path path;
+};
+
+/// A program of the PATH; empty if there is none of these names.
+fs::path program_named(const std::vector<std::string>& names) {
+  const char* const path = std::getenv("PATH");
+  for (const std::string& name : names) {
+    std::istringstream folders(path == nullptr ? "" : path);
+    for (std::string folder; std::getline(folders, folder, ':');)
+      if (const fs::path file = fs::path(folder) / name; ::access(file.c_str(), X_OK) == 0)
+        return file;
+  }
+  return {};
+}
+
+/// Runs a program in silence and ends it, with what it started, after the longest time.
+void run_silently(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  for (const int descriptor : {0, 1, 2})
+    posix_spawn_file_actions_addopen(&files, descriptor, "/dev/null", O_RDWR, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+  pid_t process = 0;
+  const int error =
+      ::posix_spawn(&process, arguments[0], &files, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (error != 0) return;
+  constexpr std::chrono::seconds longest{60};
+  const auto end = std::chrono::steady_clock::now() + longest;
+  while (::waitpid(process, nullptr, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > end) {
+      ::kill(-process, SIGKILL);
+      ::waitpid(process, nullptr, 0);
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+bool is_pdf(const fs::path& file) {
+  std::string begin(4, ' ');
+  std::ifstream stream(file, std::ios::binary);
+  return stream.read(begin.data(), 4) && begin == "%PDF";
+}
+
+/// Prints an HTML page to a PDF file by Chromium, without a window.
+/// Throws CommandFailed: there is no Chromium, or it wrote no PDF within a minute.
+void print_pdf(const std::string& page, const fs::path& file) {
+  const fs::path browser = program_named({"chromium", "chromium-browser", "google-chrome"});
+  if (browser.empty())
+    throw invalid(file.string() +
+                  ": a PDF is printed by Chromium, which is not installed here; give a name that "
+                  "ends with .html");
+  const TemporaryFolder folder;
+  const fs::path html = folder.path / "page.html", pdf = folder.path / "page.pdf";
+  std::ofstream(html, std::ios::binary) << page;
+  std::vector<std::string> words{browser.string(),
+                                 "--headless",
+                                 "--disable-gpu",
+                                 "--no-pdf-header-footer",
+                                 "--user-data-dir=" + (folder.path / "profile").string(),
+                                 "--print-to-pdf=" + pdf.string(),
+                                 "file://" + html.string()};
+  if (::geteuid() == 0) words.insert(words.begin() + 1, "--no-sandbox");  // it refuses root
+  run_silently(std::move(words));
+  if (!is_pdf(pdf))
+    throw CommandFailed(ExitCode::not_found,
+                        browser.string() + " printed no PDF; give a name that ends with .html");
+  std::error_code error;
+  fs::copy_file(pdf, file, fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw CommandFailed(ExitCode::not_found,
+                        "cannot write " + file.string() + ": " + error.message());
 }
 
 struct ReportOptions {
@@ -94,11 +192,9 @@ struct ReportOptions {
 };
 
 ExitCode run(const ReportOptions& options, Program& program) {
-  if (options.output != "-") require_free(options.output, options.force);
+  require_free(options.output, options.force);
   Connection connection = program.connect();
-  v1::GetJobRequest request;
-  request.set_id(resolve_job(connection, options.id));
-  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::Job job = connection.call(&Stub::GetJob, resolve_job(connection, options.id));
   const std::string page = render::report_of(connection, job, std::cerr);
   if (options.output == "-") {
     std::cout << page;
@@ -109,11 +205,8 @@ ExitCode run(const ReportOptions& options, Program& program) {
   else
     write_file(options.output, page);
   if (options.json)
-    std::cout << Json{{"job", job.id()},
-                      {"file", options.output},
-                      {"bytes", fs::file_size(options.output)}}
-                     .dump()
-              << '\n';
+    print_line(
+        {{"job", job.id()}, {"file", options.output}, {"bytes", fs::file_size(options.output)}});
   else
     std::cout << options.output << '\n';
   return ExitCode::done;
@@ -122,36 +215,29 @@ ExitCode run(const ReportOptions& options, Program& program) {
 }  // namespace
 
 void add_fetch(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<FetchOptions>();
-  const cli::Command command =
-      line.command("fetch",
-                   "Fetch the results of a job that has succeeded: the HDF5 "
-                   "file and its XDMF sidecar for ParaView",
-                   "dccast fetch JOB -o results.h5");
-  command.option("JOB", options->id, job_help).required();
-  command
-      .option("-o,--output", options->output,
-              "File or folder to write to; an interrupted FILE.part is continued")
-      .show_default();
-  add_force_flag(command, options->force);
-  command.json(options->json, "What was written, as JSON");
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] =
+      declare<FetchOptions>(line, program, run, "fetch",
+                            "Fetch the results of a job that has succeeded: the HDF5 file and its "
+                            "XDMF sidecar for ParaView",
+                            "dccast fetch JOB -o results.h5");
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("-o,--output", options.output,
+                 "File or folder to write to; an interrupted FILE.part is continued", cli::shown);
+  add_force_flag(command, options.force);
+  command.json(options.json, "What was written, as JSON");
 }
 
 void add_report(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<ReportOptions>();
-  const cli::Command command = line.command(
-      "report",
+  const auto [command, options] = declare<ReportOptions>(
+      line, program, run, "report",
       "Write one HTML page about a job: findings, curl, recipe, histories, the last frame, checks",
       "dccast report JOB -o report.html");
-  command.option("JOB", options->id, job_help).required();
-  command
-      .option("-o,--output", options->output,
-              "File to write, HTML or with Chromium also .pdf; - for standard output")
-      .show_default();
-  add_force_flag(command, options->force);
-  command.json(options->json, "What was written, as JSON");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("-o,--output", options.output,
+                 "File to write, HTML or with Chromium also .pdf; - for standard output",
+                 cli::shown);
+  add_force_flag(command, options.force);
+  command.json(options.json, "What was written, as JSON");
 }
 
 }  // namespace dccast::client::commands

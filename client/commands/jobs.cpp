@@ -5,7 +5,6 @@
 #include <set>
 
 #include "client/commands/commands.hpp"
-#include "client/model/json.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
@@ -51,18 +50,11 @@ void print_holds(const std::vector<v1::Job>& jobs) {
   for (const std::string& reason : reasons) std::cerr << "held: " << reason << '\n';
 }
 
-void print_json(const std::vector<v1::Job>& jobs) {
-  Json list = Json::array();
-  for (const v1::Job& job : jobs) list.push_back(to_json(job));
-  std::cout << list.dump() << '\n';
-}
-
 ExitCode run(const ListOptions& options, Program& program) {
   Connection connection = program.connect();
-  const JobListing listing =
-      list_some_jobs(connection, request_of(connection, options), options.limit);
+  const JobListing listing = list_jobs(connection, request_of(connection, options), options.limit);
   if (options.json)
-    print_json(listing.jobs);
+    print_line(json_list(listing.jobs, to_json));
   else if (options.ids)
     for (const v1::Job& job : listing.jobs) std::cout << job.id() << '\n';
   else if (!listing.jobs.empty())
@@ -75,12 +67,12 @@ ExitCode run(const ListOptions& options, Program& program) {
 }
 
 constexpr const char* list_examples =
-    "dccast list --state running,queued\n"
-    "  dccast list --mine --since yesterday --name 'line 3*'\n"
-    "  dccast list --label trial-7 --columns job,curl,changes\n"
-    "  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'\n"
-    "\n"
-    "JOB is the beginning of an id that no other job listed has; every command takes it.";
+    R"(dccast list --state running,queued
+  dccast list --mine --since yesterday --name 'line 3*'
+  dccast list --label trial-7 --columns job,curl,changes
+  dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'
+
+JOB is the beginning of an id that no other job listed has; every command takes it.)";
 
 struct WaitOptions {
   std::vector<std::string> ids;
@@ -90,16 +82,14 @@ struct WaitOptions {
 
 /// Waits for one job. @return how it ended
 v1::Job ended_job(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  v1::Job job = connection.call(&Stub::GetJob, request);
+  v1::Job job = connection.call(&Stub::GetJob, id);
   if (job.has_end_time()) return job;
   if (job.state() == v1::PAUSED)
     std::cerr << "waiting for job " << id << ", which is paused: dccast resume " << id << '\n';
   if (!job.held().empty()) std::cerr << "held: " << job.held() << '\n';
   follow_job(
       connection, id, 1, [](const v1::JobEvent&) {}, std::cerr);
-  return connection.call(&Stub::GetJob, request);
+  return connection.call(&Stub::GetJob, id);
 }
 
 /// Runs a command of the user for a job that has ended; what the job is stands in its environment.
@@ -143,16 +133,10 @@ void delete_job(Connection& connection, const std::string& id) {
   }
 }
 
-void cancel_job(Connection& connection, const std::string& id) {
-  v1::CancelJobRequest request;
-  request.set_id(id);
-  connection.call(&Stub::CancelJob, request);
-}
-
 ExitCode run(const DeleteOptions& options, Program& program) {
   Connection connection = program.connect();
   for (const std::string& id : resolve_jobs(connection, options.ids)) {
-    if (options.cancel) cancel_job(connection, id);
+    if (options.cancel) connection.call(&Stub::CancelJob, id);
     delete_job(connection, id);
     if (options.json)
       std::cout << Json{{"id", id}, {"deleted", true}}.dump() << std::endl;
@@ -177,8 +161,6 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
   constexpr std::chrono::milliseconds pause{100};
   constexpr std::chrono::seconds longest{30};
   const auto end = std::chrono::steady_clock::now() + longest;
-  v1::GetJobRequest request;
-  request.set_id(job.id());
   while (job.state() != aim && !job.has_end_time()) {
     if (std::chrono::steady_clock::now() > end) {
       std::cerr << "job " << job.id() << " is still " << render::state_text(job.state())
@@ -186,7 +168,7 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
       break;
     }
     connection.interruption().sleep(pause);
-    job = connection.call(&Stub::GetJob, request);
+    job = connection.call(&Stub::GetJob, job.id());
   }
   return job;
 }
@@ -202,14 +184,12 @@ std::string new_state(const v1::Job& job) {
 /// @param complete  sets what an option cannot write into the request itself
 template <typename Request>
 cli::Command add_job_command(cli::CommandLine& line, Program& program, const JobCommand& about,
-                             grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                          v1::Job*),
-                             std::shared_ptr<Request> request,
+                             Method<Request, v1::Job> method, std::shared_ptr<Request> request,
                              std::string (*text)(const v1::Job&) = new_state,
                              std::function<void(Request&)> complete = nullptr) {
   const cli::Command command = line.command(about.name, about.description, about.example);
   const auto json = std::make_shared<bool>(false);
-  command.option("JOB", *request->mutable_id(), job_help).required();
+  command.option("JOB", *request->mutable_id(), job_help, cli::required);
   command.json(*json);
   command.action([=, &program] {
     if (complete) complete(*request);
@@ -255,58 +235,50 @@ ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& i
 }
 
 void add_list(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<ListOptions>();
-  const cli::Command command = line.command("list", "List jobs, newest first", list_examples);
+  const auto [command, options] =
+      declare<ListOptions>(line, program, run, "list", "List jobs, newest first", list_examples);
   std::vector<std::string> names;
   for (const auto& [name, state] : state_names) names.push_back(name);
-  command.option("-s,--state", options->states, "Only jobs in these states")
-      .comma_separated()
-      .one_of(names);
-  command.option("--label", options->labels, "Only jobs with this label; repeatable")
-      .comma_separated()
-      .one_value_each();
-  command.option("--owner", options->owner, "Only the jobs of this user");
-  command.flag("--mine", options->mine, "Only your own jobs");
-  command.option("--since", options->since,
+  command.option("-s,--state", options.states, "Only jobs in these states",
+                 {.comma_separated = true, .one_of = names});
+  command.repeatable("--label", options.labels, "Only jobs with this label; repeatable",
+                     {.comma_separated = true});
+  command.option("--owner", options.owner, "Only the jobs of this user");
+  command.flag("--mine", options.mine, "Only your own jobs");
+  command.option("--since", options.since,
                  "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
-  command.option("--name", options->name, "Only jobs with this title; * and ? as in a shell");
-  command.option("--study", options->study, "Only the jobs of this study");
-  command.option("-c,--columns", options->columns, "Columns to show")
-      .comma_separated()
-      .one_of(render::job_columns());
-  command.option("-n,--limit", options->limit, "At most this many")
-      .between(1, 1000000)
-      .show_default();
-  command.flag("--ids", options->ids, "Print only complete ids, one per line");
-  command.json(options->json);
-  command.action([options, &program] { return run(*options, program); });
+  command.option("--name", options.name, "Only jobs with this title; * and ? as in a shell");
+  command.option("--study", options.study, "Only the jobs of this study");
+  command.option("-c,--columns", options.columns, "Columns to show",
+                 {.comma_separated = true, .one_of = render::job_columns()});
+  command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
+  command.flag("--ids", options.ids, "Print only complete ids, one per line");
+  command.json(options.json);
 }
 
 void add_wait(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<WaitOptions>();
-  const cli::Command command = line.command(
-      "wait", "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
+  const auto [command, options] = declare<WaitOptions>(
+      line, program, run, "wait",
+      "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
       "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
       "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
-  command.option("JOB", options->ids, job_help).required();
-  command
-      .option("--notify", options->notify,
-              "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
-              "DCCAST_STATE in its environment")
-      .placeholder("COMMAND");
-  command.json(options->json, "Each job as JSON on a line");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("JOB", options.ids, job_help, cli::required);
+  command.option(
+      "--notify", options.notify,
+      "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
+      "DCCAST_STATE in its environment",
+      {.placeholder = "COMMAND"});
+  command.json(options.json, "Each job as JSON on a line");
 }
 
 void add_delete(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<DeleteOptions>();
-  const cli::Command command = line.command(
-      "delete", "Remove ended jobs and their files; waits for one that is being cancelled",
+  const auto [command, options] = declare<DeleteOptions>(
+      line, program, run, "delete",
+      "Remove ended jobs and their files; waits for one that is being cancelled",
       "dccast delete JOB\n  dccast delete --cancel JOB JOB");
-  command.option("JOB", options->ids, job_help).required();
-  command.flag("--cancel", options->cancel, "Cancel jobs that have not ended first");
-  command.json(options->json, "As JSON, one a line");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("JOB", options.ids, job_help, cli::required);
+  command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
+  command.json(options.json, "As JSON, one a line");
 }
 
 void add_label(cli::CommandLine& line, Program& program) {
@@ -321,10 +293,9 @@ void add_label(cli::CommandLine& line, Program& program) {
         request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
       });
   command.option("LABEL", options->labels, "Labels to be added");
-  command
-      .option("--remove", options->remove, "Labels, or keys of labels, to be removed; repeatable")
-      .comma_separated()
-      .one_value_each();
+  command.repeatable("--remove", options->remove,
+                     "Labels, or keys of labels, to be removed; repeatable",
+                     {.comma_separated = true});
 }
 
 void add_pin(cli::CommandLine& line, Program& program) {
@@ -348,8 +319,9 @@ void add_cancel(cli::CommandLine& line, Program& program) {
                       {"cancel", "Stop a job permanently; a job that has ended is not changed",
                        "dccast cancel JOB --reason \"wrong alloy\"", true, v1::CANCELLED},
                       &Stub::CancelJob, request);
-  command.option("--reason", *request->mutable_reason(), "Kept with the job")
-      .check([](const std::string& text) { return values::too_long("the reason", text); });
+  command.option(
+      "--reason", *request->mutable_reason(), "Kept with the job",
+      {.fault = [](const std::string& text) { return values::too_long("the reason", text); }});
 }
 
 void add_pause(cli::CommandLine& line, Program& program) {

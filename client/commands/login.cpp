@@ -1,28 +1,11 @@
-#include <array>
-#include <ctime>
 #include <iostream>
 
 #include "client/commands/commands.hpp"
-#include "client/model/json.hpp"
-#include "client/session/probe.hpp"
 #include "client/session/servers.hpp"
 #include "proto/values/address.hpp"
 
 namespace dccast::client::commands {
 namespace {
-
-std::string date(std::int64_t unix_s) {
-  const std::time_t time = unix_s;
-  std::tm parts{};
-  ::gmtime_r(&time, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
-}
-
-std::string text_of(v1::Role role) {
-  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
-}
 
 struct LoginOptions {
   std::vector<std::string> words;
@@ -77,22 +60,25 @@ ExitCode log_out(Program& program) {
   return ExitCode::done;
 }
 
-ExitCode who_am_i(bool json, Program& program) {
+struct WhoAmIOptions {
+  bool json = false;
+};
+
+ExitCode run(const WhoAmIOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
-  if (json) {
-    std::cout << Json{{"server", connection.server()},
-                      {"name", who.name()},
-                      {"role", text_of(who.role())},
-                      {"proof", who.proof()},
-                      {"expires", who.expires_unix() > 0 ? Json(date(who.expires_unix())) : Json()}}
-                     .dump()
-              << '\n';
+  if (options.json) {
+    print_line(
+        Json{{"server", connection.server()},
+             {"name", who.name()},
+             {"role", role_text(who.role())},
+             {"proof", who.proof()},
+             {"expires", who.expires_unix() > 0 ? Json(utc_text(who.expires_unix())) : Json()}});
     return ExitCode::done;
   }
-  std::cout << who.name() << " on " << connection.server() << ", " << text_of(who.role()) << ", by "
-            << who.proof();
-  if (who.expires_unix() > 0) std::cout << " until " << date(who.expires_unix());
+  std::cout << who.name() << " on " << connection.server() << ", " << role_text(who.role())
+            << ", by " << who.proof();
+  if (who.expires_unix() > 0) std::cout << " until " << utc_text(who.expires_unix());
   std::cout << '\n';
   const StoredServers stored(program.servers);
   for (const StoredServer& server : stored.all())
@@ -127,18 +113,15 @@ ExitCode run(const DoctorOptions& options, Program& program) {
 }  // namespace
 
 void add_login(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<LoginOptions>();
-  const cli::Command command =
-      line.command("login", "Log in to a server with the line of `dccastd user add`",
-                   "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
-                   "  dccast login --name north < line.txt");
-  command
-      .option("LINE", options->words,
-              "The line, before it another address if need be; without it standard input")
-      .count(0, 2);
-  command.option("--name", options->name, "Name for --server; else that of the host");
-  command.flag("--default", options->first, "Make it the server of commands without --server");
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] = declare<LoginOptions>(
+      line, program, run, "login", "Log in to a server with the line of `dccastd user add`",
+      "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
+      "  dccast login --name north < line.txt");
+  command.option("LINE", options.words,
+                 "The line, before it another address if need be; without it standard input",
+                 {.count = {{0, 2}}});
+  command.option("--name", options.name, "Name for --server; else that of the host");
+  command.flag("--default", options.first, "Make it the server of commands without --server");
 }
 
 void add_logout(cli::CommandLine& line, Program& program) {
@@ -147,25 +130,19 @@ void add_logout(cli::CommandLine& line, Program& program) {
 }
 
 void add_whoami(cli::CommandLine& line, Program& program) {
-  const auto json = std::make_shared<bool>(false);
-  const cli::Command command =
-      line.command("whoami", "Name, role and end of the login", "dccast whoami");
-  command.json(*json);
-  command.action([json, &program] { return who_am_i(*json, program); });
+  const auto [command, options] = declare<WhoAmIOptions>(
+      line, program, run, "whoami", "Name, role and end of the login", "dccast whoami");
+  command.json(options.json);
 }
 
 void add_doctor(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<DoctorOptions>();
-  const cli::Command command =
-      line.command("doctor", "Why calls to a server fail: the cause and its remedy",
-                   "dccast doctor casthouse:7118");
-  command.option("SERVER", options->server, "Name or address; else the default");
-  command.option("--role", options->role, "Also whether the user has this role")
-      .one_of({"viewer", "submitter", "admin"});
-  command.option("--timeout", options->timeout_s, "Seconds to wait in each step")
-      .between(1, 60)
-      .show_default();
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] = declare<DoctorOptions>(
+      line, program, run, "doctor", "Why calls to a server fail: the cause and its remedy",
+      "dccast doctor casthouse:7118");
+  command.option("SERVER", options.server, "Name or address; else the default");
+  command.option("--role", options.role, "Also whether the user has this role",
+                 {.one_of = {"viewer", "submitter", "admin"}});
+  command.number("--timeout", options.timeout_s, 1, 60, "Seconds to wait in each step");
 }
 
 }  // namespace dccast::client::commands

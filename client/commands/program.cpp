@@ -3,10 +3,7 @@
 #include <cstring>
 #include <iostream>
 
-#include "client/cli/completion.hpp"
-#include "client/cli/configuration.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/json.hpp"
 #include "client/session/servers.hpp"
 #include "client/text/table.hpp"
 
@@ -31,7 +28,7 @@ ExitCode run(const InfoOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto info = connection.call(&Stub::GetServerInfo, v1::GetServerInfoRequest());
   if (options.json) {
-    std::cout << to_json(info).dump() << '\n';
+    print_line(to_json(info));
     return ExitCode::done;
   }
   std::cout << "server   " << connection.server() << "\nversion  " << info.version()
@@ -50,9 +47,9 @@ ExitCode run(const InfoOptions& options, Program& program) {
 }
 
 constexpr const char* completion_examples =
-    "dccast completion bash > ~/.local/share/bash-completion/completions/dccast\n"
-    "  dccast completion zsh > \"${fpath[1]}/_dccast\"\n"
-    "  dccast completion fish > ~/.config/fish/completions/dccast.fish";
+    R"(dccast completion bash > ~/.local/share/bash-completion/completions/dccast
+  dccast completion zsh > "${fpath[1]}/_dccast"
+  dccast completion fish > ~/.config/fish/completions/dccast.fish)";
 
 }  // namespace
 
@@ -67,24 +64,47 @@ Endpoint Program::endpoint() const {
 }
 
 void add_info(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<InfoOptions>();
-  const cli::Command command =
-      line.command("info", "What the server is and how busy it is", "dccast info --json");
-  command.json(options->json);
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] = declare<InfoOptions>(
+      line, program, run, "info", "What the server is and how busy it is", "dccast info --json");
+  command.json(options.json);
 }
 
 void add_completion(cli::CommandLine& line, Program&) {
   const auto shell = std::make_shared<std::string>();
   const cli::Command command = line.command(
       "completion", "Print a script for shell completion of dccast", completion_examples);
-  command.option("SHELL", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
+  command.option("SHELL", *shell, "bash, zsh or fish",
+                 {.required = true, .one_of = {"bash", "zsh", "fish"}});
   command.action([shell, &line] {
     std::cout << completion_script(line.commands(), *shell);
     return ExitCode::done;
   });
 }
 
+void print_line(const Json& json) {
+  std::cout << json.dump() << '\n';
+}
+
+namespace {
+
+/// In the order of the help text.
+constexpr std::initializer_list<Add*> all_commands{
+    add_new,           add_validate,    add_query,
+    add_submit,        add_watch,       add_wait,
+    add_list,          add_show,        add_curl,
+    add_dashboard,     add_contraction, add_compare,
+    add_fetch,         add_report,      add_convergence,
+    add_sweep,         add_predict,     add_uncertainty,
+    add_sensitivity,   add_calibrate,   add_design_mould,
+    add_design_recipe, add_studies,     add_cancel,
+    add_pause,         add_resume,      add_delete,
+    add_schema,        add_login,       add_logout,
+    add_whoami,        add_doctor,      add_alloys,
+    add_info,          add_completion,  add_usage,
+    add_case,          add_logs,        add_label,
+    add_pin,           add_unpin,       add_top};
+
+}  // namespace
 }  // namespace dccast::client::commands
 
 namespace dccast::client {
@@ -106,25 +126,6 @@ const char* const guide =
     "COMMAND\n"
     "--help` shows the options of a command with an example.";
 
-void add_commands(cli::CommandLine& line, commands::Program& program) {
-  for (const auto add :
-       {commands::add_new,           commands::add_validate,    commands::add_query,
-        commands::add_submit,        commands::add_watch,       commands::add_wait,
-        commands::add_list,          commands::add_show,        commands::add_curl,
-        commands::add_dashboard,     commands::add_contraction, commands::add_compare,
-        commands::add_fetch,         commands::add_report,      commands::add_convergence,
-        commands::add_sweep,         commands::add_predict,     commands::add_uncertainty,
-        commands::add_sensitivity,   commands::add_calibrate,   commands::add_design_mould,
-        commands::add_design_recipe, commands::add_studies,     commands::add_cancel,
-        commands::add_pause,         commands::add_resume,      commands::add_delete,
-        commands::add_schema,        commands::add_login,       commands::add_logout,
-        commands::add_whoami,        commands::add_doctor,      commands::add_alloys,
-        commands::add_info,          commands::add_completion,  commands::add_usage,
-        commands::add_case,          commands::add_logs,        commands::add_label,
-        commands::add_pin,           commands::add_unpin,       commands::add_top})
-    add(line, program);
-}
-
 /// Why standard output cannot be written: errno has been overwritten by then, so it is tried again.
 std::string reason_against_output() {
   std::clearerr(stdout);
@@ -137,16 +138,15 @@ std::string reason_against_output() {
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
-  add_commands(line, program);
+  for (commands::Add* const add : commands::all_commands) add(line, program);
   // Output that could not be written is no success, whichever command wrote it.
   std::cout.exceptions(std::ios::badbit);
   try {
     apply_configuration(program.configuration, line, program.server);
-    line.global_option(
-        "--server", program.server,
-        "Name of a login, address of dccastd on this machine, or ssh://[USER@]HOST; also after a "
-        "command",
-        "DCCAST_SERVER");
+    line.global_option("--server", program.server,
+                       "Name of a login, address of dccastd on this machine, or ssh://[USER@]HOST; "
+                       "also after a command",
+                       "DCCAST_SERVER");
     const ExitCode code = line.run(arguments);
     std::cout.flush();
     return static_cast<int>(code);

@@ -25,7 +25,7 @@ struct QueryOptions {
 };
 
 ExitCode refuse(const CaseUnderCheck& checked, bool json) {
-  if (json) std::cout << faults_json(checked).dump() << '\n';
+  if (json) print_line(faults_json(checked));
   print_faults(checked, std::cerr);
   return ExitCode::invalid;
 }
@@ -62,8 +62,8 @@ ExitCode run(const QueryOptions& options, Program& program) {
 
 constexpr const char* query_examples =
     "dccast query my.toml\n"
-    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\" "
-    "--set schedule.water_flow.scale=\"0.8 until 100 mm\"\n"
+    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\" --set "
+    "schedule.water_flow.scale=\"0.8 until 100 mm\"\n"
     "  dccast query --json my.toml | jq '.monitors[] | {name, end_curl_m}'\n"
     "\n"
     "Runs at once, beside the queue. Ctrl-C ends the run. A case that was computed before, by a "
@@ -103,7 +103,7 @@ CaseUnderCheck case_of(Connection& connection, const NamedRun& run) {
 
 [[noreturn]] void refuse(const CaseUnderCheck& checked, const std::string& file) {
   print_faults(checked, std::cerr);
-  throw CommandFailed(ExitCode::invalid, file + " has faults");
+  throw invalid(file + " has faults");
 }
 
 /// Computes the cases concurrently, except those that were computed before.
@@ -166,12 +166,9 @@ std::vector<Answer> companions_of(Connection& connection, const std::vector<Name
 
 void require_runs(const CompareOptions& options) {
   if (options.set.empty() && options.runs.size() < 2)
-    throw CommandFailed(ExitCode::invalid,
-                        "give two runs, or one and what to change in its case with --set");
+    throw invalid("give two runs, or one and what to change in its case with --set");
   if (!options.set.empty() && options.runs.front() == "-")
-    throw CommandFailed(ExitCode::invalid,
-                        "--set changes the first RUN, a case file or a job; standard input is "
-                        "read once");
+    throw invalid("--set changes the first RUN, a case file or a job; standard input is read once");
 }
 
 void write_comparison(const std::vector<Answer>& answers,
@@ -179,16 +176,15 @@ void write_comparison(const std::vector<Answer>& answers,
   const auto monitors = render::monitors_of(answers);
   const bool svg = file.ends_with(".svg");
   if (svg && monitors.size() != 1)
-    throw CommandFailed(ExitCode::invalid, "an SVG holds one monitor and these runs have " +
-                                               std::to_string(monitors.size()) +
-                                               "; give an HTML file: -o comparison.html");
+    throw invalid("an SVG holds one monitor and these runs have " +
+                  std::to_string(monitors.size()) + "; give an HTML file: -o comparison.html");
   write_output(file, svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
                          : render::comparison_page(answers, differences));
 }
 
 ExitCode run(const CompareOptions& options, Program& program) {
   require_runs(options);
-  if (!options.output.empty()) require_free(options.output, options.force);
+  require_free(options.output, options.force);
   Connection connection = program.connect();
   const std::vector<NamedRun> runs = runs_of(options);
   const std::vector<Answer> answers = answers_to(connection, runs);
@@ -196,45 +192,41 @@ ExitCode run(const CompareOptions& options, Program& program) {
       answers, options.paired ? companions_of(connection, runs, answers) : std::vector<Answer>{});
   if (!options.output.empty()) write_comparison(answers, differences, options.output);
   if (options.json)
-    std::cout << render::comparison_json(answers, differences).dump() << '\n';
+    print_line(render::comparison_json(answers, differences));
   else
     std::cout << render::comparison_text(answers, differences, render::terminal_of(1));
-  std::cout << std::flush;
   return ExitCode::done;
 }
 
 }  // namespace
 
 void add_query(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<QueryOptions>();
-  const cli::Command command =
-      line.command("query", "Compute the curl of a case at once, without a job", query_examples);
-  command.option("FILE", options->file, "Case file; - for standard input").required();
-  add_set_option(command, options->set);
-  command.flag("--keep", options->keep, "Keep the run as a job, with its results");
-  command.json(options->json, "As JSON, in metres and seconds, with the history");
-  command.action([options, &program] { return run(*options, program); });
+  const auto [command, options] =
+      declare<QueryOptions>(line, program, run, "query",
+                            "Compute the curl of a case at once, without a job", query_examples);
+  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
+  add_set_option(command, options.set);
+  command.flag("--keep", options.keep, "Keep the run as a job, with its results");
+  command.json(options.json, "As JSON, in metres and seconds, with the history");
 }
 
 void add_compare(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<CompareOptions>();
-  const cli::Command command =
-      line.command("compare",
-                   "Compare runs with the first one: what differs in their cases and their curls, "
-                   "whether the difference is real, and what differed before it. Case files are "
-                   "computed, as by query",
-                   "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
-                   "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
-  command.option("RUN", options->runs, "Jobs or case files").required().count(1, 100);
-  add_set_option(command, options->set)
-      .description("Also compare with the first RUN, a case file or a job, with this change");
-  command.flag("--paired", options->paired,
+  const auto [command, options] = declare<CompareOptions>(
+      line, program, run, "compare",
+      "Compare runs with the first one: what differs in their cases and their curls, whether the "
+      "difference is real, and what differed before it. Case files are computed, as by query",
+      "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
+      "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
+  command.option("RUN", options.runs, "Jobs or case files",
+                 {.required = true, .count = {{1, 100}}});
+  add_set_option(command, options.set,
+                 "Also compare with the first RUN, a case file or a job, with this change");
+  command.flag("--paired", options.paired,
                "Compute the case files at another quality too: the error of a difference then "
                "comes from the two pairs");
-  command.option("-o,--output", options->output, "Also write this HTML or SVG file");
-  add_force_flag(command, options->force);
-  command.json(options->json, "As JSON, in metres and seconds");
-  command.action([options, &program] { return run(*options, program); });
+  command.option("-o,--output", options.output, "Also write this HTML or SVG file");
+  add_force_flag(command, options.force);
+  command.json(options.json, "As JSON, in metres and seconds");
 }
 
 }  // namespace dccast::client::commands

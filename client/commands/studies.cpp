@@ -1,10 +1,14 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <optional>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/json.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/answer.hpp"
 #include "client/session/download.hpp"
+#include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/study_text.hpp"
@@ -13,7 +17,7 @@
 namespace dccast::client::commands {
 namespace {
 
-struct Options {
+struct StudiesOptions {
   int limit = 50;
   std::string id;
   std::string reason;
@@ -23,13 +27,11 @@ struct Options {
   bool json = false;
 };
 
-ExitCode list(const Options& options, Program& program) {
+ExitCode list(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto studies = list_studies(connection, options.limit);
   if (options.json) {
-    Json json = Json::array();
-    for (const v1::Study& study : studies) json.push_back(to_json(study));
-    std::cout << json.dump() << '\n';
+    print_line(json_list(studies, to_json));
     return ExitCode::done;
   }
   std::vector<std::string> ids;
@@ -43,41 +45,34 @@ ExitCode list(const Options& options, Program& program) {
   if (studies.empty())
     std::cerr << "no studies\n";
   else
-    std::cout << table.text() << std::flush;
+    std::cout << table.text();
   return ExitCode::done;
 }
 
-ExitCode print(const Options& options, const v1::Study& study) {
-  std::cout << (options.json ? to_json(study).dump() + "\n" : render::study_sheet(study))
-            << std::flush;
+ExitCode print(const StudiesOptions& options, const v1::Study& study) {
+  std::cout << (options.json ? to_json(study).dump() + "\n" : render::study_sheet(study));
   return ExitCode::done;
 }
 
-ExitCode show(const Options& options, Program& program) {
+ExitCode show(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
-  v1::GetStudyRequest request;
-  request.set_id(resolve_study(connection, options.id));
-  return print(options, connection.call(&Stub::GetStudy, request));
+  return print(options, connection.call(&Stub::GetStudy, resolve_study(connection, options.id)));
 }
 
-ExitCode fetch(const Options& options, Program& program) {
+ExitCode fetch(const StudiesOptions& options, Program& program) {
   require_free(options.output, options.force);
   Connection connection = program.connect();
   const std::string id = resolve_study(connection, options.id);
   const Download table = download_study(connection, id, options.output, std::cerr);
   if (options.json)
-    std::cout << Json{{"id", id},
-                      {"file", options.output},
-                      {"bytes", table.bytes},
-                      {"sha256", table.sha256}}
-                     .dump()
-              << '\n';
+    print_line(
+        {{"id", id}, {"file", options.output}, {"bytes", table.bytes}, {"sha256", table.sha256}});
   else
     std::cout << table.sha256 << "  " << options.output << '\n';
   return ExitCode::done;
 }
 
-ExitCode cancel(const Options& options, Program& program) {
+ExitCode cancel(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
   v1::CancelStudyRequest request;
   request.set_id(resolve_study(connection, options.id));
@@ -85,7 +80,7 @@ ExitCode cancel(const Options& options, Program& program) {
   return print(options, connection.call(&Stub::CancelStudy, request));
 }
 
-ExitCode resume(const Options& options, Program& program) {
+ExitCode resume(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
   v1::ResumeStudyRequest request;
   request.set_id(resolve_study(connection, options.id));
@@ -93,56 +88,232 @@ ExitCode resume(const Options& options, Program& program) {
   return print(options, connection.call(&Stub::ResumeStudy, request));
 }
 
-ExitCode remove(const Options& options, Program& program) {
+ExitCode remove(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
   v1::DeleteStudyRequest request;
   request.set_id(resolve_study(connection, options.id));
   connection.call_once(&Stub::DeleteStudy, request);
   if (options.json)
-    std::cout << Json{{"id", request.id()}, {"deleted", true}}.dump() << '\n';
+    print_line({{"id", request.id()}, {"deleted", true}});
   else
     std::cerr << "deleted " << request.id() << " and its jobs\n";
   return ExitCode::done;
 }
 
-using Action = ExitCode (*)(const Options&, Program&);
-
-cli::Command add_action(const cli::Command& command, Program& program,
-                        const std::shared_ptr<Options>& options, const std::string& name,
-                        const std::string& description, Action action) {
+cli::Command add_action(const cli::Command& command, Program& program, StudiesOptions& options,
+                        const std::string& name, const std::string& description,
+                        ExitCode (*run)(const StudiesOptions&, Program&)) {
   const cli::Command added = command.command(name, description);
-  added.option("STUDY", options->id, study_help).required();
-  added.json(options->json);
-  added.action([options, &program, action] { return action(*options, program); });
+  added.option("STUDY", options.id, study_help, cli::required);
+  added.json(options.json);
+  added.action([&options, &program, run] { return run(options, program); });
   return added;
+}
+
+struct SweepOptions : StudyOptions {  // its file may be a sweep file
+  std::vector<std::string> grid, list;
+  int hypercube = 0;
+  std::uint64_t seed = 0;
+  std::string csv, output;
+};
+
+/// The plan that the command line names.
+v1::SweepPlan plan_of(const SweepOptions& options) {
+  v1::SweepPlan plan;
+  const auto& axes = options.list.empty() ? options.grid : options.list;
+  for (const std::string& axis : axes) *plan.add_axes() = axis_of(axis);
+  plan.set_design(options.hypercube > 0  ? v1::SweepPlan::LATIN_HYPERCUBE
+                  : options.list.empty() ? v1::SweepPlan::GRID
+                                         : v1::SweepPlan::LIST);
+  plan.set_runs(options.hypercube);
+  plan.set_seed(options.seed);
+  return plan;
+}
+
+/// The case file and the plan, from a sweep file or from the command line.
+SweepFile sweep_of(const SweepOptions& options) {
+  const bool by_command = !options.grid.empty() || !options.list.empty();
+  if (by_command) return {options.base.file, plan_of(options)};
+  if (is_sweep_file(options.base.file)) return read_sweep_file(options.base.file);
+  throw invalid(options.base.file +
+                ": has no [[axis]]; give a sweep file, or keys of the case by --grid KEY=a,b,c");
+}
+
+std::optional<v1::Study> create(Connection& connection, const SweepOptions& options) {
+  const SweepFile sweep = sweep_of(options);
+  return create_study(
+      connection,
+      {sweep.case_file, options.base.set, options.base.labels,
+       !options.list.empty()   ? "--list"
+       : !options.grid.empty() ? "--grid"
+                               : options.base.file + ", axis"},
+      [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
+}
+
+void print(const SweepOptions& options, const v1::StudyResult& result) {
+  if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(result));
+  if (!options.plot.empty()) write_output(options.plot, render::sweep_page(result));
+  if (options.json)
+    print_line(to_json(result));
+  else if (options.csv != "-" && options.plot != "-")
+    std::cout << "study " << result.study().id() << '\n' << render::sweep_table(result);
+  std::cout << std::flush;
+}
+
+ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
+                        const std::string& id) {
+  if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
+  const v1::StudyResult result = evaluate_study(connection, id, options.json);
+  print(options, result);
+  if (!options.output.empty()) {
+    const Download table = download_study(connection, id, options.output, std::cerr);
+    std::cerr << "wrote " << options.output << " (" << table.bytes
+              << " bytes, checksum verified)\n";
+  }
+  if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
+  return exit_code_of(result.study().state());
+}
+
+ExitCode run(const SweepOptions& options, Program& program) {
+  if (options.base.file.empty() == options.study.empty())
+    throw invalid("give a sweep FILE or a case to begin, or --study ID to take one up again");
+  for (const std::string& file : {options.csv, options.plot, options.output})
+    require_free(file, options.force);
+  Connection connection = program.connect();
+  if (!options.study.empty())
+    return wait_and_print(connection, options, resolve_study(connection, options.study));
+  const auto study = create(connection, options);
+  if (!study) return ExitCode::invalid;
+  std::cerr << "study " << study->id() << ", " << study->runs()
+            << " runs; taken up again by dccast sweep --study " << study->id() << '\n';
+  if (options.no_wait) {
+    std::cout << study->id() << std::endl;
+    return ExitCode::done;
+  }
+  return wait_and_print(connection, options, study->id());
+}
+
+constexpr const char* sweep_examples =
+    R"(dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,60 mm/min,70 mm/min'
+  dccast sweep my.toml --grid 'schedule.casting_speed=40 mm/min,80 mm/min' \
+      --grid schedule.water_flow.scale=0.7,1.2 --lhs 40 --plot sweep.html
+  dccast sweep SWEEP.toml --csv sweep.csv           case, design and keys in a file
+  dccast sweep --study ID --no-wait --json          what there is so far, with the curves
+
+docs/studies.md has the format of a sweep file. The runs wait behind all other jobs; dccast
+studies cancels and resumes them, dccast predict answers for values that were not run.)";
+
+struct PredictOptions {
+  std::string id;
+  std::vector<std::string> set;
+  bool json = false;
+};
+
+std::string millimetres(double metres) {
+  return render::fixed(1e3 * metres, 3);
+}
+
+void print(const v1::Prediction& prediction) {
+  std::vector<std::string> headings{"monitor", ">curl mm", ">surface \u00b1 mm"};
+  const bool has_error = prediction.has_relative_curl_error();
+  if (has_error) headings.push_back(">mesh and steps \u00b1 mm");
+  headings.insert(headings.end(), {">at s", ">cast mm"});
+  render::Table table(headings);
+  for (const v1::CurlCurve& curve : prediction.curves()) {
+    const int last = curve.time_s_size() - 1;
+    if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
+    std::vector<std::string> row{curve.monitor(), millimetres(curve.curl_m(last)),
+                                 millimetres(curve.uncertainty_m(last))};
+    if (has_error)
+      row.push_back(millimetres(prediction.relative_curl_error() * std::abs(curve.curl_m(last))));
+    row.push_back(render::fixed(curve.time_s(last), 2));
+    row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
+    table.add(std::move(row));
+  }
+  std::cout << table.text() << std::flush;
+  std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
+            << millimetres(prediction.cross_validated_error_m()) << " mm (root mean square)\n";
+  if (prediction.next_run().empty()) return;
+  std::cerr << "most informative next run:";
+  for (const v1::CaseChange& change : prediction.next_run())
+    std::cerr << " --set '" << change.key() << "=" << change.value() << "'";
+  std::cerr << '\n';
+}
+
+ExitCode run(const PredictOptions& options, Program& program) {
+  Connection connection = program.connect();
+  v1::PredictStudyRequest request;
+  request.set_id(resolve_study(connection, options.id));
+  const auto values = changes_of(options.set);
+  *request.mutable_values() = {values.begin(), values.end()};
+  const v1::Prediction prediction = connection.call(&Stub::PredictStudy, request);
+  if (options.json)
+    print_line(to_json(prediction));
+  else
+    print(prediction);
+  return ExitCode::done;
 }
 
 }  // namespace
 
 void add_studies(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<Options>();
-  const cli::Command command = line.command(
-      "studies", "List studies, newest first; show, fetch, cancel, resume or delete one",
-      "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed "
-      "STUDY");
-  command.option("-n,--limit", options->limit, "At most this many")
-      .between(1, 1000000)
-      .show_default();
-  command.json(options->json);
+  const auto [command, options] = declare<StudiesOptions>(
+      line, program, list, "studies",
+      "List studies, newest first; show, fetch, cancel, resume or delete one",
+      "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed STUDY");
+  command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
+  command.json(options.json);
   add_action(command, program, options, "show", "Everything about one study", show);
   const cli::Command fetched = add_action(
       command, program, options, "fetch",
       "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
       fetch);
-  fetched.option("-o,--output", options->output, "File to write").show_default();
-  add_force_flag(fetched, options->force);
+  fetched.option("-o,--output", options.output, "File to write", cli::shown);
+  add_force_flag(fetched, options.force);
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
-      .option("--reason", options->reason, "Kept with the jobs");
+      .option("--reason", options.reason, "Kept with the jobs");
   add_action(command, program, options, "resume",
              "Queue again what was cancelled, or lost to its worker or a full disk", resume)
-      .flag("--failed", options->failed, "Also runs that failed by their own case");
+      .flag("--failed", options.failed, "Also runs that failed by their own case");
   add_action(command, program, options, "delete", "Remove an ended study and its jobs", remove);
-  command.action([options, &program] { return list(*options, program); });
+}
+
+void add_sweep(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<SweepOptions>(
+      line, program, run, "sweep", "Run a case at many values of its keys, and compare the curl",
+      sweep_examples);
+  command.option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
+  command.option("--grid", options.grid,
+                 "KEY=a,b,c: every value with those of the other keys; repeatable");
+  command.option("--list", options.list,
+                 "KEY=a,b,c: the first values of all keys, the second ones, ...",
+                 {.excludes = {"--grid"}});
+  command.option("--lhs", options.hypercube,
+                 "Number of runs of a Latin hypercube between the two values of each --grid",
+                 {.between = {{1, 10000}}, .excludes = {"--list"}});
+  command.option("--seed", options.seed, "Seed of the Latin hypercube", cli::shown);
+  command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
+  command.option("-o,--output", options.output,
+                 "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");
+  add_study_options(
+      command, options,
+      {.study = "Take this study up again",
+       .plot = "Write an HTML page with the curl against the keys; - for standard output",
+       .json = "As JSON, in metres, with the curves"});
+}
+
+void add_predict(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<PredictOptions>(
+      line, program, run, "predict",
+      "The curl at values that a sweep has not run, from a response surface over its runs. It "
+      "covers the range of the sweep and nothing outside. The standard error of the surface and "
+      "what mesh and time steps of the runs leave uncertain are given apart",
+      "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
+      "schedule.water_flow.scale=0.9");
+  command.option("STUDY", options.id, study_help, cli::required);
+  command.option("--set", options.set,
+                 "KEY=VALUE of a swept key; others keep the value of the case");
+  command.json(options.json, "As JSON, in metres, with the curves against time");
 }
 
 }  // namespace dccast::client::commands

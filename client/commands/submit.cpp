@@ -31,7 +31,7 @@ struct SubmitOptions {
 };
 
 ExitCode refuse(const CaseUnderCheck& checked, bool json) {
-  if (json) std::cout << faults_json(checked).dump() << '\n';
+  if (json) print_line(faults_json(checked));
   print_faults(checked, std::cerr);
   std::cerr << "dccast: not submitted, " << checked.faults.size()
             << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
@@ -40,10 +40,10 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
 
 void require_source(const SubmitOptions& options) {
   if (options.files.empty() == options.from.empty())
-    throw CommandFailed(ExitCode::invalid, "give either FILEs or --from JOB");
+    throw invalid("give either FILEs or --from JOB");
   if (options.files.size() > 1 && options.watch)
-    throw CommandFailed(ExitCode::invalid, "--watch goes with one FILE; " +
-                                               std::to_string(options.files.size()) + " are given");
+    throw invalid("--watch goes with one FILE; " + std::to_string(options.files.size()) +
+                  " are given");
 }
 
 /// Checks all cases: if one has faults, none is submitted.
@@ -103,8 +103,9 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& opti
   return job;
 }
 
-ExitCode run(SubmitOptions options, Program& program) {
-  require_source(options);
+ExitCode run(const SubmitOptions& given, Program& program) {
+  require_source(given);
+  SubmitOptions options = given;
   Connection connection = program.connect();
   options.after = resolve_jobs(connection, options.after);
   auto cases = examined_cases(options, connection);
@@ -122,16 +123,15 @@ ExitCode run(SubmitOptions options, Program& program) {
 }
 
 constexpr const char* submit_examples =
-    "dccast submit my.toml\n"
-    "  dccast submit --watch --priority high my.toml\n"
-    "  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale=\"0.8 until 100 mm\" "
-    "my.toml\n"
-    "  dccast submit --label trial-7 --request-id trial-7 casts/*.toml\n"
-    "  dccast submit --from JOB --set mesh.rows=30\n"
-    "  dccast submit --after JOB next.toml\n"
-    "  sed s/680/690/ my.toml | dccast submit -\n"
-    "\n"
-    "Of several files all are checked before the first is submitted; one id a line.";
+    R"(dccast submit my.toml
+  dccast submit --watch --priority high my.toml
+  dccast submit --set mesh.rows=30 --set schedule.water_flow.scale="0.8 until 100 mm" my.toml
+  dccast submit --label trial-7 --request-id trial-7 casts/*.toml
+  dccast submit --from JOB --set mesh.rows=30
+  dccast submit --after JOB next.toml
+  sed s/680/690/ my.toml | dccast submit -
+
+Of several files all are checked before the first is submitted; one id a line.)";
 
 struct WatchOptions {
   std::string id;
@@ -139,6 +139,12 @@ struct WatchOptions {
   bool json = false;
   bool strict = false;
 };
+
+ExitCode run(const WatchOptions& options, Program& program) {
+  Connection connection = program.connect();
+  return watch_job(connection, resolve_job(connection, options.id), options.from, options.json,
+                   false, options.strict);
+}
 
 void print_curl(const CurlHistory& history) {
   if (history.monitors.empty()) return;
@@ -182,72 +188,53 @@ void print_if_held(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
-  connection.set_policy({.attempts = 1});  // the watch itself retries
   try {
-    connection.try_call(&Stub::GetJob, request, job);
+    connection.try_once(&Stub::GetJob, request, job);
   } catch (const Interrupted&) {
     return;  // the watch itself reports how to continue
   }
   if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
 }
 
-/// Findings of the whole job: a watch may start after some of them.
-bool is_implausible(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  return render::more_than_notes(connection.call(&Stub::GetJob, request).findings());
-}
-
 }  // namespace
 
 void add_submit(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<SubmitOptions>();
-  const cli::Command command =
-      line.command("submit", "Queue cases; prints the id of each job", submit_examples);
-  command.option("FILE", options->files, "Case files; - for standard input");
-  command.option("--from", options->from, "Instead of a FILE: the case of this job, as submitted")
-      .placeholder("JOB");
-  command
-      .option("--after", options->after,
-              "Start when these jobs have succeeded; cancelled if one does not; repeatable")
-      .placeholder("JOB")
-      .comma_separated()
-      .one_value_each();
-  add_set_option(command, options->set);
-  command.option("--label", options->labels, "Label for finding the job; repeatable")
-      .comma_separated()
-      .one_value_each();
-  command.flag("-w,--watch", options->watch,
+  const auto [command, options] = declare<SubmitOptions>(
+      line, program, run, "submit", "Queue cases; prints the id of each job", submit_examples);
+  command.option("FILE", options.files, "Case files; - for standard input");
+  command.option("--from", options.from, "Instead of a FILE: the case of this job, as submitted",
+                 {.placeholder = "JOB"});
+  command.repeatable("--after", options.after,
+                     "Start when these jobs have succeeded; cancelled if one does not; repeatable",
+                     {.comma_separated = true, .placeholder = "JOB"});
+  add_set_option(command, options.set);
+  command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
+                     {.comma_separated = true});
+  command.flag("-w,--watch", options.watch,
                "Follow the job to its end; exit code 3 if it does not succeed");
-  command
-      .flag("--strict", options->strict,
-            "With --watch: exit code 3 for a job with findings beyond notes too")
-      .needs("--watch");
-  command
-      .choice("-p,--priority", options->priority,
-              {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
-              "Place in the queue: low, normal (default) or high")
-      .placeholder("PRIORITY");
-  command
-      .option("--time-limit", options->time_limit,
-              "Wall time after which the job ends as failed, e.g. \"30 min\"")
-      .check([](const std::string& text) { return case_file::parse_quantity(text, "s").message; });
-  command.option("--mail", options->mail, "Address that the hook of the server is given at the end")
-      .placeholder("ADDRESS");
-  command
-      .option("--notify", options->notify,
-              "Wait for the jobs, and run this for each as wait --notify does")
-      .placeholder("COMMAND")
-      .excludes("--watch");
-  command
-      .option(
-          "--request-id", options->request_id,
-          "Submitting again with the same id gives the same job, or jobs; by default a new one is "
-          "made")
-      .check([](const std::string& text) { return values::too_long("the request id", text); });
-  command.json(options->json,
+  command.flag("--strict", options.strict,
+               "With --watch: exit code 3 for a job with findings beyond notes too",
+               {.needs = "--watch"});
+  command.choice("-p,--priority", options.priority,
+                 {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
+                 "Place in the queue: low, normal (default) or high", {.placeholder = "PRIORITY"});
+  command.option("--time-limit", options.time_limit,
+                 "Wall time after which the job ends as failed, e.g. \"30 min\"",
+                 {.fault = [](const std::string& text) {
+                   return case_file::parse_quantity(text, "s").message;
+                 }});
+  command.option("--mail", options.mail, "Address that the hook of the server is given at the end",
+                 {.placeholder = "ADDRESS"});
+  command.option("--notify", options.notify,
+                 "Wait for the jobs, and run this for each as wait --notify does",
+                 {.placeholder = "COMMAND", .excludes = {"--watch"}});
+  command.option(
+      "--request-id", options.request_id,
+      "Submitting again with the same id gives the same job, or jobs; by default a new one "
+      "is made",
+      {.fault = [](const std::string& text) { return values::too_long("the request id", text); }});
+  command.json(options.json,
                "Each job as JSON on a line, with --watch followed by one event a line");
-  command.action([options, &program] { return run(*options, program); });
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
@@ -258,28 +245,24 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
   if (end.has_failure())
     std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());
-  if (!strict || code != ExitCode::done || !is_implausible(connection, id)) return code;
+  if (!strict || code != ExitCode::done) return code;
+  // Those of the whole job: a watch may start after some of them.
+  if (!render::more_than_notes(connection.call(&Stub::GetJob, id).findings())) return code;
   std::cerr << "dccast: job " << id << " has findings beyond notes (--strict)\n";
   return ExitCode::solve_failed;
 }
 
 void add_watch(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<WatchOptions>();
-  const cli::Command command =
-      line.command("watch",
-                   "Follow a job to its end: every event so far, then as they happen. A dropped "
-                   "connection is taken up again; leaving with Ctrl-C does not touch the job",
-                   "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
-  command.option("JOB", options->id, job_help).required();
-  command.option("--from", options->from, "Sequence number of the first event").positive();
-  command.flag("--strict", options->strict,
+  const auto [command, options] = declare<WatchOptions>(
+      line, program, run, "watch",
+      "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
+      "taken up again; leaving with Ctrl-C does not touch the job",
+      "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
+  command.option("JOB", options.id, job_help, cli::required);
+  command.option("--from", options.from, "Sequence number of the first event", {.positive = true});
+  command.flag("--strict", options.strict,
                "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
-  command.json(options->json, "One JSON object per event and line");
-  command.action([options, &program] {
-    Connection connection = program.connect();
-    return watch_job(connection, resolve_job(connection, options->id), options->from, options->json,
-                     false, options->strict);
-  });
+  command.json(options.json, "One JSON object per event and line");
 }
 
 }  // namespace dccast::client::commands

@@ -65,9 +65,9 @@ std::string page_now(Connection& connection, int columns, int lines) {
   view.about = connection.call(&Stub::GetServerInfo, v1::GetServerInfoRequest());
   v1::ListJobsRequest request;
   request.add_states(v1::RUNNING);
-  view.running = list_jobs(connection, request, most);
+  view.running = list_jobs(connection, request, most).jobs;
   request.set_states(0, v1::QUEUED);
-  view.queued = list_jobs(connection, request, most);
+  view.queued = list_jobs(connection, request, most).jobs;
   return render::top_page(view, columns, lines, std::time(nullptr));
 }
 
@@ -114,15 +114,12 @@ ExitCode run(const TopOptions& options, Program& program) {
 }  // namespace
 
 void add_top(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<TopOptions>();
-  const cli::Command command = line.command(
-      "top", "Running jobs, the queue by owner and the workers, redrawn; q or Ctrl-C leaves",
+  const auto [command, options] = declare<TopOptions>(
+      line, program, run, "top",
+      "Running jobs, the queue by owner and the workers, redrawn; q or Ctrl-C leaves",
       "dccast top\n  dccast top --once");
-  command.flag("--once", options->once, "Print the page once; so does output that is no terminal");
-  command.option("-n,--interval", options->interval_s, "Seconds between two pages")
-      .between(1, 3600)
-      .show_default();
-  command.action([options, &program] { return run(*options, program); });
+  command.flag("--once", options.once, "Print the page once; so does output that is no terminal");
+  command.number("-n,--interval", options.interval_s, 1, 3600, "Seconds between two pages");
 }
 
 }  // namespace dccast::client::commands

@@ -5,7 +5,6 @@
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/study.hpp"
-#include "client/model/json.hpp"
 #include "client/session/data_study.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
@@ -22,14 +21,11 @@ struct DataOptions : StudyOptions {
   std::string point, band;
 };
 
-using LayOut = void (*)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
-
 /// "35..45 mm" as the limits that a case has for it.
 void take_band(const std::string& band, std::vector<std::string>& changes) {
   if (band.empty()) return;
   const auto range = case_file::parse_range(band);
-  if (!range || !range->suffix.empty())
-    throw CommandFailed(ExitCode::invalid, "--band " + band + ": write it as 35..45 mm");
+  if (!range || !range->suffix.empty()) throw invalid("--band " + band + ": write it as 35..45 mm");
   changes.push_back("plausibility.least_curl=" + range->low);
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
@@ -84,7 +80,7 @@ void print_uncertainty(Connection& connection, const DataOptions& options, const
     Json json = to_json(result);
     const auto at_end_m = render::mesh_error_at_end_m(result.spread(), relative);
     json["mesh_error_m"] = at_end_m ? Json(*at_end_m) : Json();
-    std::cout << json.dump() << '\n';
+    print_line(json);
   } else if (options.plot != "-") {
     std::cout << render::uncertainty_text(result, relative);
   }
@@ -95,23 +91,22 @@ Json effects_json(const v1::StudyResult& result, int monitor, std::optional<doub
   const auto number = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json();
   };
-  Json list = Json::array();
-  for (const Effect& effect : effects.effects) {
+  const auto effect_json = [&](const Effect& effect) -> Json {
     const auto& axis = result.study().sweep().axes(effect.axis);
-    list.push_back({{"key", axis.key()},
-                    {"lever", is_lever(axis.key())},
-                    {"low", axis.values(0)},
-                    {"high", axis.values(1)},
-                    {"low_m", number(effect.low_m)},
-                    {"high_m", number(effect.high_m)},
-                    {"low_failure", effect.low_failure},
-                    {"high_failure", effect.high_failure}});
-  }
+    return {{"key", axis.key()},
+            {"lever", is_lever(axis.key())},
+            {"low", axis.values(0)},
+            {"high", axis.values(1)},
+            {"low_m", number(effect.low_m)},
+            {"high_m", number(effect.high_m)},
+            {"low_failure", effect.low_failure},
+            {"high_failure", effect.high_failure}};
+  };
   return {{"study", to_json(result.study())},
           {"monitor", result.monitors(monitor)},
           {"curl_m", number(effects.base_m)},
           {"error_m", number(effects.error_m)},
-          {"effects", list}};
+          {"effects", json_list(effects.effects, effect_json)}};
 }
 
 void print_sensitivity(Connection& connection, const DataOptions& options, const std::string& id) {
@@ -121,27 +116,26 @@ void print_sensitivity(Connection& connection, const DataOptions& options, const
   if (!options.plot.empty())
     write_output(options.plot, render::sensitivity_page(result, monitor, of_curl));
   if (options.json)
-    std::cout << effects_json(result, monitor, of_curl).dump() << '\n';
+    print_line(effects_json(result, monitor, of_curl));
   else if (options.plot != "-")
     std::cout << render::sensitivity_text(result, monitor, of_curl);
 }
 
 /// What distinguishes the two commands.
 struct Kind {
-  const char* name;
-  LayOut lay_out;
+  std::string name;
+  void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
   void (*print)(Connection&, const DataOptions&, const std::string&);
 };
 
 ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   if (options.base.file.empty() == options.study.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "give a case FILE to begin, or --study ID to take one up again");
-  if (!options.plot.empty() && options.plot != "-") require_free(options.plot, options.force);
+    throw invalid("give a case FILE to begin, or --study ID to take one up again");
+  require_free(options.plot, options.force);
   take_band(options.band, options.base.set);
   Connection connection = program.connect();
   std::string id = options.study.empty() ? "" : resolve_study(connection, options.study);
-  const std::string come_back = std::string("dccast ") + kind.name + " --study ";
+  const std::string come_back = "dccast " + kind.name + " --study ";
   if (id.empty()) {
     const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {
       kind.lay_out(connection, options.plan, request);
@@ -158,8 +152,15 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   }
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
   kind.print(connection, options, id);
-  std::cout << std::flush;
   return ExitCode::done;
+}
+
+ExitCode run_uncertainty(const DataOptions& options, Program& program) {
+  return run(options, {"uncertainty", lay_out_uncertainty, print_uncertainty}, program);
+}
+
+ExitCode run_sensitivity(const DataOptions& options, Program& program) {
+  return run(options, {"sensitivity", lay_out_sensitivity, print_sensitivity}, program);
 }
 
 void add_common(const cli::Command& command, DataOptions& options, const char* plot) {
@@ -174,9 +175,8 @@ void add_common(const cli::Command& command, DataOptions& options, const char* p
 }  // namespace
 
 void add_uncertainty(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<DataOptions>();
-  const cli::Command command = line.command(
-      "uncertainty",
+  const auto [command, options] = declare<DataOptions>(
+      line, program, run_uncertainty, "uncertainty",
       "How sure a curl is: what the ranges of its data leave open, and which datum to measure "
       "first",
       "dccast uncertainty start-3d.toml --band '35..45 mm'\n"
@@ -185,31 +185,22 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "\n"
       "Ranges stand in [uncertainty] of case and alloy card (docs/uncertainty.md). The runs are\n"
       "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
-  command.option("--runs", options->plan.runs, "Runs of the Latin hypercube")
-      .between(8, 10000)
-      .show_default();
-  command.option("--seed", options->plan.seed, "Its seed").show_default();
-  command.option("--band", options->band, "Curls that the plant accepts, as 35..45 mm");
-  add_common(command, *options,
+  command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
+  command.option("--seed", options.plan.seed, "Its seed", cli::shown);
+  command.option("--band", options.band, "Curls that the plant accepts, as 35..45 mm");
+  add_common(command, options,
              "Write an HTML page with the bands of data and of mesh; - for standard output");
-  command.action([options, &program] {
-    return run(*options, {"uncertainty", lay_out_uncertainty, print_uncertainty}, program);
-  });
 }
 
 void add_sensitivity(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<DataOptions>();
-  const cli::Command command = line.command(
-      "sensitivity",
+  const auto [command, options] = declare<DataOptions>(
+      line, program, run_sensitivity, "sensitivity",
       "What matters: the change of a curl at the two ends of the range of every lever and datum",
       "dccast sensitivity start-3d.toml --plot sensitivity.html\n"
       "\n"
       "Levers move by a tenth, or by what a plant changes between two castings; data over their\n"
       "[uncertainty] (docs/uncertainty.md). Two drafts for each.");
-  add_common(command, *options, "Write an HTML page with a bar for each; - for standard output");
-  command.action([options, &program] {
-    return run(*options, {"sensitivity", lay_out_sensitivity, print_sensitivity}, program);
-  });
+  add_common(command, options, "Write an HTML page with a bar for each; - for standard output");
 }
 
 }  // namespace dccast::client::commands

@@ -3,7 +3,6 @@
 #include <map>
 
 #include "client/commands/commands.hpp"
-#include "client/model/json.hpp"
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
@@ -37,7 +36,7 @@ ExitCode run(const UsageOptions& options, Program& program) {
   v1::ListJobsRequest request;
   if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
   std::map<std::string, Usage> usages;
-  for (const v1::Job& job : list_jobs(connection, request, all))
+  for (const v1::Job& job : list_jobs(connection, request, all).jobs)
     for (const std::string& group : groups_of(job, options.by)) {
       Usage& usage = usages[group];
       ++usage.jobs;
@@ -67,7 +66,7 @@ void add_file_command(cli::CommandLine& line, Program& program, const char* name
                       const char* description, const char* example, const char* file) {
   const auto id = std::make_shared<std::string>();
   const cli::Command command = line.command(name, description, example);
-  command.option("JOB", *id, job_help).required();
+  command.option("JOB", *id, job_help, cli::required);
   command.action([id, file, &program] {
     Connection connection = program.connect();
     std::cout << read_file_of_job(connection, resolve_job(connection, *id), file) << std::flush;
@@ -78,17 +77,14 @@ void add_file_command(cli::CommandLine& line, Program& program, const char* name
 }  // namespace
 
 void add_usage(cli::CommandLine& line, Program& program) {
-  const auto options = std::make_shared<UsageOptions>();
-  const cli::Command command =
-      line.command("usage", "Jobs and processor hours by owner, study, label or state",
-                   "dccast usage --by owner --since 2026-11-01");
-  command.option("--by", options->by, "What jobs are counted by")
-      .one_of({"owner", "study", "label", "state"})
-      .show_default();
-  command.option("--since", options->since,
+  const auto [command, options] = declare<UsageOptions>(
+      line, program, run, "usage", "Jobs and processor hours by owner, study, label or state",
+      "dccast usage --by owner --since 2026-11-01");
+  command.option("--by", options.by, "What jobs are counted by",
+                 {.show_default = true, .one_of = {"owner", "study", "label", "state"}});
+  command.option("--since", options.since,
                  "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
-  command.json(options->json);
-  command.action([options, &program] { return run(*options, program); });
+  command.json(options.json);
 }
 
 void add_case(cli::CommandLine& line, Program& program) {

@@ -62,4 +62,12 @@ private:
 /// Absent messages and optional numbers are left out; everything else is present even if empty.
 Json to_json(const google::protobuf::Message& message);
 
+/// An array with what `element` makes of each thing.
+template <typename Things, typename Element>
+Json json_list(const Things& things, Element element) {
+  Json list = Json::array();
+  for (const auto& thing : things) list.push_back(element(thing));
+  return list;
+}
+
 }  // namespace dccast::client

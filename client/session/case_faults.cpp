@@ -90,9 +90,7 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
 
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
                                 const std::vector<v1::CaseChange>& changes) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::Job job = connection.call(&Stub::GetJob, id);
   std::vector<v1::CaseChange> all{job.changes().begin(), job.changes().end()};
   all.insert(all.end(), changes.begin(), changes.end());
   return read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id,
@@ -103,10 +101,7 @@ v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked) {
   constexpr std::size_t longest_file = 1 << 20;  // service.proto
   v1::SubmitJobRequest request;
   if (checked.text.size() <= longest_file) request.set_case_file(checked.text);
-  *request.mutable_case_() = checked.description;
-  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
-  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
-                                        checked.read.attachments.end());
+  put_case(checked, request);
   return request;
 }
 
@@ -122,8 +117,8 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   if (cannot_be_judged(checked.faults)) return;
   v1::ValidateCaseRequest request;
   *request.mutable_case_() = checked.description;
-  for (const v1::Attachment& attachment : checked.read.attachments)
-    *request.add_attachments() = attachment;
+  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
+                                        checked.read.attachments.end());
   for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
   const auto response = ask(connection, request, !checked.faults.empty());
   if (!response) return;
@@ -151,21 +146,18 @@ void print_faults(const CaseUnderCheck& checked, std::ostream& stream) {
 }
 
 Json faults_json(const CaseUnderCheck& checked) {
-  Json json;
-  json["valid"] = checked.faults.empty();
-  json["faults"] = Json::array();
-  json["warnings"] = Json::array();
-  for (const v1::Fault& fault : checked.faults)
-    json["faults"].push_back(fault_json(fault, checked.read.source));
-  for (const v1::Fault& fault : checked.warnings)
-    json["warnings"].push_back(fault_json(fault, checked.read.source));
-  json["findings"] = Json::array();
-  for (const v1::Finding& finding : checked.findings) json["findings"].push_back(to_json(finding));
+  const auto placed = [&](const v1::Fault& fault) {
+    return fault_json(fault, checked.read.source);
+  };
+  Json json{{"valid", checked.faults.empty()},
+            {"faults", json_list(checked.faults, placed)},
+            {"warnings", json_list(checked.warnings, placed)},
+            {"findings", json_list(checked.findings, to_json)}};
   if (checked.estimate) json["estimate"] = to_json(*checked.estimate);
-  json["uncertain"] = Json::array();
-  for (const case_file::UncertainKey& datum : checked.uncertain)
-    json["uncertain"].push_back(
-        {{"key", datum.key}, {"range", datum.range}, {"origin", datum.origin}});
+  json["uncertain"] =
+      json_list(checked.uncertain, [](const case_file::UncertainKey& datum) -> Json {
+        return {{"key", datum.key}, {"range", datum.range}, {"origin", datum.origin}};
+      });
   return json;
 }
 

@@ -40,6 +40,15 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
                                 const std::vector<v1::CaseChange>& changes);
 
+/// Gives a request the case, its changes and its attachments.
+template <typename Request>
+void put_case(const CaseUnderCheck& checked, Request& request) {
+  *request.mutable_case_() = checked.description;
+  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
+  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
+                                        checked.read.attachments.end());
+}
+
 /// A request that submits a case without faults; without its id and priority.
 v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked);
 

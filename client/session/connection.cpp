@@ -14,8 +14,8 @@ namespace dccast::client {
 std::string address_of(const std::string& server) {
   if (server.starts_with("unix:")) return server;
   if (server.find("://") != std::string::npos)
-    throw CommandFailed(ExitCode::invalid, "--server " + server + ": write HOST:PORT, without " +
-                                               server.substr(0, server.find("://") + 3));
+    throw invalid("--server " + server + ": write HOST:PORT, without " +
+                  server.substr(0, server.find("://") + 3));
   const auto colon = server.rfind(':');
   const bool has_port = colon != std::string::npos && server.find(']', colon) == std::string::npos;
   return has_port ? server : server + default_port;

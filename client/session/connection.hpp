@@ -61,6 +61,9 @@ private:
 void interrupt_by_signals(std::shared_ptr<Interruption> interruption);
 
 using Stub = v1::SimulationService::StubInterface;
+/// A unary call of the service: &Stub::GetJob.
+template <typename Request, typename Response>
+using Method = grpc::Status (Stub::*)(grpc::ClientContext*, const Request&, Response*);
 
 /// Number of attempts of a repeatable call, and the pauses between them.
 struct CallPolicy {
@@ -103,41 +106,50 @@ public:
 
   /// Makes a repeatable unary call (see try_call). Throws CommandFailed for any status but OK.
   template <typename Request, typename Response>
-  Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                const Request& request) {
+  Response call(Method<Request, Response> method, const Request& request) {
     Response response;
     check(try_call(method, request, response), server());
     return response;
   }
 
+  /// The same about a job or a study, for a request that has no more than its id.
+  template <typename Request, typename Response>
+  Response call(Method<Request, Response> method, const std::string& id) {
+    Request request;
+    request.set_id(id);
+    return call(method, request);
+  }
+
   /// The same for a call that must not be repeated, because a second one would have a different
   /// result, such as resuming or deleting a job.
   template <typename Request, typename Response>
-  Response call_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                     const Request& request) {
+  Response call_once(Method<Request, Response> method, const Request& request) {
     Response response;
-    check(attempt(method, request, response), server());
+    check(try_once(method, request, response), server());
     return response;
   }
 
-  /// One attempt at a call. @return its status. Throws Interrupted.
+  /// One attempt at a call, with a deadline. @return its status. Throws Interrupted.
   template <typename Request, typename Response>
-  grpc::Status try_once(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                     Response*),
-                        const Request& request, Response& response) {
-    return attempt(method, request, response);
+  grpc::Status try_once(Method<Request, Response> method, const Request& request,
+                        Response& response) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + deadline);
+    const Interruption::Call call(*interruption_, context);
+    const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
+    if (!status.ok() && interruption_->came()) throw Interrupted("");
+    return status;
   }
 
   /// A unary call with a deadline, repeated with increasing pauses while the server is UNAVAILABLE,
   /// with a message on standard error. For repeatable calls: all that only read, SubmitJob with its
   /// request id, CancelJob. @return the status of the last attempt. Throws Interrupted.
   template <typename Request, typename Response>
-  grpc::Status try_call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                     Response*),
-                        const Request& request, Response& response) {
+  grpc::Status try_call(Method<Request, Response> method, const Request& request,
+                        Response& response) {
     auto pause = policy_.first_pause;
     for (int made = 1;; ++made, pause *= 2) {
-      const grpc::Status status = attempt(method, request, response);
+      const grpc::Status status = try_once(method, request, response);
       if (status.error_code() != grpc::StatusCode::UNAVAILABLE || made >= policy_.attempts)
         return status;
       announce_retry(status, made);
@@ -148,17 +160,6 @@ public:
   void set_policy(const CallPolicy& policy) { policy_ = policy; }
 
 private:
-  template <typename Request, typename Response>
-  grpc::Status attempt(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                    Response*),
-                       const Request& request, Response& response) {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + deadline);
-    const Interruption::Call call(*interruption_, context);
-    const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
-    if (!status.ok() && interruption_->came()) throw Interrupted("");
-    return status;
-  }
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
   static constexpr std::chrono::seconds deadline{60};  // enough for a case with large attachments

@@ -7,7 +7,8 @@
 #include "dccast/v1/study.pb.h"
 #include "proto/case_file/uncertainty.hpp"
 
-/// Plans of `uncertainty` and `sensitivity`: sweeps over what data and levers may be.
+/// Studies over what data and levers of a case may be: `uncertainty`, `sensitivity`, and
+/// `calibration` with its measurements, further runs and calibrated case.
 namespace dccast::client {
 
 /// What the user chose of a plan.
@@ -48,13 +49,33 @@ void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
 void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request);
 
-/// The case of a request with its card and all defaults. Throws CommandFailed, with its faults.
-v1::Case completed_case(Connection& connection, const v1::CreateStudyRequest& request);
-
 /// The key that an axis moves: without ".scale", ".offset" or ".shift".
 std::string datum_of(const std::string& axis_key);
 
 /// Whether an axis is a lever of the plant rather than a datum.
 bool is_lever(const std::string& axis_key);
+
+/// The studies of one casting: a Latin hypercube with measurements, then further runs.
+using CastingStudies = std::vector<std::string>;
+
+/// The calibration of some castings by what was measured of them. Throws CommandFailed, also where
+/// too few runs have ended.
+v1::StudyResult evaluate_calibration(Connection& connection,
+                                     const std::vector<CastingStudies>& castings);
+
+/// Begins the runs that check a calibration, in every casting, and adds their studies. The same
+/// calibration gives the same studies. @return the new ones; empty: these runs are there already
+std::vector<std::string> add_checks(Connection& connection, const v1::Calibration& calibration,
+                                    const v1::SweepPlan& plan,
+                                    std::vector<CastingStudies>& castings);
+
+/// Whether the last further runs are about as far off the surface as its error, or by less than a
+/// reading is uncertain.
+bool is_confirmed(const v1::Calibration::Curve& curve);
+
+/// A case file with the calibrated values, their ranges in [uncertainty] and where they are from.
+/// Throws CommandFailed. @param request  has the case as in its file, with its changes
+std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest& request,
+                            const v1::StudyResult& result);
 
 }  // namespace dccast::client

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include "proto/values/printable.hpp"
 
@@ -10,15 +11,15 @@ namespace {
 
 ExitCode exit_code_of(grpc::StatusCode code) {
   switch (code) {
-    case grpc::StatusCode::INVALID_ARGUMENT:
-    case grpc::StatusCode::ALREADY_EXISTS:
-    case grpc::StatusCode::OUT_OF_RANGE:
+    case grpc::INVALID_ARGUMENT:
+    case grpc::ALREADY_EXISTS:
+    case grpc::OUT_OF_RANGE:
       return ExitCode::invalid;
-    case grpc::StatusCode::NOT_FOUND:
-    case grpc::StatusCode::PERMISSION_DENIED:
-    case grpc::StatusCode::UNAUTHENTICATED:
+    case grpc::NOT_FOUND:
+    case grpc::PERMISSION_DENIED:
+    case grpc::UNAUTHENTICATED:
       return ExitCode::not_found;
-    case grpc::StatusCode::FAILED_PRECONDITION:
+    case grpc::FAILED_PRECONDITION:
       return ExitCode::wrong_state;
     default:
       return ExitCode::unreachable;
@@ -26,9 +27,7 @@ ExitCode exit_code_of(grpc::StatusCode code) {
 }
 
 /// Connection errors reported by gRPC and their meaning; the first match is used.
-struct Wording {
-  std::string_view sent, meaning;
-};
+using Wording = std::pair<std::string_view, std::string_view>;
 constexpr std::array wordings{
     Wording{"Connection refused", "connection refused"},
     Wording{"No route to host", "no route to the host"},
@@ -58,8 +57,8 @@ constexpr std::size_t longest_reason = 500;
 
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
-  for (const Wording& wording : wordings)
-    if (message.find(wording.sent) != std::string::npos) return std::string(wording.meaning);
+  for (const auto& [sent, meaning] : wordings)
+    if (message.find(sent) != std::string::npos) return std::string(meaning);
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return "it does not know this call: not dccastd, or another version of it";
   if (message.empty()) return "no reason given; the server's log may have one";

@@ -29,6 +29,11 @@ private:
   ExitCode code_;
 };
 
+/// For what a user gave and cannot be used: throw invalid("...").
+inline CommandFailed invalid(const std::string& message) {
+  return {ExitCode::invalid, message};
+}
+
 /// What hinders a connection: one sentence, and one remedy. Empty: nothing was found.
 struct Diagnosis {
   std::string cause, remedy;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <optional>
@@ -31,10 +32,9 @@ std::string last_job(Connection& connection) {
     request.set_page_token(found.next_page_token());
     if (request.page_token().empty()) break;
   }
-  throw CommandFailed(ExitCode::not_found, "'last': no job on " + connection.server() +
-                                               " belongs to " + owner +
-                                               ", besides runs of studies; name one by its id "
-                                               "(dccast list)");
+  throw CommandFailed(ExitCode::not_found,
+                      "'last': no job on " + connection.server() + " belongs to " + owner +
+                          ", besides runs of studies; name one by its id (dccast list)");
 }
 
 std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& found) {
@@ -53,7 +53,7 @@ std::string job_that_begins(Connection& connection, const std::string& prefix) {
   if (found.jobs().empty())
     throw CommandFailed(ExitCode::not_found, "no job on " + connection.server() + " begins with '" +
                                                  prefix + "' (dccast list)");
-  if (found.jobs_size() > 1) throw CommandFailed(ExitCode::invalid, ambiguous(prefix, found));
+  if (found.jobs_size() > 1) throw invalid(ambiguous(prefix, found));
   return found.jobs(0).id();
 }
 
@@ -72,124 +72,6 @@ grpc::Status read_pages(Connection& connection, v1::QueryResultRequest request,
     request.set_page_token(page.next_page_token());
   }
 }
-
-}  // namespace
-
-bool can_begin_an_id(const std::string& text) {
-  return !text.empty() && text.size() < id_length &&
-         text.find_first_not_of("0123456789abcdef-") == std::string::npos;
-}
-
-std::string user_name(Connection& connection) {
-  v1::WhoAmIResponse who;
-  if (connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who).ok() && !who.name().empty())
-    return who.name();
-  const passwd* const user = ::getpwuid(::getuid());
-  return user == nullptr ? "" : user->pw_name;
-}
-
-std::string resolve_job(Connection& connection, const std::string& text) {
-  if (text == "last") return last_job(connection);
-  if (can_begin_an_id(text)) return job_that_begins(connection, text);
-  return text;
-}
-
-std::vector<std::string> resolve_jobs(Connection& connection,
-                                      const std::vector<std::string>& texts) {
-  std::vector<std::string> ids;
-  for (const std::string& text : texts) ids.push_back(resolve_job(connection, text));
-  return ids;
-}
-
-std::int64_t seconds_of_past(const std::string& text) {
-  const std::time_t now = std::time(nullptr);
-  std::tm day{};
-  ::localtime_r(&now, &day);
-  day.tm_hour = day.tm_min = day.tm_sec = 0;
-  day.tm_isdst = -1;
-  if (text == "yesterday") --day.tm_mday;
-  if (text == "today" || text == "yesterday") return std::mktime(&day);
-  int year = 0, month = 0, of_month = 0, number = 0, end = 0;
-  char unit = 0;
-  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &of_month, &end) == 3 &&
-      text.c_str()[end] == '\0') {
-    day.tm_year = year - 1900, day.tm_mon = month - 1, day.tm_mday = of_month;
-    return std::mktime(&day);
-  }
-  end = 0;
-  if (std::sscanf(text.c_str(), "%6d %c%n", &number, &unit, &end) == 2 && number >= 0 &&
-      text.c_str()[end] == '\0') {
-    constexpr std::int64_t hour = 3600;
-    if (unit == 'h') return now - number * hour;
-    if (unit == 'd') return now - number * 24 * hour;
-    if (unit == 'w') return now - number * 7 * 24 * hour;
-  }
-  throw CommandFailed(ExitCode::invalid, "'" + text +
-                                             "' is no time: today, yesterday, \"3 h\", "
-                                             "\"2 d\", \"1 w\" or a day such as 2026-11-20");
-}
-
-std::size_t short_id_length(const std::vector<std::string>& ids) {
-  for (std::size_t length = shortest; length < id_length; ++length) {
-    std::set<std::string> beginnings;
-    for (const std::string& id : ids) beginnings.insert(id.substr(0, length));
-    if (beginnings.size() == ids.size()) return length;
-  }
-  return id_length;
-}
-
-std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
-  return list_some_jobs(connection, std::move(request), limit).jobs;
-}
-
-JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
-  constexpr int largest_page = 1000;  // service.proto
-  JobListing listing;
-  std::vector<v1::Job>& jobs = listing.jobs;
-  do {
-    request.set_page_size(std::min(largest_page, limit - static_cast<int>(jobs.size())));
-    const auto page = connection.call(&Stub::ListJobs, request);
-    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < limit);
-  listing.more = !request.page_token().empty();
-  return listing;
-}
-
-grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
-                              v1::QueryResultResponse& result) {
-  constexpr int readings = 5;  // a worker is restarted less often than that in one reading
-  v1::QueryResultRequest request;
-  request.set_id(id);
-  request.set_frame(frame);
-  grpc::Status status;
-  for (int reading = 0; reading < readings; ++reading) {
-    status = read_pages(connection, request, result);
-    if (status.error_code() != grpc::StatusCode::ABORTED) break;
-  }
-  result.clear_next_page_token();
-  return status;
-}
-
-v1::QueryResultResponse query_result(Connection& connection, const std::string& id) {
-  v1::QueryResultResponse result;
-  check(try_query_result(connection, id, false, result), connection.server());
-  return result;
-}
-
-grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequest& request,
-                                 v1::Job& job) {
-  try {
-    return connection.try_call(&Stub::SubmitJob, request, job);
-  } catch (const Interrupted&) {
-    throw Interrupted(
-        "the job may be in the queue already (dccast list). Submitting the case with "
-        "--request-id " +
-        request.request_id() + " gives one job in any case");
-  }
-}
-
-namespace {
 
 /// One stream: reads until it ends. `next` is the sequence number that is due.
 struct Stream {
@@ -259,6 +141,116 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
 
 }  // namespace
 
+bool can_begin_an_id(const std::string& text) {
+  return !text.empty() && text.size() < id_length &&
+         text.find_first_not_of("0123456789abcdef-") == std::string::npos;
+}
+
+std::string user_name(Connection& connection) {
+  v1::WhoAmIResponse who;
+  if (connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who).ok() && !who.name().empty())
+    return who.name();
+  const passwd* const user = ::getpwuid(::getuid());
+  return user == nullptr ? "" : user->pw_name;
+}
+
+std::string resolve_job(Connection& connection, const std::string& text) {
+  if (text == "last") return last_job(connection);
+  if (can_begin_an_id(text)) return job_that_begins(connection, text);
+  return text;
+}
+
+std::vector<std::string> resolve_jobs(Connection& connection,
+                                      const std::vector<std::string>& texts) {
+  std::vector<std::string> ids;
+  for (const std::string& text : texts) ids.push_back(resolve_job(connection, text));
+  return ids;
+}
+
+std::int64_t seconds_of_past(const std::string& text) {
+  const std::time_t now = std::time(nullptr);
+  std::tm day{};
+  ::localtime_r(&now, &day);
+  day.tm_hour = day.tm_min = day.tm_sec = 0;
+  day.tm_isdst = -1;
+  if (text == "yesterday") --day.tm_mday;
+  if (text == "today" || text == "yesterday") return std::mktime(&day);
+  int year = 0, month = 0, of_month = 0, number = 0, end = 0;
+  char unit = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &of_month, &end) == 3 &&
+      text.c_str()[end] == '\0') {
+    day.tm_year = year - 1900, day.tm_mon = month - 1, day.tm_mday = of_month;
+    return std::mktime(&day);
+  }
+  end = 0;
+  if (std::sscanf(text.c_str(), "%6d %c%n", &number, &unit, &end) == 2 && number >= 0 &&
+      text.c_str()[end] == '\0') {
+    constexpr std::int64_t hour = 3600;
+    if (unit == 'h') return now - number * hour;
+    if (unit == 'd') return now - number * 24 * hour;
+    if (unit == 'w') return now - number * 7 * 24 * hour;
+  }
+  throw invalid(
+      "'" + text +
+      "' is no time: today, yesterday, \"3 h\", \"2 d\", \"1 w\" or a day such as 2026-11-20");
+}
+
+std::size_t short_id_length(const std::vector<std::string>& ids) {
+  for (std::size_t length = shortest; length < id_length; ++length) {
+    std::set<std::string> beginnings;
+    for (const std::string& id : ids) beginnings.insert(id.substr(0, length));
+    if (beginnings.size() == ids.size()) return length;
+  }
+  return id_length;
+}
+
+JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
+  constexpr int largest_page = 1000;  // service.proto
+  JobListing listing;
+  std::vector<v1::Job>& jobs = listing.jobs;
+  do {
+    request.set_page_size(std::min(largest_page, limit - static_cast<int>(jobs.size())));
+    const auto page = connection.call(&Stub::ListJobs, request);
+    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < limit);
+  listing.more = !request.page_token().empty();
+  return listing;
+}
+
+grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
+                              v1::QueryResultResponse& result) {
+  constexpr int readings = 5;  // a worker is restarted less often than that in one reading
+  v1::QueryResultRequest request;
+  request.set_id(id);
+  request.set_frame(frame);
+  grpc::Status status;
+  for (int reading = 0; reading < readings; ++reading) {
+    status = read_pages(connection, request, result);
+    if (status.error_code() != grpc::StatusCode::ABORTED) break;
+  }
+  result.clear_next_page_token();
+  return status;
+}
+
+v1::QueryResultResponse query_result(Connection& connection, const std::string& id) {
+  v1::QueryResultResponse result;
+  check(try_query_result(connection, id, false, result), connection.server());
+  return result;
+}
+
+grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequest& request,
+                                 v1::Job& job) {
+  try {
+    return connection.try_call(&Stub::SubmitJob, request, job);
+  } catch (const Interrupted&) {
+    throw Interrupted(
+        "the job may be in the queue already (dccast list). Submitting the case with "
+        "--request-id " +
+        request.request_id() + " gives one job in any case");
+  }
+}
+
 v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& id,
                                      std::int64_t from_sequence,
                                      const std::function<void(const v1::JobEvent&)>& on_event,
@@ -272,19 +264,10 @@ v1::JobEvent::StateChange follow_job(Connection& connection, const std::string& 
 }
 
 bool is_passing(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::OK:
-    case grpc::StatusCode::UNAVAILABLE:
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-    case grpc::StatusCode::CANCELLED:
-    case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::UNKNOWN:
-    case grpc::StatusCode::INTERNAL:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return true;
-    default:
-      return false;
-  }
+  constexpr std::array passing{grpc::OK,        grpc::UNAVAILABLE,       grpc::DEADLINE_EXCEEDED,
+                               grpc::CANCELLED, grpc::ABORTED,           grpc::UNKNOWN,
+                               grpc::INTERNAL,  grpc::RESOURCE_EXHAUSTED};
+  return std::ranges::find(passing, code) != passing.end();
 }
 
 ExitCode exit_code_of(v1::JobState state) {

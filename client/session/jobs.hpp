@@ -33,17 +33,15 @@ std::size_t short_id_length(const std::vector<std::string>& ids);
 /// Help text of a JOB argument.
 inline constexpr const char* job_help = "Job id, the beginning of one, or last";
 
-/// Lists the jobs of a request, newest first, at most `limit`; reads all pages that are needed.
-/// Throws CommandFailed, Interrupted.
-/// @param request  its page size and token are set here
-std::vector<v1::Job> list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
-
 /// A list of jobs, and whether the server has more.
 struct JobListing {
   std::vector<v1::Job> jobs;
   bool more = false;
 };
-JobListing list_some_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
+/// Lists the jobs of a request, newest first, at most `limit`; reads all pages that are needed.
+/// Throws CommandFailed, Interrupted.
+/// @param request  its page size and token are set here
+JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
 
 /// Reads the whole history of a job, page by page, with the case and, on request, the last stored
 /// frame. If the job is resumed from an earlier step meanwhile, the history is read again.

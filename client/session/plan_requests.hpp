@@ -5,10 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "client/session/failure.hpp"
+#include "client/session/connection.hpp"
 #include "dccast/v1/study.pb.h"
 #include "proto/frames/steady_face.hpp"
 
+/// Plans of studies: sweeps, the design of a mould, and of a recipe.
 namespace dccast::client {
 
 /// Content of a sweep file: its case and its plan.
@@ -34,8 +35,6 @@ SweepFile read_sweep_file(const std::string& file);
 /// An axis from "KEY=a,b,c". Commas inside brackets and quotes do not separate values. Throws
 /// CommandFailed.
 v1::SweepPlan::Axis axis_of(std::string_view text);
-
-class Connection;
 
 /// The mould of one run and the resulting cold slab.
 struct CastMould {
@@ -67,5 +66,30 @@ struct MouldDesign {
 
 /// Throws CommandFailed, also for a study of another kind.
 MouldDesign read_mould_design(Connection& connection, const std::string& study);
+
+/// What the user chose, with the limits of a plant. Texts are as in a case file.
+struct RecipeChoice {
+  std::string band;   ///< empty: plausibility.least_curl and greatest_curl of the case
+  std::string point;  ///< empty: the monitor with the largest curl
+  std::string speed = "20..120 mm/min", speed_rate = "60 mm/min2";
+  std::string water = "30..400 l/min/m", water_rate = "200 l/min2/m";
+  std::string hold = "10..300 s", filling = "5..200 s", ramp = "10..600 s";
+  int within_percent = 30;  ///< levels of speed and water about those of the case
+  int drafts = 128, castings = 12, candidates = 4;
+  std::uint64_t seed = 0;
+};
+
+/// Makes the study of a request a recipe plan, with every datum that has a range. Levels may be
+/// `within_percent` of the case's, times between half and double; all of it inside the limits. The
+/// request id follows from the request, so that the same one finds the study that is there. Throws
+/// CommandFailed.
+void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
+                    v1::CreateStudyRequest& request);
+
+/// Goes on with a study that was cancelled or lost runs to their machine. @return as it is then
+v1::Study taken_up(Connection& connection, const v1::Study& study);
+
+/// Cancels a study after an interruption, over a connection of its own.
+void cancel_after_interruption(const Connection& interrupted, const std::string& id);
 
 }  // namespace dccast::client

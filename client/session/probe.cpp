@@ -1,11 +1,10 @@
-#include "client/session/probe.hpp"
+#include "client/session/servers.hpp"
 
 #include <arpa/inet.h>
 #include <openssl/bio.h>
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
-#include <signal.h>
 #include <time.h>
 
 #include <array>
@@ -14,29 +13,10 @@
 #include "client/session/socket.hpp"
 #include "client/session/ssh_tunnel.hpp"
 #include "proto/values/digests.hpp"
-#include "proto/values/owned.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {
-
-using Context = values::Owned<SSL_CTX, SSL_CTX_free>;
-using Session = values::Owned<SSL, SSL_free>;
-using Bio = values::Owned<BIO, BIO_free>;
-using Certificate = values::Owned<X509, X509_free>;
-
-const std::string greeting("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
-
-enum class Speaks { http2, tls, http1, nothing, something_else };
-
-/// What a server answers to the greeting of HTTP/2 without TLS.
-Speaks language_of(const std::string& answer) {
-  if (answer.empty()) return Speaks::nothing;
-  if (answer.starts_with("HTTP/1") || answer.starts_with("<")) return Speaks::http1;
-  if (answer[0] == 0x15 || answer[0] == 0x16) return Speaks::tls;
-  return answer.size() >= 9 && answer[0] == 0 && answer[3] == 4 ? Speaks::http2
-                                                                : Speaks::something_else;
-}
 
 /// A proxy of the environment, e.g. "https_proxy=http://proxy:3128"; empty: none.
 std::string proxy() {
@@ -47,9 +27,11 @@ std::string proxy() {
   return "";
 }
 
-Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort& to,
-                             const std::string& reason, const ProbeOptions& options) {
+Diagnosis without_connection(const Socket& socket, const values::HostAndPort& to,
+                             const ProbeOptions& options) {
   using Outcome = Socket::Outcome;
+  const Outcome outcome = socket.outcome();
+  const std::string& reason = socket.reason();
   const std::string where = to.host + " port " + to.port;
   if (outcome == Outcome::no_name)
     return {"the name " + to.host + " cannot be resolved (" + reason + ")",
@@ -61,8 +43,8 @@ Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort&
                 to.host};
   if (outcome == Outcome::refused)
     return {"the machine answers, but no program listens at " + where,
-            "start dccastd there with listen_tls at this port, or give the port that it has "
-            "(its log names it)"};
+            "start dccastd there with listen_tls at this port, or give the port that it has (its "
+            "log names it)"};
   if (outcome == Outcome::timed_out)
     return {"nothing answers from " + where + " within " +
                 std::to_string(double(options.timeout.count()) / 1000.0).substr(0, 4) +
@@ -77,18 +59,7 @@ Diagnosis without_connection(Socket::Outcome outcome, const values::HostAndPort&
 std::string date(const ASN1_TIME* time) {
   tm parts{};
   ASN1_TIME_to_tm(time, &parts);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
-}
-
-std::string clock_now() {
-  const std::time_t now = ::time(nullptr);
-  tm parts{};
-  ::gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
+  return utc_text(::timegm(&parts));
 }
 
 std::string names_of(X509* certificate) {
@@ -113,51 +84,9 @@ std::string names_of(X509* certificate) {
   return names.empty() ? "none" : names;
 }
 
-bool is_number(const std::string& host) {
-  std::array<unsigned char, 16> bytes;
-  return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 ||
-         ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
-}
-
-Certificate parse(const std::string& pem) {
-  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
-  return Certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
-}
-
-/// A handshake over a connected socket. Verification does not end it: what it found is asked after.
-struct Handshake {
-  Context context;
-  Session session;
-  bool made = false;
-};
-
-Handshake shake_hands(const Socket& socket, const values::HostAndPort& to, const std::string& ca) {
-  Handshake hands{Context(SSL_CTX_new(TLS_client_method())), nullptr};
-  SSL_CTX_set_verify(hands.context.get(), SSL_VERIFY_PEER, [](int, X509_STORE_CTX*) { return 1; });
-  if (const Certificate trusted = ca.empty() ? nullptr : parse(ca))
-    X509_STORE_add_cert(SSL_CTX_get_cert_store(hands.context.get()), trusted.get());
-  hands.session.reset(SSL_new(hands.context.get()));
-  constexpr std::array<unsigned char, 3> http2{2, 'h', '2'};
-  SSL_set_alpn_protos(hands.session.get(), http2.data(), http2.size());
-  if (is_number(to.host)) {
-    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(hands.session.get()), to.host.c_str());
-  } else {
-    SSL_set_tlsext_host_name(hands.session.get(), to.host.c_str());
-    SSL_set1_host(hands.session.get(), to.host.c_str());
-  }
-  SSL_set_fd(hands.session.get(), socket.descriptor());
-  // OpenSSL writes to a connection that the other side may have closed.
-  const auto before = ::signal(SIGPIPE, SIG_IGN);
-  hands.made = SSL_connect(hands.session.get()) == 1;
-  ::signal(SIGPIPE, before);
-  return hands;
-}
-
 bool takes_tls(const values::HostAndPort& to, const ProbeOptions& options) {
-  Socket socket;
-  std::string reason;
-  return socket.connect(to, options.timeout, reason) == Socket::Outcome::connected &&
-         shake_hands(socket, to, "").made;
+  const Socket socket(to, options.timeout);
+  return socket.is_connected() && Handshake(socket, to, "").made;
 }
 
 /// What answers without TLS, which only loopback and tunnels have.
@@ -184,7 +113,7 @@ Diagnosis judge_plain(Speaks language, const std::string& address,
 
 Diagnosis plain(Socket& socket, const values::HostAndPort& to, const std::string& address,
                 const ProbeOptions& options, std::vector<std::string>& found) {
-  Speaks language = language_of(socket.exchange(greeting));
+  Speaks language = language_of(socket.exchange(http2_greeting));
   // gRPC behind TLS closes without a sign of its own.
   if (language == Speaks::nothing && takes_tls(to, options)) language = Speaks::tls;
   return judge_plain(language, address, found);
@@ -195,7 +124,7 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   const long verdict = SSL_get_verify_result(session);
   X509* shown = SSL_get0_peer_certificate(session);
   if (verdict == X509_V_OK || shown == nullptr) return {};
-  const std::string here = "; this machine's clock has " + clock_now();
+  const std::string here = "; this machine's clock has " + utc_text(::time(nullptr));
   switch (verdict) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
       return {"the server's certificate has expired on " + date(X509_get0_notAfter(shown)) + here,
@@ -215,8 +144,8 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
       return {
-          "the server's certificate is of a CA that is unknown here: another server, a proxy "
-          "that reads along, or a CA made anew",
+          "the server's certificate is of a CA that is unknown here: another server, a proxy that "
+          "reads along, or a CA made anew",
           "ask an admin whether the CA was changed; if so log in again with a new line"};
     default:
       return {std::string("the server's certificate is refused: ") +
@@ -228,12 +157,11 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
 /// Why there was no handshake: what the server speaks instead.
 Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address,
                        const ProbeOptions& options) {
-  Socket second;
-  std::string reason;
-  if (second.connect(to, options.timeout, reason) != Socket::Outcome::connected)
+  Socket second(to, options.timeout);
+  if (!second.is_connected())
     return {"the server at " + address + " ends each connection at once",
             "it may have too many of them; try again later"};
-  switch (language_of(second.exchange(greeting))) {
+  switch (language_of(second.exchange(http2_greeting))) {
     case Speaks::http2:
       return {"the server speaks no TLS at " + address + ", and this client does",
               "give the port of listen_tls; the log of dccastd names it"};
@@ -251,7 +179,7 @@ Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address
 
 Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endpoint& endpoint,
                  const ProbeOptions& options, std::vector<std::string>& found) {
-  const Handshake hands = shake_hands(socket, to, endpoint.ca);
+  const Handshake hands(socket, to, endpoint.ca);
   if (!hands.made) return no_handshake(to, endpoint.address, options);
   found.push_back(std::string("it speaks ") + SSL_get_version(hands.session.get()));
   if (endpoint.ca.empty())
@@ -269,17 +197,12 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   return {};
 }
 
-std::string role_text(v1::Role role) {
-  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
-}
-
 /// With a call: token, version, role.
 Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
                std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   Connection connection(endpoint, std::move(interruption));
-  connection.set_policy({.attempts = 1});
   v1::WhoAmIResponse who;
-  const grpc::Status status = connection.try_call(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
+  const grpc::Status status = connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return {"the server is of an earlier version than this client, " + options.version +
                 ", and knows no users",
@@ -295,7 +218,7 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   found.push_back("you are " + (who.name().empty() ? "a local user" : who.name()) + ", " +
                   role_text(who.role()) + ", by " + who.proof());
   v1::GetServerInfoResponse info;
-  if (connection.try_call(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
+  if (connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
       info.version() != options.version)
     return {"the server is dccastd " + info.version() + ", and this client is dccast " +
                 options.version,
@@ -313,7 +236,7 @@ Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
                       std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   const SshTunnel tunnel(server);
   std::string answer;
-  const Diagnosis way = tunnel.try_once(greeting, options.timeout, answer);
+  const Diagnosis way = tunnel.try_once(http2_greeting, options.timeout, answer);
   if (!way.sound()) return way;
   found.push_back("ssh reaches " + tunnel.target() + " on the other machine");
   const Diagnosis wire = judge_plain(language_of(answer), server, found);
@@ -322,6 +245,19 @@ Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
 }
 
 }  // namespace
+
+std::string utc_text(std::int64_t unix_s) {
+  const std::time_t time = unix_s;
+  tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
+  return text.data();
+}
+
+std::string role_text(v1::Role role) {
+  return role == v1::ADMIN ? "admin" : role == v1::SUBMITTER ? "submitter" : "viewer";
+}
 
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
@@ -336,11 +272,8 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
   if (to.port.empty())
     return {"the address " + address + " names no port",
             "write " + address + ":7118, or the port of listen_tls that the log of dccastd names"};
-  Socket socket;
-  std::string reason;
-  const auto outcome = socket.connect(to, options.timeout, reason);
-  if (outcome != Socket::Outcome::connected)
-    return without_connection(outcome, to, reason, options);
+  Socket socket(to, options.timeout);
+  if (!socket.is_connected()) return without_connection(socket, to, options);
   found.push_back("connected to " + address);
   const Diagnosis wire = endpoint.is_plain() ? plain(socket, to, address, options, found)
                                              : secure(socket, to, endpoint, options, found);
@@ -353,12 +286,9 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
     return CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
   };
   const values::HostAndPort to = values::host_and_port(address);
-  Socket socket;
-  std::string reason;
-  const auto outcome = socket.connect(to, options.timeout, reason);
-  if (outcome != Socket::Outcome::connected)
-    throw refuse(without_connection(outcome, to, reason, options));
-  const Handshake hands = shake_hands(socket, to, "");
+  const Socket socket(to, options.timeout);
+  if (!socket.is_connected()) throw refuse(without_connection(socket, to, options));
+  const Handshake hands(socket, to, "");
   if (!hands.made) throw refuse(no_handshake(to, address, options));
   STACK_OF(X509)* chain = SSL_get_peer_cert_chain(hands.session.get());
   for (int i = 0; i < sk_X509_num(chain); ++i) {
@@ -366,15 +296,15 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
     unsigned size = 0;
     X509_digest(sk_X509_value(chain, i), EVP_sha256(), digest.data(), &size);
     if (values::hexadecimal({digest.data(), size}) != fingerprint) continue;
-    const Bio bio(BIO_new(BIO_s_mem()));
+    const values::Owned<BIO, BIO_free> bio(BIO_new(BIO_s_mem()));
     PEM_write_bio_X509(bio.get(), sk_X509_value(chain, i));
     char* bytes = nullptr;
     const long length = BIO_get_mem_data(bio.get(), &bytes);
     return {bytes, static_cast<std::size_t>(length)};
   }
   throw refuse({"the server at " + address +
-                    " does not show the CA with the fingerprint of the "
-                    "line: it is another server, or some program in between",
+                    " does not show the CA with the fingerprint of the line: it is another server, "
+                    "or some program in between",
                 "do not go on; ask the admin who gave you the line"});
 }
 

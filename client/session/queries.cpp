@@ -17,16 +17,6 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-v1::QueryButtCurlRequest request_of(const CaseUnderCheck& checked, bool keep) {
-  v1::QueryButtCurlRequest request;
-  *request.mutable_case_() = checked.description;
-  request.set_keep(keep);
-  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
-  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
-                                        checked.read.attachments.end());
-  return request;
-}
-
 /// Of one code the last finding holds.
 void take(const v1::Finding& finding, std::vector<v1::Finding>& findings) {
   const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
@@ -54,12 +44,6 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
     answer.solver_s = response.ended().solver_s();
     if (response.ended().has_failure()) answer.failure = response.ended().failure();
   }
-}
-
-void require_end(const Answer& answer, const Connection& connection) {
-  if (answer.state == v1::JOB_STATE_UNSPECIFIED)
-    throw CommandFailed(ExitCode::unreachable,
-                        connection.server() + " ended the answer before its end; ask again");
 }
 
 constexpr std::size_t at_once = 8;
@@ -95,7 +79,9 @@ private:
 std::optional<Answer> ask_query(
     Connection& connection, CaseUnderCheck& checked, bool keep,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response) {
-  const v1::QueryButtCurlRequest request = request_of(checked, keep);
+  v1::QueryButtCurlRequest request;
+  put_case(checked, request);
+  request.set_keep(keep);
   Answer answer;
   answer.changes = checked.changes;
   grpc::ClientContext context;
@@ -113,14 +99,14 @@ std::optional<Answer> ask_query(
   checked.faults = faults_of(status);
   if (!checked.faults.empty()) return std::nullopt;
   check(status, connection.server());
-  require_end(answer, connection);
+  if (answer.state == v1::JOB_STATE_UNSPECIFIED)
+    throw CommandFailed(ExitCode::unreachable,
+                        connection.server() + " ended the answer before its end; ask again");
   return answer;
 }
 
 Answer answer_of_job(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  const v1::Job job = connection.call(&Stub::GetJob, request);
+  const v1::Job job = connection.call(&Stub::GetJob, id);
   const v1::QueryResultResponse result = query_result(connection, id);
   Answer answer;
   answer.job = job.id();
@@ -142,8 +128,7 @@ std::vector<std::optional<Answer>> ask_queries(Connection& connection,
   while (answers.size() < cases.size()) {
     std::vector<Question> questions;
     const std::size_t end = std::min(cases.size(), answers.size() + at_once);
-    for (std::size_t i = answers.size(); i < end; ++i)
-      questions.emplace_back(connection, cases[i]);
+    for (std::size_t i = answers.size(); i < end; ++i) questions.emplace_back(connection, cases[i]);
     for (Question& question : questions)
       answers.push_back(question.answer(connection.interruption()));
   }

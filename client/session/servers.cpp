@@ -12,7 +12,6 @@
 
 #include <toml++/toml.h>
 
-#include "client/session/probe.hpp"
 #include "client/session/socket.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
@@ -24,38 +23,33 @@ namespace fs = std::filesystem;
 
 constexpr const char* sha256_begins = "sha256:";
 
-std::string text(const toml::table& table, const char* key) {
-  return table[key].value_or(std::string());
+/// The keys of a server in the file, in their order, with what they are of it.
+std::array<std::pair<const char*, std::string*>, 7> texts_of(StoredServer& server) {
+  Endpoint& to = server.endpoint;
+  return {{{"name", &server.name},
+           {"address", &to.address},
+           {"user", &server.user},
+           {"token", &to.token},
+           {"certificate", &to.certificate},
+           {"key", &to.key},
+           {"ca", &to.ca}}};
 }
 
 StoredServer read(const toml::table& table) {
-  return {text(table, "name"),
-          {.address = text(table, "address"),
-           .ca = text(table, "ca"),
-           .token = text(table, "token"),
-           .certificate = text(table, "certificate"),
-           .key = text(table, "key")},
-          text(table, "user")};
+  StoredServer server;
+  for (const auto& [key, value] : texts_of(server)) *value = table[key].value_or(std::string());
+  return server;
 }
 
-toml::table table_of(const StoredServer& server) {
+toml::table table_of(StoredServer server) {
   toml::table table;
-  const Endpoint& to = server.endpoint;
-  const std::array<std::pair<const char*, const std::string*>, 7> texts{
-      {{"name", &server.name},
-       {"address", &to.address},
-       {"user", &server.user},
-       {"token", &to.token},
-       {"certificate", &to.certificate},
-       {"key", &to.key},
-       {"ca", &to.ca}}};
-  for (const auto& [key, value] : texts)
+  for (const auto& [key, value] : texts_of(server))
     if (!value->empty()) table.insert(key, *value);
   return table;
 }
 
 [[noreturn]] void fail(const fs::path& file, const std::string& what) {
-  throw CommandFailed(ExitCode::invalid, file.string() + ": " + what);
+  throw invalid(file.string() + ": " + what);
 }
 
 }  // namespace
@@ -98,9 +92,7 @@ void StoredServers::remove(const std::string& name) {
 
 /// A new file in place of the old one, never readable by others.
 void StoredServers::write() const {
-  if (file_.empty())
-    throw CommandFailed(ExitCode::invalid,
-                        "there is no folder for the login: set HOME or XDG_CONFIG_HOME");
+  if (file_.empty()) throw invalid("there is no folder for the login: set HOME or XDG_CONFIG_HOME");
   toml::array servers;
   for (const StoredServer& server : all_) servers.push_back(table_of(server));
   std::ostringstream content;
@@ -145,9 +137,8 @@ EnrolmentLine read_enrolment_line(const std::string& line) {
   if (!fingerprint.starts_with(sha256_begins) ||
       fingerprint.size() != std::strlen(sha256_begins) + digits || first == 0 ||
       second + 1 == words.size())
-    throw CommandFailed(ExitCode::invalid, "\"" + values::escaped(values::shortened(line)) +
-                                               "\" is not the line of `dccastd user add`: "
-                                               "HOST:PORT/sha256:FINGERPRINT/SECRET");
+    throw invalid("\"" + values::escaped(values::shortened(line)) +
+                  "\" is not the line of `dccastd user add`: HOST:PORT/sha256:FINGERPRINT/SECRET");
   return {words.substr(0, first), fingerprint.substr(std::strlen(sha256_begins)),
           words.substr(second + 1)};
 }

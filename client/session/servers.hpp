@@ -1,11 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "client/session/connection.hpp"
 
+/// The servers of a user: logins to them, and why calls to one fail.
 namespace dccast::client {
 
 /// A server that `dccast login` has stored.
@@ -52,5 +55,29 @@ EnrolmentLine read_enrolment_line(const std::string& text);
 /// anything is sent, and buys a token. Throws CommandFailed.
 StoredServer log_in(const EnrolmentLine& line, const std::string& name,
                     std::shared_ptr<Interruption> interruption);
+
+/// "2026-11-20 14:03Z".
+std::string utc_text(std::int64_t unix_s);
+
+std::string role_text(v1::Role role);
+
+struct ProbeOptions {
+  std::chrono::milliseconds timeout{5000};  ///< of each step on the wire
+  std::string role{};                       ///< that the user is to have; empty: any
+  std::string version;                      ///< of this client
+};
+
+/// Why calls to a server fail, step by step: address, name, port, TLS, certificate, and last a call
+/// with the token. Uses sockets and OpenSSL, as gRPC states no more than that a connection failed.
+/// "ssh://...": whether ssh reaches the machine, whether the port there takes connections, a call.
+/// @param found  a line for each step that succeeded is added
+Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
+                   std::vector<std::string>& found, std::shared_ptr<Interruption> interruption);
+
+/// The certificate with this fingerprint among those a server shows, as PEM: the CA that a login
+/// trusts from then on. Throws CommandFailed with the diagnosis if there is none.
+/// @param fingerprint  SHA-256 of its DER form, 64 hexadecimal digits
+std::string certificate_with_fingerprint(const std::string& address, const std::string& fingerprint,
+                                         const ProbeOptions& options);
 
 }  // namespace dccast::client

@@ -1,8 +1,11 @@
 #include "client/session/socket.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <netdb.h>
+#include <openssl/pem.h>
 #include <poll.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -10,10 +13,12 @@
 
 #include <array>
 #include <cerrno>
-#include <utility>
 
 namespace dccast::client {
 namespace {
+
+using Bio = values::Owned<BIO, BIO_free>;
+using Certificate = values::Owned<X509, X509_free>;
 
 /// Connects without waiting longer than the limit. @return 0 or the error of the system
 int connect_within(int descriptor, const addrinfo& to, std::chrono::milliseconds timeout) {
@@ -49,6 +54,17 @@ Socket::Outcome outcome_of(int error) {
   }
 }
 
+bool is_number(const std::string& host) {
+  std::array<unsigned char, 16> bytes;
+  return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 ||
+         ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
+}
+
+Certificate parse(const std::string& pem) {
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  return Certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+}
+
 }  // namespace
 
 std::string name_of_this_machine() {
@@ -57,20 +73,18 @@ std::string name_of_this_machine() {
   return name.data();
 }
 
-Socket::Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
 Socket::~Socket() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-Socket::Outcome Socket::connect(const values::HostAndPort& to, std::chrono::milliseconds timeout,
-                                std::string& reason) {
+Socket::Socket(const values::HostAndPort& to, std::chrono::milliseconds timeout) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* all = nullptr;
   if (const int error = ::getaddrinfo(to.host.c_str(), to.port.c_str(), &hints, &all)) {
-    reason = ::gai_strerror(error);
-    return Outcome::no_name;
+    outcome_ = Outcome::no_name;
+    reason_ = ::gai_strerror(error);
+    return;
   }
   int error = 0;
   for (const addrinfo* one = all; one != nullptr; one = one->ai_next) {
@@ -84,9 +98,9 @@ Socket::Outcome Socket::connect(const values::HostAndPort& to, std::chrono::mill
     if (tried >= 0) ::close(tried);
   }
   ::freeaddrinfo(all);
-  if (descriptor_ >= 0) return Outcome::connected;
-  reason = ::strerror(error);
-  return outcome_of(error);
+  if (is_connected()) return;
+  outcome_ = outcome_of(error);
+  reason_ = ::strerror(error);
 }
 
 std::string Socket::exchange(const std::string& sent) {
@@ -94,6 +108,37 @@ std::string Socket::exchange(const std::string& sent) {
   if (::send(descriptor_, sent.data(), sent.size(), MSG_NOSIGNAL) < 0) return "";
   const auto size = ::recv(descriptor_, bytes.data(), bytes.size(), 0);
   return size > 0 ? std::string(bytes.data(), static_cast<std::size_t>(size)) : "";
+}
+
+const std::string http2_greeting("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
+
+Speaks language_of(const std::string& answer) {
+  if (answer.empty()) return Speaks::nothing;
+  if (answer.starts_with("HTTP/1") || answer.starts_with("<")) return Speaks::http1;
+  if (answer[0] == 0x15 || answer[0] == 0x16) return Speaks::tls;
+  return answer.size() >= 9 && answer[0] == 0 && answer[3] == 4 ? Speaks::http2
+                                                                : Speaks::something_else;
+}
+
+Handshake::Handshake(const Socket& socket, const values::HostAndPort& to, const std::string& ca)
+    : context(SSL_CTX_new(TLS_client_method())), session(nullptr) {
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, [](int, X509_STORE_CTX*) { return 1; });
+  if (const Certificate trusted = ca.empty() ? nullptr : parse(ca))
+    X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), trusted.get());
+  session.reset(SSL_new(context.get()));
+  constexpr std::array<unsigned char, 3> http2{2, 'h', '2'};
+  SSL_set_alpn_protos(session.get(), http2.data(), http2.size());
+  if (is_number(to.host)) {
+    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(session.get()), to.host.c_str());
+  } else {
+    SSL_set_tlsext_host_name(session.get(), to.host.c_str());
+    SSL_set1_host(session.get(), to.host.c_str());
+  }
+  SSL_set_fd(session.get(), socket.descriptor());
+  // OpenSSL writes to a connection that the other side may have closed.
+  const auto before = ::signal(SIGPIPE, SIG_IGN);
+  made = SSL_connect(session.get()) == 1;
+  ::signal(SIGPIPE, before);
 }
 
 }  // namespace dccast::client

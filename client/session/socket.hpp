@@ -1,11 +1,14 @@
 #pragma once
 
+#include <openssl/ssl.h>
+
 #include <chrono>
-#include <memory>
 #include <string>
 
 #include "proto/values/address.hpp"
+#include "proto/values/owned.hpp"
 
+/// What is on the wire to a server: a connection without gRPC, and what is spoken there.
 namespace dccast::client {
 
 std::string name_of_this_machine();
@@ -15,20 +18,40 @@ class Socket {
 public:
   enum class Outcome { connected, no_name, refused, timed_out, no_route, failed };
 
-  Socket() = default;
+  Socket(const values::HostAndPort& to, std::chrono::milliseconds timeout);
   Socket(const Socket&) = delete;
-  Socket(Socket&& other) noexcept;
   ~Socket();
 
-  /// @param reason  is set to the system's words if it is not connected
-  Outcome connect(const values::HostAndPort& to, std::chrono::milliseconds timeout,
-                  std::string& reason);
+  bool is_connected() const { return descriptor_ >= 0; }
+  Outcome outcome() const { return outcome_; }
+  const std::string& reason() const { return reason_; }  ///< the system's words; empty if connected
   /// What arrives within the time limit, up to 64 bytes, after `sent` was sent.
   std::string exchange(const std::string& sent);
   int descriptor() const { return descriptor_; }
 
 private:
   int descriptor_ = -1;
+  Outcome outcome_ = Outcome::connected;
+  std::string reason_;
+};
+
+/// The greeting of HTTP/2.
+extern const std::string http2_greeting;
+
+enum class Speaks { http2, tls, http1, nothing, something_else };
+
+/// What a server answers to the greeting without TLS.
+Speaks language_of(const std::string& answer);
+
+/// A TLS handshake over a connected socket. Verification does not end it: what it found is asked
+/// after.
+struct Handshake {
+  /// @param ca  PEM, trusted alone; empty: none is
+  Handshake(const Socket& socket, const values::HostAndPort& to, const std::string& ca);
+
+  values::Owned<SSL_CTX, SSL_CTX_free> context;
+  values::Owned<SSL, SSL_free> session;
+  bool made = false;
 };
 
 }  // namespace dccast::client

@@ -33,9 +33,9 @@ std::vector<std::string> command_for(const std::string& server) {
       R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(?:/(\d{1,5})?)?)");
   std::smatch parts;
   if (!std::regex_match(server, parts, form))
-    throw CommandFailed(ExitCode::invalid, "--server " + server +
-                                               ": write ssh://[USER@]HOST[:SSH_PORT][/PORT], where "
-                                               "PORT is that of dccastd on HOST (7117)");
+    throw invalid("--server " + server +
+                  ": write ssh://[USER@]HOST[:SSH_PORT][/PORT], where PORT is that of dccastd on "
+                  "HOST (7117)");
   const std::string port = parts[3].matched ? ":" + parts[3].str() : default_port;
   std::vector<std::string> command{"ssh", "-T", "-W", "127.0.0.1" + port};
   if (parts[2].matched) command.insert(command.end(), {"-p", parts[2].str()});

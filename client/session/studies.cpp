@@ -13,17 +13,6 @@
 namespace dccast::client {
 namespace {
 
-v1::CreateStudyRequest request_of(const StudyCase& base, const CaseUnderCheck& checked) {
-  v1::CreateStudyRequest request;
-  request.set_request_id(values::random_uuid());
-  *request.mutable_case_() = checked.description;
-  *request.mutable_attachments() = {checked.read.attachments.begin(),
-                                    checked.read.attachments.end()};
-  *request.mutable_changes() = {checked.changes.begin(), checked.changes.end()};
-  *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
-  return request;
-}
-
 /// What is wrong with a plan or one of its cases, a line each.
 void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
   const std::string& message = status.error_message();
@@ -56,17 +45,6 @@ Stream read_stream(Connection& connection, const std::string& id,
   return stream;
 }
 
-bool ended(const Stream& stream) {
-  return stream.status.ok() && stream.last && stream.last->state() != v1::STUDY_RUNNING;
-}
-
-v1::EvaluateStudyRequest question(const std::string& id, bool curves) {
-  v1::EvaluateStudyRequest request;
-  request.set_id(id);
-  request.set_curves(curves);
-  return request;
-}
-
 }  // namespace
 
 std::optional<v1::Study> create_study(
@@ -77,7 +55,10 @@ std::optional<v1::Study> create_study(
     print_faults(checked, std::cerr);
     return std::nullopt;
   }
-  v1::CreateStudyRequest request = request_of(base, checked);
+  v1::CreateStudyRequest request;
+  request.set_request_id(values::random_uuid());
+  put_case(checked, request);
+  *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
   add_plan(request);
   v1::Study study;
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
@@ -97,13 +78,16 @@ v1::Study follow_study(Connection& connection, const std::string& id,
                        const std::function<void(const v1::Study&)>& on_study,
                        std::ostream& messages, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
-  for (int attempt = 1; attempt < policy.attempts; ++attempt) {
+  for (int attempt = 0; attempt < policy.attempts;) {
     const Stream stream = read_stream(connection, id, on_study);
-    if (ended(stream)) return *stream.last;
+    if (stream.status.ok() && stream.last && stream.last->state() != v1::STUDY_RUNNING)
+      return *stream.last;
     if (connection.interruption().came()) throw Interrupted("");
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
-    if (stream.last) attempt = 1, pause = policy.first_pause;
+    attempt = stream.last ? 1 : attempt + 1;
+    if (stream.last) pause = policy.first_pause;
+    if (attempt == policy.attempts) break;
     messages << "watch: the stream from " << connection.server()
              << " ended but the study has not; taking it up again (attempt " << attempt << " of "
              << policy.attempts - 1 << ")" << std::endl;
@@ -136,8 +120,8 @@ std::string resolve_study(Connection& connection, const std::string& text) {
     if (text == "last" && study.owner() == user) return study.id();
     if (text == "last" || !study.id().starts_with(text)) continue;
     if (!found.empty())
-      throw CommandFailed(ExitCode::invalid, "'" + text + "' is the beginning of more than one " +
-                                                 "study:\n  " + found + "\n  " + study.id());
+      throw invalid("'" + text + "' is the beginning of more than one " + "study:\n  " + found +
+                    "\n  " + study.id());
     found = study.id();
   }
   if (!found.empty()) return found;
@@ -156,31 +140,40 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
   v1::ListJobsRequest request;
   request.set_study(id);
   std::vector<v1::Job> jobs =
-      list_jobs(connection, std::move(request), std::numeric_limits<int>::max());
+      list_jobs(connection, std::move(request), std::numeric_limits<int>::max()).jobs;
   std::reverse(jobs.begin(), jobs.end());
   return jobs;
 }
 
 v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves) {
-  return connection.call(&Stub::EvaluateStudy, question(id, curves));
+  v1::EvaluateStudyRequest request;
+  request.set_id(id);
+  request.set_curves(curves);
+  return connection.call(&Stub::EvaluateStudy, request);
+}
+
+v1::StudyResult find_study(Connection& connection, const std::string& id) {
+  v1::EvaluateStudyRequest request;
+  request.set_id(id);
+  v1::StudyResult result;
+  const grpc::Status status = connection.try_call(&Stub::EvaluateStudy, request, result);
+  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
+  check(status, connection.server());
+  return result;
 }
 
 Study read_study(Connection& connection, const std::string& id) {
   const v1::StudyResult result = evaluate_study(connection, id);
   if (!result.study().has_refinement())
-    throw CommandFailed(ExitCode::invalid, "study " + id + " compares no meshes; dccast studies " +
-                                               id + " shows what it is");
+    throw invalid("study " + id + " compares no meshes; dccast studies " + id +
+                  " shows what it is");
   return study_of(result, jobs_of_study(connection, id));
 }
 
 Study study_around(Connection& connection, const v1::Job& job) {
   if (job.study().empty()) return {};
-  v1::StudyResult result;
-  const grpc::Status status =
-      connection.try_call(&Stub::EvaluateStudy, question(job.study(), false), result);
   // Jobs may have a study id in common that no study of the server has.
-  if (status.error_code() == grpc::StatusCode::NOT_FOUND) return {};
-  check(status, connection.server());
+  const v1::StudyResult result = find_study(connection, job.study());
   if (!result.study().has_refinement()) return {};
   return study_of(result, jobs_of_study(connection, job.study()));
 }

@@ -53,6 +53,9 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
 /// Results of a study so far. Throws CommandFailed.
 v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves = false);
 
+/// The same; an empty result where the server has no such study.
+v1::StudyResult find_study(Connection& connection, const std::string& id);
+
 /// A refinement study with its jobs. Throws CommandFailed, also for a study of another kind.
 Study read_study(Connection& connection, const std::string& id);
 

@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "client/model/study.hpp"
-#include "client/session/calibration.hpp"
 #include "client/session/data_study.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"

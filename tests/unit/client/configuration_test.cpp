@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/cli/configuration.hpp"
+#include "client/cli/options.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
 #include "proto/case_file/shipped.hpp"

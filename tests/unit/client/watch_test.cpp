@@ -1,9 +1,12 @@
+#include <grpcpp/server_builder.h>
+
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/session/jobs.hpp"
+#include "client/session/studies.hpp"
 #include "fake_service.hpp"
 
 namespace dccast::client {
@@ -69,6 +72,32 @@ TEST_F(Watch, AnUnknownJobIsNotAskedForTwice) {
   service.job.set_id("other");
   EXPECT_THROW(follow(), CommandFailed);
   EXPECT_EQ(service.streams, 1);
+}
+
+/// Ends every stream about a study before its first word.
+struct SilentStudies final : v1::SimulationService::Service {
+  std::atomic<int> streams{0};
+  grpc::Status WatchStudy(grpc::ServerContext*, const v1::WatchStudyRequest*,
+                          grpc::ServerWriter<v1::Study>*) override {
+    ++streams;
+    return grpc::Status::OK;
+  }
+};
+
+TEST(WatchOfAStudy, IsTakenUpAgainAsOftenAsItSays) {
+  SilentStudies service;
+  int port = 0;
+  const auto server = grpc::ServerBuilder()
+                          .AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port)
+                          .RegisterService(&service)
+                          .BuildAndStart();
+  Connection connection(Endpoint{.address = "127.0.0.1:" + std::to_string(port)});
+  std::ostringstream messages;
+  EXPECT_THROW(follow_study(
+                   connection, "study", [](const v1::Study&) {}, messages, quick),
+               CommandFailed);
+  EXPECT_THAT(messages.str(), testing::HasSubstr("taking it up again (attempt 4 of 4)"));
+  EXPECT_EQ(service.streams, 5);
 }
 
 }  // namespace
