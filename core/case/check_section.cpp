@@ -145,10 +145,8 @@ double least_depth(const Curve& profile, double length) {
   return least;
 }
 
-// The rounded corner of the mould.
-
-/// Largest possible radius: limited by the symmetry planes and by the last break point of the
-/// opening.
+/// Largest possible radius of a corner: limited by the symmetry planes and by the last break point
+/// of the opening.
 double largest_radius(const mesh::SectionSpec& s) {
   double last = 0.0;
   for (const double at : s.half_thickness.at())
@@ -156,6 +154,7 @@ double largest_radius(const mesh::SectionSpec& s) {
   return std::min(s.half_width - last, s.half_thickness(s.half_width));
 }
 
+/// The rounded corner of a quarter slab must fit its plan and its mesh.
 void check_corner(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (s.corner_radius <= 0.0) return;
