@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
-#include "proto/frames/steady_face.hpp"
+#include "proto/frames/contraction.hpp"
 #include "server/studies/run_history.hpp"
 
 namespace dccast::studies {
