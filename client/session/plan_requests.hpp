@@ -7,7 +7,7 @@
 
 #include "client/session/connection.hpp"
 #include "dccast/v1/study.pb.h"
-#include "proto/frames/steady_face.hpp"
+#include "proto/frames/contraction.hpp"
 
 /// Plans of studies: sweeps, the design of a mould, and of a recipe.
 namespace dccast::client {

@@ -29,12 +29,10 @@ bool covers(std::string_view path, std::string_view key) {
 }  // namespace
 
 std::string CaseFindings::fault_of(std::string_view key) const {
-  for (const std::string& path : faulty_keys_) {
+  for (const std::string& path : faulty_keys_)
     if (covers(path, key)) return path;
-  }
-  for (const Fault& found : faults.list()) {
+  for (const Fault& found : faults.list())
     if (covers(found.field, key)) return found.field;
-  }
   return {};
 }
 
@@ -50,9 +48,8 @@ bool CaseFindings::sound(const Keys& keys) {
 }
 
 CheckedCase CaseFindings::answer() {
-  for (const std::string& key : waited_for_) {
+  for (const std::string& key : waited_for_)
     warning(key, "", "further checks wait until this is fixed");
-  }
   return {std::move(faults), std::move(warnings_), estimate};
 }
 
@@ -68,10 +65,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_time(found);
   check_mechanics(found);
   check_course(found);
-  if (casting_case.section.file.empty())
-    check_built_in_size(found);
-  else
-    check_imported_mesh(found);
+  casting_case.section.file.empty() ? check_built_in_size(found) : check_imported_mesh(found);
   check_temperature_file(found);
   check_monitors(found);
   check_plausibility(found);

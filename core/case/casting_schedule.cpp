@@ -9,12 +9,12 @@ namespace dccast::casting {
 
 namespace {
 
-double value(const Curve& curve, double time, double length) {
-  return curve(curve.abscissa() == Abscissa::cast_length ? length : time);
-}
-
 bool against_length(const Curve& curve) {
   return curve.abscissa() == Abscissa::cast_length;
+}
+
+double value(const Curve& curve, double time, double length) {
+  return curve(against_length(curve) ? length : time);
 }
 
 /// Integral of a table delayed by `shift`, times a factor, both against time. Exact: between two
@@ -85,6 +85,15 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
   const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
   return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+}
+
+double CastingSchedule::cast_length_over(double length, double time, double to,
+                                         std::int64_t most_pieces) const {
+  const std::int64_t pieces = speed_follows_time() ? 1 : most_pieces;
+  const double piece = (to - time) / static_cast<double>(pieces);
+  for (std::int64_t i = 0; i < pieces; ++i)
+    length = cast_length(length, time + static_cast<double>(i) * piece, piece);
+  return length;
 }
 
 double CastingSchedule::filled_share(double time) const {
@@ -172,54 +181,41 @@ Leap CastingSchedule::leap(double time) const {
 
 namespace {
 
-double cast_length(const CastingSchedule& schedule) {
-  constexpr int enough = 1000;  // for a speed against cast length; others are exact in one piece
-  const int pieces = schedule.speed_follows_time() ? 1 : enough;
-  const double piece = schedule.end() / pieces;
-  double length = 0.0;
-  for (int i = 0; i < pieces && piece > 0.0; ++i)
-    length = schedule.cast_length(length, i * piece, piece);
-  return length;
-}
-
-struct Range {
-  double from, to;
-};
-
-/// The range in which a table is evaluated. @pre its abscissa is time or cast length
-Range range_of(const Curve& curve, const Course& course) {
-  if (curve.abscissa() == Abscissa::cast_length) return {0.0, course.cast_length};
+/// The ends of the range in which a table is evaluated. @pre its abscissa is time or cast length
+std::pair<double, double> range_of(const Curve& curve, const Course& course) {
+  if (against_length(curve)) return {0.0, course.cast_length};
   return {course.begin, course.end};
 }
 
 bool follows_course(const Curve& curve) {
   return !curve.empty() && !curve.constant() &&
-         (curve.abscissa() == Abscissa::time || curve.abscissa() == Abscissa::cast_length);
+         (curve.abscissa() == Abscissa::time || against_length(curve));
 }
 
 }  // namespace
 
 Course course_of(const Case& c) {
   const CastingSchedule schedule(c);
-  Course course{schedule.begin(), schedule.end(), cast_length(schedule), c.section.initial_depth};
+  Course course{schedule.begin(), schedule.end(),
+                schedule.cast_length_over(0.0, 0.0, schedule.end(), 1000), c.section.initial_depth};
   if (c.section.growth) course.depth += course.cast_length;
   return course;
 }
 
 std::vector<double> values_in(const Curve& curve, const Course& course) {
   if (!follows_course(curve)) return curve.value();
-  const Range range = range_of(curve, course);
-  std::vector<double> values{curve(range.from), curve(range.to)};
+  const auto [from, to] = range_of(curve, course);
+  std::vector<double> values{curve(from), curve(to)};
   for (std::size_t i = 0; i < curve.at().size(); ++i)
-    if (curve.at()[i] > range.from && curve.at()[i] < range.to) values.push_back(curve.value()[i]);
+    if (curve.at()[i] > from && curve.at()[i] < to) values.push_back(curve.value()[i]);
   return values;
 }
 
 bool never_reached(const Curve& curve, const Course& course, double shift) {
   if (!follows_course(curve)) return false;
-  const Range range = range_of(curve, course);
+  const auto [from, to] = range_of(curve, course);
   if (curve.abscissa() != Abscissa::time) shift = 0.0;
-  return curve.at().front() + shift >= range.to || curve.at().back() + shift <= range.from;
+  return curve.at().front() + shift >= to || curve.at().back() + shift <= from;
 }
 
 std::string listed(const std::vector<std::string>& texts) {

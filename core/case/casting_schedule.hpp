@@ -56,6 +56,9 @@ public:
   Leap leap(double time) const;
   /// Whether the speed is tabulated against time only, so that cast_length() is exact for any step.
   bool speed_follows_time() const;
+  /// cast_length() over a period of any length, whose steps are not known one by one.
+  /// @param most_pieces  for a speed against cast length; others are exact in one piece
+  double cast_length_over(double length, double time, double to, std::int64_t most_pieces) const;
 
 private:
   double speed(double time, double length) const;  ///< [m/s]

@@ -14,56 +14,50 @@ void liquid_fraction(CaseFindings& found) {
   const Curve& f = a.liquid_fraction;
   const bool spans = !f.constant() && f.at().front() == a.solidus && f.value().front() == 0.0 &&
                      f.at().back() == a.liquidus && f.value().back() == 1.0;
-  if (!spans || !std::is_sorted(f.value().begin(), f.value().end())) {
+  if (!spans || !std::ranges::is_sorted(f.value()))
     found.fault("alloy.liquid_fraction", "table",
                 "does not rise from 0 at the solidus to 1 at the liquidus",
                 "first point [" + with_unit(a.solidus, "degC") + ", 0], last point [" +
                     with_unit(a.liquidus, "degC") + ", 1], never falling between them",
                 "complete the table, or leave it out for a linear liquid fraction");
-  }
 }
 
 void coherency(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
-  if (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0) {
+  if (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0)
     found.fault("alloy.coherency", with_unit(a.coherency, "degC"),
                 "is not a temperature of the mush",
                 "up to alloy.liquidus = " + with_unit(a.liquidus, "degC") +
                     ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
                 "leave it out to take the liquidus");
-  }
   constexpr double same = 1e-6;  // [K]
   const auto& solid_fraction = found.casting.coherency_solid_fraction;
   if (!solid_fraction) return;
   const double meant = material::coherency_at(a, *solid_fraction);
-  if (std::abs(meant - a.coherency) > same) {
+  if (std::abs(meant - a.coherency) > same)
     found.fault("alloy.coherency_solid_fraction", *solid_fraction,
                 "is " + with_unit(meant, "degC") + ", and alloy.coherency is given beside it",
                 "either alloy.coherency_solid_fraction or alloy.coherency",
                 "leave alloy.coherency out: the solid fraction follows the card");
-  }
 }
 
 }  // namespace
 
 void check_alloy(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
-  for (const auto& [key, table] : {std::pair{"alloy.density", &a.density},
-                                   std::pair{"alloy.conductivity", &a.conductivity}})
+  for (const auto& [key, table] :
+       {std::pair{"alloy.density", &a.density}, std::pair{"alloy.conductivity", &a.conductivity}})
     if (table->empty() && found.sound({key}))
-      found.fault(key, "", "is missing",
-                  "a table, or the properties of solid and liquid",
+      found.fault(key, "", "is missing", "a table, or the properties of solid and liquid",
                   std::string("give ") + key + ", or its solid_ and liquid_ keys");
   if (!found.sound({"alloy.solidus", "alloy.liquidus"})) return;
-  if (a.solidus > a.liquidus) {
+  if (a.solidus > a.liquidus)
     found.fault("alloy.solidus", with_unit(a.solidus, "degC"), "lies above the liquidus",
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
                 "exchange the two, or make them equal for a pure metal");
-  }
   if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
-  if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"})) {
+  if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);
-  }
 }
 
 }  // namespace dccast::casting

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -11,6 +10,18 @@
 
 namespace dccast::casting {
 
+namespace {
+
+/// Keys that determine the number of cells of the built-in mesh, besides course_keys.
+const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
+                        "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
+                        "mesh.element", "limits.maximum_nodes"};
+
+/// Keys that determine the positions of its nodes, besides their number.
+const Keys place_keys = {"section.half_width",   "section.half_thickness", "section.initial_depth",
+                         "mesh.side_cell",       "mesh.wide_side_cell",    "mesh.bottom_cell",
+                         "section.corner_radius"};
+
 void too_many_nodes(CaseFindings& found, double nodes) {
   found.fault(
       "mesh.columns", std::to_string(found.casting.section.columns),
@@ -18,6 +29,8 @@ void too_many_nodes(CaseFindings& found, double nodes) {
       "at most limits.maximum_nodes = " + std::to_string(found.casting.limits.maximum_nodes),
       "use fewer or larger cells, or raise the limit");
 }
+
+}  // namespace
 
 void check_built_in_size(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
@@ -36,17 +49,15 @@ void check_built_in_size(CaseFindings& found) {
   const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
   found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
   found.estimate.elements = rows * columns * layers * in_a_cell;
-  if (found.estimate.nodes > found.casting.limits.maximum_nodes) {
+  if (found.estimate.nodes > found.casting.limits.maximum_nodes)
     too_many_nodes(found, static_cast<double>(found.estimate.nodes));
-  }
   estimate_effort(found);
 }
 
 namespace {
 
-/// Tolerance of the width of a mesh relative to the half width of the case: drawings are rounded.
-constexpr double width_tolerance = 0.01;
-constexpr double depth_tolerance = 0.01;
+/// Of width and depth of a mesh relative to those of the case: drawings are rounded.
+constexpr double size_tolerance = 0.01;
 
 std::string name_of(const CaseFindings& found) {
   return found.casting.section.file.filename().string();
@@ -56,7 +67,7 @@ bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
   double nearest = 0.0;
   for (int n = 0; n < mesh.nodes(); ++n) nearest = std::min(nearest, mesh.point(n)[0]);
   if (nearest >= 0.0) return false;
-  found.fault("mesh.file", found.casting.section.file.filename().string(),
+  found.fault("mesh.file", name_of(found),
               "has a node at " + with_unit(nearest, "m") + ", beyond the axis of the billet",
               "distances from the axis of 0 m and more with section.kind = \"axisymmetric\"",
               "mesh the right half of the section");
@@ -65,18 +76,12 @@ bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
 
 /// The unit in which a length that should be `metres` was probably drawn.
 std::string remedy_for_size(double drawn, double metres) {
-  struct Unit {
-    const char* name;
-    double in_metres;
-  };
-  for (const Unit unit :
-       {Unit{"millimetres", 1e-3}, Unit{"centimetres", 1e-2}, Unit{"inches", 0.0254}}) {
-    if (std::abs(drawn * unit.in_metres - metres) > 2.0 * width_tolerance * metres) continue;
-    char factor[32];
-    std::snprintf(factor, sizeof factor, "%g", unit.in_metres);
-    return std::string("it is in ") + unit.name +
-           ": export it in metres, in Gmsh with Mesh.ScalingFactor = " + factor;
-  }
+  for (const auto& [unit, factor, in_metres] : {std::tuple{"millimetres", "0.001", 1e-3},
+                                                {"centimetres", "0.01", 1e-2},
+                                                {"inches", "0.0254", 0.0254}})
+    if (std::abs(drawn * in_metres - metres) <= 2.0 * size_tolerance * metres)
+      return std::string("it is in ") + unit +
+             ": export it in metres, in Gmsh with Mesh.ScalingFactor = " + factor;
   return "export the mesh in metres, or correct section.half_width";
 }
 
@@ -85,7 +90,7 @@ void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const double width = mesh.largest(0), depth = mesh.largest(Dim - 1);
   const double half_width = found.casting.section.half_width;
   if (found.sound({"section.half_width"}) &&
-      std::abs(width - half_width) > width_tolerance * half_width) {
+      std::abs(width - half_width) > size_tolerance * half_width) {
     found.fault("mesh.file", name_of(found), "is " + with_unit(width, "m") + " wide",
                 "section.half_width = " + with_unit(half_width, "m") + ", within 1 %",
                 remedy_for_size(width, half_width));
@@ -93,47 +98,39 @@ void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   }
   const double expected = found.casting.section.initial_depth;
   if (found.sound({"section.initial_depth"}) &&
-      std::abs(depth - expected) > depth_tolerance * expected) {
+      std::abs(depth - expected) > size_tolerance * expected) {
     found.warning("mesh.file", name_of(found),
                   "is " + with_unit(depth, "m") + " high, and that is how deep the metal is",
                   "section.initial_depth = " + with_unit(expected, "m"), "make the two agree");
   }
 }
 
-struct NeededGroup {
-  mesh::PatchKind patch;
-  const char* name;
-  const char* message;
-  const char* remedy;
-};
-
-/// By dimension, from 2.
-constexpr NeededGroup side_group[] = {
-    {mesh::PatchKind::side, "side", "has no group 'side': neither mould nor water would cool it",
-     "name the face in Gmsh, Physical Curve(\"side\") = {...}, and export the mesh again"},
-    {mesh::PatchKind::side, "side_x, side_y or side_ and any name",
-     "has no group 'side_...': neither mould nor water would cool it",
-     "name the faces in Gmsh, Physical Surface(\"side_x\") = {...}, and export the mesh again"}};
-constexpr NeededGroup top_group[] = {
-    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
-     "name the surface of the metal in Gmsh, Physical Curve(\"top\") = {...}, or write "
-     "cooling.top = \"insulated\""},
-    {mesh::PatchKind::top, "top", "has no group 'top': nothing would be poured in",
-     "name the surface of the metal in Gmsh, Physical Surface(\"top\") = {...}, or write "
-     "cooling.top = \"insulated\""}};
-constexpr NeededGroup symmetry_group{
-    mesh::PatchKind::symmetry, "symmetry",
-    "has no group 'symmetry': nothing would hold the slab sideways",
-    "name the symmetry plane or axis in Gmsh, Physical Curve(\"symmetry\") = {...}, or "
-    "write mechanics.enabled = false"};
+/// How Gmsh names a group of facets.
+template <int Dim>
+std::string named_in_gmsh(const std::string& name) {
+  return std::string(" in Gmsh, Physical ") + (Dim == 2 ? "Curve" : "Surface") + "(\"" + name +
+         "\") = {...}, ";
+}
 
 template <int Dim>
-void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, const NeededGroup& group) {
-  if (!mesh::patch_nodes(mesh, group.patch).empty()) return;
-  found.fault("mesh.file", name_of(found), group.message,
+void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, mesh::PatchKind patch,
+          const std::string& message, const std::string& names, const std::string& remedy) {
+  if (!mesh::patch_nodes(mesh, patch).empty()) return;
+  found.fault("mesh.file", name_of(found), message,
               std::string("a physical group of ") + (Dim == 2 ? "lines" : "surfaces") +
-                  " with the name " + group.name,
-              group.remedy);
+                  " with the name " + names,
+              remedy);
+}
+
+template <int Dim>
+void need_side(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
+  constexpr bool section = Dim == 2;
+  need(found, mesh, mesh::PatchKind::side,
+       std::string("has no group '") + (section ? "side" : "side_...") +
+           "': neither mould nor water would cool it",
+       section ? "side" : "side_x, side_y or side_ and any name",
+       (section ? "name the face" : "name the faces") +
+           named_in_gmsh<Dim>(section ? "side" : "side_x") + "and export the mesh again");
 }
 
 /// A quarter slab needs two symmetry planes, one normal to each horizontal axis.
@@ -149,8 +146,7 @@ void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
                     (axis == 0 ? "x" : "y"),
                 std::string("a physical group of surfaces with the name ") + name +
                     ", in the plane where that coordinate is zero",
-                std::string("name the plane in Gmsh, Physical Surface(\"") + name +
-                    "\") = {...}, or write mechanics.enabled = false");
+                "name the plane" + named_in_gmsh<3>(name) + "or write mechanics.enabled = false");
   }
 }
 
@@ -160,13 +156,19 @@ void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const Case& c = found.casting;
   const bool heat_is_solved = c.thermal.file.empty();
   if (heat_is_solved && found.sound({"thermal.file"})) {
-    need(found, mesh, side_group[Dim - 2]);
+    need_side(found, mesh);
     if (c.cooling.top != thermal::Top::insulated && found.sound({"cooling.top"}))
-      need(found, mesh, top_group[Dim - 2]);
+      need(found, mesh, mesh::PatchKind::top, "has no group 'top': nothing would be poured in",
+           "top",
+           "name the surface of the metal" + named_in_gmsh<Dim>("top") +
+               "or write cooling.top = \"insulated\"");
   }
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
     if constexpr (Dim == 2)
-      need(found, mesh, symmetry_group);
+      need(found, mesh, mesh::PatchKind::symmetry,
+           "has no group 'symmetry': nothing would hold the slab sideways", "symmetry",
+           "name the symmetry plane or axis" + named_in_gmsh<2>("symmetry") +
+               "or write mechanics.enabled = false");
     else
       need_both_planes(found, mesh);
   }
@@ -175,7 +177,7 @@ void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
 template <int Dim>
 void check_mesh(CaseFindings& found) {
   const Case& c = found.casting;
-  auto& mesh = found.imported<Dim>();
+  auto& mesh = std::get<std::optional<mesh::Mesh<Dim>>>(found.imported);
   mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, found.faults);
   if (!mesh) return;
   found.estimate.nodes = mesh->nodes();
@@ -202,8 +204,8 @@ namespace {
 
 /// Empty if the check is skipped because of another fault.
 std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
-  if (found.imported_plane) return std::size_t(found.imported_plane->nodes());
-  if (found.imported_solid) return std::size_t(found.imported_solid->nodes());
+  if (const auto& plane = std::get<0>(found.imported)) return std::size_t(plane->nodes());
+  if (const auto& solid = std::get<1>(found.imported)) return std::size_t(solid->nodes());
   if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
     return std::nullopt;
   const mesh::SectionSpec& s = found.casting.section;
@@ -212,15 +214,13 @@ std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
 }
 
 void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {
-  if (history.begin() <= -found.casting.schedule.hold + 1e-9 &&
-      history.end() >= found.casting.time.end - 1e-9) {
-    return;
-  }
-  found.warning("thermal.file", found.casting.thermal.file.filename().string(),
-                "does not cover the simulated time; its first and last temperatures are "
-                "held outside",
-                "from " + with_unit(-found.casting.schedule.hold, "s") + " to " +
-                    with_unit(found.casting.time.end, "s"));
+  const Case& c = found.casting;
+  const double begin = -c.schedule.hold, end = c.time.end;
+  if (history.begin() <= begin + 1e-9 && history.end() >= end - 1e-9) return;
+  found.warning(
+      "thermal.file", c.thermal.file.filename().string(),
+      "does not cover the simulated time; its first and last temperatures are held outside",
+      "from " + with_unit(begin, "s") + " to " + with_unit(end, "s"));
 }
 
 }  // namespace

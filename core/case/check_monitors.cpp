@@ -12,12 +12,16 @@ namespace {
 /// Of coordinates: a point this far outside of the mesh is still found in it [m].
 constexpr double round_off = 1e-9;
 
+void lies_outside(CaseFindings& found, const std::string& field, double at,
+                  const std::string& permitted, const std::string& remedy = "move the monitor") {
+  found.fault(field, with_unit(at, "m"), "lies outside the slab", permitted, remedy);
+}
+
 void above(CaseFindings& found, const std::string& field, double height) {
   if (!found.sound({field}) || !found.sound(course_keys)) return;
-  if (height <= *found.final_level + round_off) return;
-  found.fault(field, with_unit(height, "m"), "lies outside the slab",
-              "0 m to the final metal level, " + with_unit(*found.final_level, "m"),
-              "move the monitor");
+  if (height > *found.final_level + round_off)
+    lies_outside(found, field, height,
+                 "0 m to the final metal level, " + with_unit(*found.final_level, "m"));
 }
 
 /// Of a quarter slab: beyond the wide face.
@@ -27,19 +31,17 @@ void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   double opening = section.half_thickness(m.x);
   if (section.corner_radius > 0.0 && found.sound(plan_keys))
     opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section), m.x));
-  if (m.y <= opening + round_off) return;
-  found.fault(field + ".y", with_unit(m.y, "m"), "lies outside the slab",
-              "0 m to half the opening of the mould there, " + with_unit(opening, "m"),
-              "move the monitor; its height is z");
+  if (m.y > opening + round_off)
+    lies_outside(found, field + ".y", m.y,
+                 "0 m to half the opening of the mould there, " + with_unit(opening, "m"),
+                 "move the monitor; its height is z");
 }
 
 void beside_or_above(CaseFindings& found, const std::string& field, const Monitor& m) {
-  if (found.sound({field + ".x", "section.half_width"}) &&
-      m.x > found.casting.section.half_width + round_off) {
-    found.fault(field + ".x", with_unit(m.x, "m"), "lies outside the slab",
-                "0 m to section.half_width = " + with_unit(found.casting.section.half_width, "m"),
-                "move the monitor");
-  }
+  const double half_width = found.casting.section.half_width;
+  if (found.sound({field + ".x", "section.half_width"}) && m.x > half_width + round_off)
+    lies_outside(found, field + ".x", m.x,
+                 "0 m to section.half_width = " + with_unit(half_width, "m"));
   if (!found.solid()) return above(found, field + ".y", m.y);
   behind(found, field, m);
   above(found, field + ".z", m.z.value_or(0.0));
@@ -48,35 +50,30 @@ void beside_or_above(CaseFindings& found, const std::string& field, const Monito
 /// A quarter slab has three coordinates, a section two.
 void check_coordinates(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({"section.kind", field + ".z"})) return;
-  if (found.solid() && !m.z) {
+  if (found.solid() && !m.z)
     found.fault(field + ".z", "", "is missing: x and y are distances from the symmetry planes",
                 "a height above the bottom block with section.kind = \"quarter_slab\"",
                 "write z = \"0 m\" for a point of the bottom");
-  }
-  if (!found.solid() && m.z) {
+  if (!found.solid() && m.z)
     found.fault(field + ".z", with_unit(*m.z, "m"), "applies to a quarter slab only",
                 "x and y, the height, in a section", "leave z out");
-  }
 }
 
 template <int Dim>
 void outside_the_mesh(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({field + ".x", field + ".y", "mesh.file", "mesh.element"})) return;
-  const auto& mesh = found.imported<Dim>();
-  if (!mesh || fem::locate(*mesh, point_of<Dim>(m))) return;
-  found.fault(field + ".y", with_unit(m.y, "m"), "lies outside the slab",
-              "a point of the imported mesh", "move the monitor");
+  const auto& mesh = std::get<std::optional<mesh::Mesh<Dim>>>(found.imported);
+  if (mesh && !fem::locate(*mesh, point_of<Dim>(m)))
+    lies_outside(found, field + ".y", m.y, "a point of the imported mesh");
 }
 
 void check_monitor(CaseFindings& found, std::size_t index) {
   const Monitor& m = found.casting.monitors[index];
   const std::string field = "monitor[" + std::to_string(index) + "]";
-  for (std::size_t j = 0; j < index; ++j) {
-    if (found.casting.monitors[j].name == m.name) {
+  for (std::size_t j = 0; j < index; ++j)
+    if (found.casting.monitors[j].name == m.name)
       found.fault(field + ".name", m.name, "is the name of an earlier monitor", "a name of its own",
                   "rename it");
-    }
-  }
   check_coordinates(found, field, m);
   if (found.casting.section.file.empty()) return beside_or_above(found, field, m);
   found.solid() ? outside_the_mesh<3>(found, field, m) : outside_the_mesh<2>(found, field, m);
@@ -89,8 +86,8 @@ void check_monitors(CaseFindings& found) {
 }
 
 void check_plausibility(CaseFindings& found) {
-  const std::optional<double>& least = found.casting.plausibility.least_curl;
-  const std::optional<double>& greatest = found.casting.plausibility.greatest_curl;
+  const auto& least = found.casting.plausibility.least_curl;
+  const auto& greatest = found.casting.plausibility.greatest_curl;
   if (!found.sound({"plausibility.least_curl", "plausibility.greatest_curl"})) return;
   if (!least || !greatest || *least < *greatest) return;
   found.fault("plausibility.greatest_curl", with_unit(*greatest, "m"),
@@ -100,15 +97,14 @@ void check_plausibility(CaseFindings& found) {
 }
 
 void advise(CaseFindings& found) {
-  if (found.casting.monitors.empty()) {
+  const Case& c = found.casting;
+  if (c.monitors.empty())
     found.warning("monitor", "", "there is no monitor: no displacement will be reported", "",
                   "add a [[monitor]] table");
-  }
-  if (found.casting.mechanics.enabled && found.sound({"mechanics.start", "time.end"}) &&
-      found.casting.mechanics.start > found.casting.time.end) {
-    found.warning("mechanics.start", with_unit(found.casting.mechanics.start, "s"),
+  if (c.mechanics.enabled && found.sound({"mechanics.start", "time.end"}) &&
+      c.mechanics.start > c.time.end)
+    found.warning("mechanics.start", with_unit(c.mechanics.start, "s"),
                   "lies after the end: the mechanics never starts");
-  }
 }
 
 }  // namespace dccast::casting

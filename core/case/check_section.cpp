@@ -55,12 +55,6 @@ namespace {
 
 constexpr double round_off = 1e-9;  // [m]
 
-void missing_opening(CaseFindings& found) {
-  found.fault("section.half_thickness", "", "is missing",
-              "half the opening of the mould in metres, one value or a table against distance",
-              "write half_thickness = \"0.285 m\" for a rectangular slab");
-}
-
 /// Slope of piece `i` of a table [1].
 double slope(const Curve& table, std::size_t i) {
   return (table.value()[i + 1] - table.value()[i]) / (table.at()[i + 1] - table.at()[i]);
@@ -90,6 +84,21 @@ void opening_not_convex(CaseFindings& found, const Curve& opening, double half_w
   }
 }
 
+/// Whether each break point of a quarter slab's opening has a row of nodes in its plan.
+bool break_points_have_nodes(const mesh::SectionSpec& s) {
+  const auto base = mesh::base_of<3>(s);
+  std::vector<double> x;
+  const int column = s.layers * s.refinement + 1;
+  for (int n = 0; n < base.nodes(); n += column) x.push_back(base.node[2 * std::size_t(n)]);
+  bool fits = std::ranges::is_sorted(x, std::less_equal{});
+  for (const double at : s.half_thickness.at()) {
+    const bool inside = at > 0.0 && at < s.half_width - round_off;
+    fits &= !inside ||
+            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
+  }
+  return fits;
+}
+
 /// Each break point of the opening needs a column of nodes of its own.
 void columns_miss_break_points(CaseFindings& found) {
   mesh::SectionSpec square = found.casting.section;
@@ -103,7 +112,11 @@ void columns_miss_break_points(CaseFindings& found) {
 
 void check_opening(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
-  if (s.half_thickness.empty()) return missing_opening(found);
+  if (s.half_thickness.empty())
+    return found.fault(
+        "section.half_thickness", "", "is missing",
+        "half the opening of the mould in metres, one value or a table against distance",
+        "write half_thickness = \"0.285 m\" for a rectangular slab");
   if (!found.sound({"section.half_width"})) return;
   opening_not_convex(found, s.half_thickness, s.half_width);
   if (!s.file.empty() || !found.sound({"section.half_thickness"})) return;
@@ -127,26 +140,51 @@ void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
 double least_depth(const Curve& profile, double length) {
   if (profile.empty()) return 0.0;
   double least = std::min(profile(0.0), profile(length));
-  for (std::size_t i = 0; i < profile.at().size(); ++i) {
+  for (std::size_t i = 0; i < profile.at().size(); ++i)
     if (profile.at()[i] < length) least = std::min(least, profile.value()[i]);
-  }
   return least;
 }
 
-}  // namespace
+/// Largest possible radius of a corner: limited by the symmetry planes and by the last break point
+/// of the opening.
+double largest_radius(const mesh::SectionSpec& s) {
+  double last = 0.0;
+  for (const double at : s.half_thickness.at())
+    if (at < s.half_width - round_off) last = std::max(last, at);
+  return std::min(s.half_width - last, s.half_thickness(s.half_width));
+}
 
-bool break_points_have_nodes(const mesh::SectionSpec& s) {
-  const auto base = mesh::base_of<3>(s);
-  std::vector<double> x;
-  const int column = s.layers * s.refinement + 1;
-  for (int n = 0; n < base.nodes(); n += column) x.push_back(base.node[2 * std::size_t(n)]);
-  bool fits = std::ranges::is_sorted(x, std::less_equal{});
-  for (const double at : s.half_thickness.at()) {
-    const bool inside = at > 0.0 && at < s.half_width - round_off;
-    fits &= !inside ||
-            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
-  }
-  return fits;
+/// The rounded corner of a quarter slab must fit its plan and its mesh.
+void check_corner(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (s.corner_radius <= 0.0) return;
+  const auto fault = [&](const std::string& message, const std::string& permitted,
+                         const char* remedy) {
+    found.fault("section.corner_radius", with_unit(s.corner_radius, "m"), message, permitted,
+                remedy);
+  };
+  if (!s.file.empty())
+    return fault("has no effect: the corner is that of mesh.file", "absent with mesh.file",
+                 "leave it out");
+  if (!found.sound(plan_keys)) return;
+  const double most = largest_radius(s);
+  if (s.corner_radius > most + round_off)
+    return fault(
+        "reaches beyond the middle of the slab or the last break point of "
+        "section.half_thickness",
+        "at most " + with_unit(most, "m"), "choose a smaller radius");
+  const auto cells = mesh::corner_cells(s);
+  if (std::min(cells[0], cells[1]) < mesh::fewest_corner_cells)
+    return fault("holds too few cells for an arc: " + std::to_string(cells[0]) +
+                     " along the wide face, " + std::to_string(cells[1]) + " along the narrow face",
+                 "2 cells or more along each, about " +
+                     with_unit(2.0 * std::max(s.side_cell, s.wide_side_cell), "m") +
+                     " with these cells, or 0 m for a square corner",
+                 "choose a larger radius, or smaller mesh.side_cell and mesh.wide_side_cell");
+  if (!break_points_have_nodes(s))
+    fault("ends in the row of nodes of a break point of section.half_thickness",
+          "an end with a row of nodes of its own",
+          "use more mesh.columns, or move the break point away from the corner");
 }
 
 /// Rows can be merged if cells are not split into elements and two growth cells fit into a merged
@@ -170,6 +208,8 @@ void check_merging(CaseFindings& found) {
               "is less than two growth cells, so that nothing would be merged",
               "at least " + with_unit(pair, "m"), "raise it, or write merge_below = \"0 m\"");
 }
+
+}  // namespace
 
 void check_quarter_slab(CaseFindings& found) {
   const Case& c = found.casting;
@@ -201,66 +241,6 @@ void check_block_profile(CaseFindings& found) {
               with_unit(of_x ? along_x : along_y, "m"),
               "is the least depth of the block: the slab would touch it nowhere",
               "0 m somewhere under the slab", "subtract this depth from every value of the table");
-}
-
-// The rounded corner of a quarter slab's mould.
-
-namespace {
-
-/// Largest possible radius: limited by the symmetry planes and by the last break point of the
-/// opening.
-double largest_radius(const mesh::SectionSpec& s) {
-  double last = 0.0;
-  for (const double at : s.half_thickness.at())
-    if (at < s.half_width - round_off) last = std::max(last, at);
-  return std::min(s.half_width - last, s.half_thickness(s.half_width));
-}
-
-bool too_large(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  const double most = largest_radius(s);
-  if (s.corner_radius <= most + round_off) return false;
-  found.fault("section.corner_radius", with_unit(s.corner_radius, "m"),
-              "reaches beyond the middle of the slab or the last break point of "
-              "section.half_thickness",
-              "at most " + with_unit(most, "m"), "choose a smaller radius");
-  return true;
-}
-
-void misses_the_mesh(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  const auto cells = mesh::corner_cells(s);
-  const bool enough = std::min(cells[0], cells[1]) >= mesh::fewest_corner_cells;
-  if (enough && break_points_have_nodes(s)) return;
-  if (enough) {
-    found.fault("section.corner_radius", with_unit(s.corner_radius, "m"),
-                "ends in the row of nodes of a break point of section.half_thickness",
-                "an end with a row of nodes of its own",
-                "use more mesh.columns, or move the break point away from the corner");
-    return;
-  }
-  const double cell = std::max(s.side_cell, s.wide_side_cell);
-  found.fault("section.corner_radius", with_unit(s.corner_radius, "m"),
-              "holds too few cells for an arc: " + std::to_string(cells[0]) +
-                  " along the wide face, " + std::to_string(cells[1]) + " along the narrow face",
-              "2 cells or more along each, about " + with_unit(2.0 * cell, "m") +
-                  " with these cells, or 0 m for a square corner",
-              "choose a larger radius, or smaller mesh.side_cell and mesh.wide_side_cell");
-}
-
-}  // namespace
-
-void check_corner(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  if (s.corner_radius <= 0.0) return;
-  if (!s.file.empty()) {
-    found.fault("section.corner_radius", with_unit(s.corner_radius, "m"),
-                "has no effect: the corner is that of mesh.file", "absent with mesh.file",
-                "leave it out");
-    return;
-  }
-  if (!found.sound(plan_keys)) return;
-  if (!too_large(found)) misses_the_mesh(found);
 }
 
 }  // namespace dccast::casting

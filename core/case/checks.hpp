@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -52,16 +53,7 @@ public:
   std::optional<double> final_level;
   std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
   /// The mesh of the section's dimension, set if mesh.file is sound.
-  std::optional<mesh::Mesh2D> imported_plane;
-  std::optional<mesh::Mesh3D> imported_solid;
-
-  template <int Dim>
-  auto& imported() {
-    if constexpr (Dim == 2)
-      return imported_plane;
-    else
-      return imported_solid;
-  }
+  std::tuple<std::optional<mesh::Mesh2D>, std::optional<mesh::Mesh3D>> imported;
 
 private:
   const std::vector<std::string>& faulty_keys_;
@@ -84,18 +76,10 @@ inline const Keys course_keys = {"time.end",
                                  "section.initial_depth",
                                  "mesh.growth",
                                  "limits.maximum_steps"};
-/// Keys that determine the number of cells of the built-in mesh, besides course_keys.
-inline const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
-                               "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
-                               "mesh.element", "limits.maximum_nodes"};
 /// Keys that determine the plan of a quarter slab.
 inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
                                "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
                                "mesh.wide_side_cell", "section.corner_radius"};
-/// Keys that determine the positions of its nodes, besides their number.
-inline const Keys place_keys = {
-    "section.half_width",  "section.half_thickness", "section.initial_depth", "mesh.side_cell",
-    "mesh.wide_side_cell", "mesh.bottom_cell",       "section.corner_radius"};
 
 // Each check adds its faults. Later checks use the results of earlier ones.
 
@@ -108,10 +92,6 @@ void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and keys that apply to quarter slabs only.
 void check_quarter_slab(CaseFindings& found);
-/// Whether each break point of a quarter slab's opening has a row of nodes in its plan.
-bool break_points_have_nodes(const mesh::SectionSpec& section);
-/// The rounded corner of a quarter slab must fit its plan and its mesh.
-void check_corner(CaseFindings& found);
 /// A block that is not flat must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 void check_time(CaseFindings& found);
@@ -125,9 +105,6 @@ void check_monitors(CaseFindings& found);
 void check_plausibility(CaseFindings& found);
 /// Warns of a case whose results would show nothing of interest.
 void advise(CaseFindings& found);
-
-/// Adds the fault of a mesh beyond limits.maximum_nodes. @param nodes  their number [1]
-void too_many_nodes(CaseFindings& found, double nodes);
 
 /// Estimates computing time and memory from nodes and steps; estimate_effort.cpp states the
 /// accuracy.

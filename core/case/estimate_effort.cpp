@@ -54,24 +54,18 @@ double algorithm_factor(const Case& c) {
   return 1.0;
 }
 
-struct Size {
-  double nodes = 0.0;  ///< mean over the run
-  double band = 0.0;   ///< nodes times those of a row
-};
+/// Nodes of a row of the built-in mesh, in the section of a slab.
+double nodes_of_row(const mesh::SectionSpec& s) {
+  return s.columns * s.refinement + 1.0;
+}
 
-Size mean_size(const CaseFindings& found) {
+/// Number of nodes, mean over the run.
+double mean_nodes(const CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
-  Size size;
-  if (!s.file.empty()) {
-    size.nodes = static_cast<double>(found.estimate.nodes);
-    size.band = size.nodes * std::sqrt(size.nodes);
-    return size;
-  }
-  const double row = s.columns * s.refinement + 1.0;
-  const double at_start = row * (s.rows * s.refinement + 1.0);
-  size.nodes = 0.5 * (at_start + static_cast<double>(found.estimate.nodes));
-  size.band = size.nodes * row;
-  return size;
+  const auto at_end = static_cast<double>(found.estimate.nodes);
+  if (!s.file.empty()) return at_end;
+  const double layers = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
+  return 0.5 * (nodes_of_row(s) * layers * (s.rows * s.refinement + 1.0) + at_end);
 }
 
 /// Shorter steps need fewer iterations.
@@ -89,20 +83,14 @@ struct StepSeconds {
 };
 
 StepSeconds in_a_section(const CaseFindings& found) {
-  const Size size = mean_size(found);
-  StepSeconds seconds{heat_by_node * size.nodes + heat_by_band * size.band, 0.0};
+  const mesh::SectionSpec& s = found.casting.section;
+  const double nodes = mean_nodes(found);
+  const double band = nodes * (s.file.empty() ? nodes_of_row(s) : std::sqrt(nodes));
+  StepSeconds seconds{heat_by_node * nodes + heat_by_band * band, 0.0};
   if (found.mechanical_steps == 0) return seconds;
-  seconds.mechanics = mechanics_by_band * size.band * step_factor(found);
+  seconds.mechanics = mechanics_by_band * band * step_factor(found);
   if (found.axisymmetric()) seconds.mechanics *= billet_factor;
   return seconds;
-}
-
-double mean_nodes_of_solid(const CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  const auto at_end = static_cast<double>(found.estimate.nodes);
-  if (!s.file.empty()) return at_end;
-  const double plan = (s.columns * s.refinement + 1.0) * (s.layers * s.refinement + 1.0);
-  return 0.5 * (plan * (s.rows * s.refinement + 1.0) + at_end);
 }
 
 /// Whether a mesh with this number of nodes is solved by two grids.
@@ -114,14 +102,12 @@ bool by_two_grids(const CaseFindings& found, double nodes) {
 }
 
 StepSeconds in_a_solid(const CaseFindings& found) {
-  const double nodes = mean_nodes_of_solid(found);
-  if (by_two_grids(found, nodes)) {
-    const bool moves = found.mechanical_steps > 0;
-    return {solid_heat_by_node * nodes, moves ? grids_seconds_by_node * nodes : 0.0};
-  }
-  const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
+  const double nodes = mean_nodes(found);
   StepSeconds seconds{solid_heat_by_node * nodes, 0.0};
-  if (found.mechanical_steps > 0) seconds.mechanics = factor + solid_mechanics_by_node * nodes;
+  if (found.mechanical_steps == 0) return seconds;
+  const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
+  seconds.mechanics = by_two_grids(found, nodes) ? grids_seconds_by_node * nodes
+                                                 : factor + solid_mechanics_by_node * nodes;
   return seconds;
 }
 

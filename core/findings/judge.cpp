@@ -14,11 +14,6 @@ namespace {
 
 using results::Exceedance;
 
-/// A figure that is not a number has no place in a file or on the wire.
-std::optional<double> number(double value) {
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 Finding finding_of(const StepRule& rule, const Exceeded& found, double time) {
   Finding finding;
   finding.code = rule.code;
@@ -26,30 +21,15 @@ Finding finding_of(const StepRule& rule, const Exceeded& found, double time) {
   finding.message = found.meaning;
   finding.time = time;
   finding.place = found.figure.place;
-  finding.value = number(found.figure.value);
-  if (finding.value) {
+  // A figure that is not a number has no place in a file or on the wire.
+  if (std::isfinite(found.figure.value)) {
+    finding.value = found.figure.value;
     finding.limit = found.limit;
     finding.worst = Exceedance{time, found.figure.value, found.figure.place};
   }
   finding.unit = rule.unit;
   finding.key = rule.key;
   return finding;
-}
-
-ValidityLoss loss_of(const StepRule& rule, const Exceeded& found, double time) {
-  return {name_of(*rule.consequence), found.account, time,     found.figure.place,
-          found.figure.value,         found.limit,   rule.unit};
-}
-
-RunFailure failure_of(const StepRule& rule, const Exceeded& found, const StepFigures& step) {
-  RunFailure failure;
-  failure.kind = *rule.consequence;
-  failure.finding = rule.code;
-  failure.message = found.account;
-  failure.time = step.time;
-  failure.time_step = step.time_step;
-  failure.place = found.figure.place;
-  return failure;
 }
 
 /// Rows of one code differ in their key; figures of different keys are not compared.
@@ -65,11 +45,19 @@ void keep_worst(const StepRule& rule, const Exceeded& found, double time, Findin
 std::optional<RunFailure> consequence_of(const Case& c, const StepRule& rule, const Exceeded& found,
                                          const StepFigures& step, FindingsState& state) {
   if (!rule.consequence) return std::nullopt;
-  if (!ends_run(*rule.consequence)) return failure_of(rule, found, step);
-  if (state.lost) return std::nullopt;
-  state.lost = loss_of(rule, found, step.time);
-  if (c.validity.when_lost == WhenLost::go_on) return std::nullopt;
-  return failure_of(rule, found, step);
+  if (ends_run(*rule.consequence)) {
+    if (state.lost) return std::nullopt;
+    state.lost = {name_of(*rule.consequence), found.account, step.time, found.figure.place,
+                  found.figure.value,         found.limit,   rule.unit};
+    if (c.validity.when_lost == WhenLost::go_on) return std::nullopt;
+  }
+  return RunFailure{.kind = *rule.consequence,
+                    .message = found.account,
+                    .time = step.time,
+                    .time_step = step.time_step,
+                    .place = found.figure.place,
+                    .residual_history = {},
+                    .finding = rule.code};
 }
 
 }  // namespace
@@ -77,13 +65,12 @@ std::optional<RunFailure> consequence_of(const Case& c, const StepRule& rule, co
 std::vector<Finding> findings_of_case(const Case& c) {
   const Course course = course_of(c);
   std::vector<Finding> raised;
-  for (const CaseRule& rule : case_rules()) {
-    auto finding = rule.judge(c, course);
-    if (!finding) continue;
-    finding->code = rule.code;
-    finding->severity = rule.severity;
-    raised.push_back(std::move(*finding));
-  }
+  for (const CaseRule& rule : case_rules())
+    if (auto finding = rule.judge(c, course)) {
+      finding->code = rule.code;
+      finding->severity = rule.severity;
+      raised.push_back(std::move(*finding));
+    }
   return raised;
 }
 
@@ -108,7 +95,6 @@ RunFailures judge(const Case& c, const StepFigures& step, FindingsState& state) 
 
 namespace {
 
-using results::Exceedance;
 using results::Sections;
 
 /// Of what may be absent: nothing or one value.
@@ -152,14 +138,11 @@ void write_finding(const Finding& finding, const std::string& prefix, Sections& 
   s.set(prefix + "worst", as_reals(finding.worst));
 }
 
-Severity severity_of(std::int64_t number) {
-  if (number < 0 || number > 2) throw std::out_of_range("unknown severity of a finding");
-  return static_cast<Severity>(number);
-}
-
 Finding read_finding(const Sections& s, const std::string& prefix) {
+  const std::int64_t severity = s.integer(prefix + "severity");
+  if (severity < 0 || severity > 2) throw std::out_of_range("unknown severity of a finding");
   Finding finding{s.text(prefix + "code"),
-                  severity_of(s.integer(prefix + "severity")),
+                  static_cast<Severity>(severity),
                   s.text(prefix + "message"),
                   as_optional(s, prefix + "time_s"),
                   s.reals(prefix + "place_m"),

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -12,22 +13,20 @@ namespace {
 
 using Found = std::optional<Finding>;
 
-/// @param value, limit  [`unit`]
-Finding measured(std::string message, double value, double limit, std::string unit,
-                 std::string key) {
-  Finding finding;
-  finding.message = std::move(message);
-  finding.value = value;
-  finding.limit = limit;
-  finding.unit = std::move(unit);
-  finding.key = std::move(key);
-  return finding;
-}
-
 Finding without_figure(std::string message, std::string key) {
   Finding finding;
   finding.message = std::move(message);
   finding.key = std::move(key);
+  return finding;
+}
+
+/// @param value, limit  [`unit`]
+Finding measured(std::string message, double value, double limit, std::string unit,
+                 std::string key) {
+  Finding finding = without_figure(std::move(message), std::move(key));
+  finding.value = value;
+  finding.limit = limit;
+  finding.unit = std::move(unit);
   return finding;
 }
 
@@ -40,11 +39,10 @@ std::optional<double> least_superheat(const Case& c, const Course& course) {
 }
 
 Found poured_too_cold(const Case& c, double superheat, const char* meaning) {
-  const bool below = superheat < 0.0;
   return measured(
       sentence("The metal is poured in at %.6g degC, %.3g K %s its liquidus of %.6g degC: %s.",
-               superheat + c.alloy.liquidus, below ? -superheat : superheat,
-               below ? "below" : "above", c.alloy.liquidus, meaning),
+               superheat + c.alloy.liquidus, std::abs(superheat),
+               superheat < 0.0 ? "below" : "above", c.alloy.liquidus, meaning),
       superheat, c.plausibility.minimum_superheat, "K", "schedule.casting_temperature");
 }
 
@@ -88,39 +86,31 @@ Found coherency_in_liquid(const Case& c, const Course&) {
                   solid, least_solid_fraction, "1", "alloy.coherency");
 }
 
-struct Cause {
-  std::string text;  ///< empty: the water meets the slab
-  const char* key = "";
-};
-
-Cause why_water_never_meets(const Case& c, const Course& course) {
-  const auto positive = [](double value) { return value > 0.0; };
-  const thermal::Water& water = c.cooling.water;
-  if (!water.enabled) return {"No water runs", "cooling.water.enabled"};
-  if (water.start >= course.end)
-    return {sentence("The water is turned on at %.6g s, after the end at %.6g s", water.start,
-                     course.end),
-            "cooling.water.start"};
-  if (course.depth <= water.from)
-    return {sentence("The water line lies %.4g mm below the metal level, and the metal is %.4g mm "
-                     "deep at the end",
-                     in_mm * water.from, in_mm * course.depth),
-            "cooling.water.from"};
-  const std::vector<double> flows = values_in(c.schedule.water_flow, course);
-  const std::vector<double> factors = values_in(c.schedule.water_flow_factor, course);
-  if (std::ranges::none_of(flows, positive) || std::ranges::none_of(factors, positive))
-    return {"The water flow is zero throughout", "schedule.water_flow"};
-  return {};
-}
-
 Found water_never_meets(const Case& c, const Course& course) {
   if (!c.thermal.file.empty()) return std::nullopt;
-  const Cause cause = why_water_never_meets(c, course);
-  if (cause.text.empty()) return std::nullopt;
-  return without_figure(cause.text +
-                            ": below the mould the shell loses its heat to the air alone, and the "
-                            "metal behind it melts it again.",
-                        cause.key);
+  const auto found = [](const std::string& cause, const char* key) {
+    return without_figure(cause +
+                              ": below the mould the shell loses its heat to the air alone, and "
+                              "the metal behind it melts it again.",
+                          key);
+  };
+  const auto flows = [&](const Curve& curve) {
+    return std::ranges::any_of(values_in(curve, course), [](double value) { return value > 0.0; });
+  };
+  const thermal::Water& water = c.cooling.water;
+  if (!water.enabled) return found("No water runs", "cooling.water.enabled");
+  if (water.start >= course.end)
+    return found(sentence("The water is turned on at %.6g s, after the end at %.6g s", water.start,
+                          course.end),
+                 "cooling.water.start");
+  if (course.depth <= water.from)
+    return found(sentence("The water line lies %.4g mm below the metal level, and the metal is "
+                          "%.4g mm deep at the end",
+                          in_mm * water.from, in_mm * course.depth),
+                 "cooling.water.from");
+  if (!flows(c.schedule.water_flow) || !flows(c.schedule.water_flow_factor))
+    return found("The water flow is zero throughout", "schedule.water_flow");
+  return std::nullopt;
 }
 
 /// Running water takes precedence over zones: a zone below the water line has no effect while it

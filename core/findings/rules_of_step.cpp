@@ -38,8 +38,7 @@ constexpr double contact_bound = 1e-3;
 Found energy_not_conserved(const Case&, const StepFigures& f) {
   if (std::abs(f.energy_balance_error) <= energy_bound) return std::nullopt;
   return Exceeded{
-      {f.energy_balance_error, {}},
-      energy_bound,
+      PlacedFigure{f.energy_balance_error}, energy_bound,
       "The heat that metal and surfaces exchange does not add up: the temperatures of "
       "this run are not to be used.",
       sentence("energy balance off by %.2e at t = %g s", f.energy_balance_error, f.time)};
@@ -49,8 +48,7 @@ Found weight_not_carried(const Case&, const StepFigures& f) {
   if (f.weight <= 0.0 || std::abs(f.bottom_reaction - f.weight) <= support_bound * f.weight)
     return std::nullopt;
   const char* unit = f.solid_model ? "N" : "N/m";
-  return Exceeded{{std::abs(f.bottom_reaction / f.weight - 1.0), {}},
-                  support_bound,
+  return Exceeded{PlacedFigure{std::abs(f.bottom_reaction / f.weight - 1.0)}, support_bound,
                   "The bottom block does not carry the weight of the slab: the forces and gaps of "
                   "this run are not to be used.",
                   sentence("bottom reaction %.6g %s against a weight of %.6g %s at t = %g s",
@@ -60,8 +58,7 @@ Found weight_not_carried(const Case&, const StepFigures& f) {
 Found contact_violated(const Case&, const StepFigures& f) {
   if (f.complementarity_error <= contact_bound) return std::nullopt;
   return Exceeded{
-      {f.complementarity_error, {}},
-      contact_bound,
+      PlacedFigure{f.complementarity_error}, contact_bound,
       "The slab penetrates the block or is pulled by it: the gaps of this run are not to be used.",
       sentence("contact conditions violated by %.2e at t = %g s", f.complementarity_error, f.time)};
 }
@@ -71,8 +68,7 @@ Found contact_violated(const Case&, const StepFigures& f) {
 Found level_overheats(const Case& c, const StepFigures& f) {
   if (c.cooling.top != thermal::Top::held || f.superheat <= 0.0 || f.level_heat <= f.superheat)
     return std::nullopt;
-  return Exceeded{{f.level_heat / f.superheat, {}},
-                  1.0,
+  return Exceeded{PlacedFigure{f.level_heat / f.superheat}, 1.0,
                   sentence("The metal level, held at the casting temperature, has delivered %.3g "
                            "times the superheat of the metal poured so far: no metal brings this "
                            "heat. Shells are too thin and curls too large.",
@@ -81,16 +77,14 @@ Found level_overheats(const Case& c, const StepFigures& f) {
 
 Found water_boils_away(const Case&, const StepFigures& f) {
   if (!f.water_boiled_away) return std::nullopt;
-  return Exceeded{{f.water_share, {}},
-                  1.0,
+  return Exceeded{PlacedFigure{f.water_share}, 1.0,
                   "So little water is left that it no longer covers a face: below, the face is "
                   "dry, and the shell can melt again."};
 }
 
 Found water_thrown_off(const Case&, const StepFigures& f) {
   if (!f.water_thrown_off) return std::nullopt;
-  return Exceeded{{f.water_share, {}},
-                  1.0,
+  return Exceeded{PlacedFigure{f.water_share}, 1.0,
                   "A vapour film throws the water off a face that is too hot for this flow: below, "
                   "the face is dry. As a start practice this is watched closely; later it bleeds."};
 }
@@ -98,8 +92,7 @@ Found water_thrown_off(const Case&, const StepFigures& f) {
 /// Of constant limits, which know nothing of the film's heat.
 Found water_beyond_capacity(const Case&, const StepFigures& f) {
   if (f.water_share <= 1.0 + 1e-9) return std::nullopt;
-  return Exceeded{{f.water_share, {}},
-                  1.0,
+  return Exceeded{PlacedFigure{f.water_share}, 1.0,
                   sentence("A face gives off %.3g times the heat that its water could take, even "
                            "if all of it evaporated: set boiling_follows_flow.",
                            f.water_share)};
@@ -321,8 +314,7 @@ Found hot_tears(const Case& c, const StepFigures& f) {
 Found curl_above_range(const Case& c, const StepFigures& f) {
   const auto& limit = c.plausibility.greatest_curl;
   if (!f.mechanical || !limit || f.greatest_curl <= *limit) return std::nullopt;
-  return Exceeded{{f.greatest_curl, {}},
-                  *limit,
+  return Exceeded{PlacedFigure{f.greatest_curl}, *limit,
                   sentence("The curl is %.4g mm, above the %.4g mm that the plant accepts: the "
                            "butt rocks on the block, and more of it is sawn off.",
                            in_mm * f.greatest_curl, in_mm * *limit)};
@@ -332,8 +324,7 @@ Found curl_above_range(const Case& c, const StepFigures& f) {
 Found curl_below_range(const Case& c, const StepFigures& f) {
   const auto& limit = c.plausibility.least_curl;
   if (!f.mechanical || !limit || !f.last || f.greatest_curl >= *limit) return std::nullopt;
-  return Exceeded{{f.greatest_curl, {}},
-                  *limit,
+  return Exceeded{PlacedFigure{f.greatest_curl}, *limit,
                   sentence("The final curl is %.4g mm, below the %.4g mm that the plant accepts: "
                            "the recipe misses its aim.",
                            in_mm * f.greatest_curl, in_mm * *limit)};

@@ -281,14 +281,19 @@ void apply_all(v1::Case& description, const std::vector<v1::CaseChange>& changes
 
 }  // namespace
 
+v1::CaseChange change_of(const std::string& key, const std::string& value) {
+  v1::CaseChange change;
+  change.set_key(key);
+  change.set_value(value);
+  return change;
+}
+
 std::optional<v1::CaseChange> parse_change(std::string_view text) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos) return std::nullopt;
-  v1::CaseChange change;
-  change.set_key(std::string(trimmed(text.substr(0, equals))));
-  change.set_value(std::string(trimmed(text.substr(equals + 1))));
-  if (change.key().empty()) return std::nullopt;
-  return change;
+  const std::string key(trimmed(text.substr(0, equals)));
+  if (key.empty()) return std::nullopt;
+  return change_of(key, std::string(trimmed(text.substr(equals + 1))));
 }
 
 std::vector<v1::Fault> apply_changes(v1::Case& description,

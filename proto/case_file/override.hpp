@@ -25,6 +25,8 @@
 ///   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table
 namespace dccast::case_file {
 
+v1::CaseChange change_of(const std::string& key, const std::string& value);
+
 /// Parses a change such as "mesh.rows=30"; empty if there is no key or no '='.
 std::optional<v1::CaseChange> parse_change(std::string_view text);
 

@@ -23,21 +23,20 @@ using Ladder = std::vector<Rung>;
 /// What one quality means for one kind of section. Lengths in m.
 struct Discretisation {
   double column;                      ///< width
-  int fewest_columns;                 ///< whatever the width
+  int fewest_columns = 8;             ///< whatever the width
   std::optional<double> side_cell{};  ///< absent: uniform columns
   double layer = 0.0;                 ///< of a quarter slab
   double wide_side_cell = 0.0;        ///< of a quarter slab
   double bottom_cell, top_cell;       ///< heights of the lowest and the topmost initial row
   double growth_cell;                 ///< height of the rows that growth adds
   double merge_below = 0.0;           ///< depth at which they are merged; 0: never
-  Ladder begin;                       ///< steps from the start of the simulation
+  Ladder begin{{0, 0.25}, {10, 1}};   ///< steps from the start of the simulation
   Ladder event;                       ///< from the start of casting, of the mechanics, of the water
   std::optional<double> error;        ///< half the band of the curl at the end [1]
 };
 
 const Discretisation& of_section(v1::Quality quality) {
   static const Discretisation draft{.column = 14e-3,
-                                    .fewest_columns = 8,
                                     .bottom_cell = 3.5e-3,
                                     .top_cell = 7e-3,
                                     .growth_cell = 7e-3,
@@ -45,20 +44,16 @@ const Discretisation& of_section(v1::Quality quality) {
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = 0.05};
   static const Discretisation engineering{.column = 9.4e-3,
-                                          .fewest_columns = 8,
                                           .bottom_cell = 2.25e-3,
                                           .top_cell = 2.25e-3,
                                           .growth_cell = 5e-3,
-                                          .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                           .error = 0.04};
   static const Discretisation fine{
       .column = 7e-3,
-      .fewest_columns = 8,
       .bottom_cell = 1.5e-3,
       .top_cell = 1.5e-3,
       .growth_cell = 3.5e-3,
-      .begin = {{0, 0.25}, {10, 1}},
       .event = {{0, 0.025}, {1, 0.05}, {3, 0.125}, {10, 0.25}, {30, 0.5}, {60, 1}},
       .error = 0.04};
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
@@ -91,7 +86,6 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                           .top_cell = 4.4e-3,
                                           .growth_cell = 5e-3,
                                           .merge_below = 0.1,
-                                          .begin = {{0, 0.25}, {10, 1}},
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = 0.11};
   static const Discretisation fine{.column = 47e-3,
@@ -103,7 +97,6 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                    .top_cell = 2.5e-3,
                                    .growth_cell = 4e-3,
                                    .merge_below = 0.1,
-                                   .begin = {{0, 0.25}, {10, 1}},
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                    .error = 0.06};
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
@@ -259,15 +252,6 @@ bool is_measured_casting(const v1::Case& c) {
          half_thickness[0] >= 0.2 && half_thickness[0] <= 0.4 && c.time().end_s() <= 300.0;
 }
 
-/// Without the keys that do not affect the results.
-v1::Case casting_of(v1::Case description) {
-  description.clear_title();
-  description.clear_output();
-  description.clear_checkpoint();
-  description.clear_limits();
-  return description;
-}
-
 }  // namespace
 
 std::optional<double> relative_discretisation_error(const v1::Case& complete) {
@@ -288,7 +272,11 @@ std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
 
 bool is_same_casting(const v1::Case& a, const v1::Case& b) {
   const auto alone = [](const v1::Case& complete) {
-    v1::Case c = casting_of(complete);
+    v1::Case c = complete;
+    c.clear_title();
+    c.clear_output();
+    c.clear_checkpoint();
+    c.clear_limits();
     c.clear_quality();
     c.mutable_mesh()->Clear();
     c.mutable_mesh()->set_element(complete.mesh().element());
@@ -300,22 +288,6 @@ bool is_same_casting(const v1::Case& a, const v1::Case& b) {
   };
   return MessageDifferencer::Equals(alone(a), alone(b));
 }
-
-namespace {
-
-void scale_steps(v1::TimeControl& time, double factor) {
-  for (double& step : *time.mutable_step_s()->mutable_value()) step *= factor;
-  time.set_minimum_step_s(time.minimum_step_s() * factor);
-}
-
-/// The casting alone, its steps as they are at refinement 1.
-v1::Case undivided(v1::Case description) {
-  scale_steps(*description.mutable_time(), description.mesh().refinement());
-  description.mutable_mesh()->set_refinement(1);
-  return casting_of(std::move(description));
-}
-
-}  // namespace
 
 bool quality_matters(const v1::Case& description) {
   v1::Case draft = description, fine = description;
@@ -333,7 +305,9 @@ v1::Case divided(const v1::Case& description, int parts) {
   apply_defaults(*fine.mutable_mesh());
   apply_defaults(*fine.mutable_time());
   fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);
-  scale_steps(*fine.mutable_time(), 1.0 / parts);
+  v1::TimeControl& time = *fine.mutable_time();
+  for (double& step : *time.mutable_step_s()->mutable_value()) step *= 1.0 / parts;
+  time.set_minimum_step_s(time.minimum_step_s() * (1.0 / parts));
   return fine;
 }
 
@@ -350,10 +324,6 @@ std::string reason_against_dividing(const v1::Case& description) {
       (description.mechanics().has_enabled() && !description.mechanics().enabled()))
     return "the case computes no curl: it needs a [[monitor]] and mechanics.enabled";
   return {};
-}
-
-bool is_refined_case(const v1::Case& a, const v1::Case& b) {
-  return MessageDifferencer::Equals(undivided(a), undivided(b));
 }
 
 }  // namespace dccast::case_file

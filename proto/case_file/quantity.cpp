@@ -45,16 +45,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> suffixes
     {"K", "_k"},
 }};
 
-}  // namespace
-
-std::optional<std::string> unit_suffix(std::string_view unit) {
-  for (const auto& [name, suffix] : suffixes)
-    if (name == unit) return std::string(suffix);
-  return std::nullopt;
-}
-
-namespace {
-
 constexpr std::size_t maximum_unit_length = 64;  // longer ones are no unit anybody writes
 
 using Unit = values::Owned<ut_unit, ut_free>;
@@ -135,6 +125,12 @@ Quantity converted(double number, const std::string& unit, const std::string& wa
 }
 
 }  // namespace
+
+std::optional<std::string> unit_suffix(std::string_view unit) {
+  for (const auto& [name, suffix] : suffixes)
+    if (name == unit) return std::string(suffix);
+  return std::nullopt;
+}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");

@@ -89,12 +89,6 @@ bool differ(std::span<const double> a, std::span<const double> b) {
   return false;
 }
 
-void add(std::vector<v1::CaseChange>& changes, const std::string& key, const std::string& value) {
-  v1::CaseChange& change = changes.emplace_back();
-  change.set_key(key);
-  change.set_value(value);
-}
-
 }  // namespace
 
 bool ramps_by_length(const v1::Curve& curve) {
@@ -111,28 +105,30 @@ Recipe recipe_of(const v1::Case& complete) {
 
 std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recipe& recipe) {
   const Recipe before = recipe_of(complete);
-  const auto part = [](const Recipe& of, RecipeNumber first) {
-    return std::span<const double, 3>(of.data() + first, 3);
-  };
   const v1::Schedule& schedule = complete.schedule();
   std::vector<v1::CaseChange> changes;
-  const bool other_speed = differ(part(recipe, speed_start), part(before, speed_start));
-  if (other_speed)
-    add(changes, "schedule.casting_speed",
-        table_text(schedule.casting_speed_m_per_s(), part(recipe, speed_start), "m/s"));
-  if (differ({&recipe[hold], 1}, {&before[hold], 1}))
-    add(changes, "schedule.hold", text_of(recipe[hold], "s"));
-  if (differ({&recipe[filling], 1}, {&before[filling], 1}))
-    add(changes, "schedule.filling", text_of(recipe[filling], "s"));
-  if (differ(part(recipe, water_start), part(before, water_start)))
-    add(changes, "schedule.water_flow",
-        table_text(schedule.water_flow_m2_per_s(), part(recipe, water_start), "m2/s"));
+  const auto change_ramp = [&](const char* key, const v1::Curve& curve, RecipeNumber first,
+                               const char* unit) {
+    const std::span<const double, 3> numbers(&recipe[first], 3);
+    const bool other = differ(numbers, {&before[first], 3});
+    if (other) changes.push_back(change_of(key, table_text(curve, numbers, unit)));
+    return other;
+  };
+  const auto change_time = [&](const char* key, RecipeNumber number) {
+    if (differ({&recipe[number], 1}, {&before[number], 1}))
+      changes.push_back(change_of(key, text_of(recipe[number], "s")));
+  };
+  const bool other_speed =
+      change_ramp("schedule.casting_speed", schedule.casting_speed_m_per_s(), speed_start, "m/s");
+  change_time("schedule.hold", hold);
+  change_time("schedule.filling", filling);
+  change_ramp("schedule.water_flow", schedule.water_flow_m2_per_s(), water_start, "m2/s");
   if (!other_speed) return changes;
   v1::Case changed = complete;
   apply_changes(changed, changes);
   const double end = time_of_cast_length(changed, cast_length_at_end(complete));
   if (std::isfinite(end))
-    add(changes, "time.end", quantity_text(0.1 * std::round(10.0 * end), "s"));
+    changes.push_back(change_of("time.end", quantity_text(0.1 * std::round(10.0 * end), "s")));
   return changes;
 }
 

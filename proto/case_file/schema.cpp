@@ -156,17 +156,14 @@ std::string joined(const std::vector<std::string>& words) {
 
 namespace {
 
-/// A bound in another unit, rounded to six digits: it is for reading only.
-std::string bound_text(double bound, const std::string& from, const std::string& to) {
-  const double value = to.empty() || to == from ? bound : convert(bound, from, to).value_or(bound);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 std::string bounds_text(const v1::Key& key, const std::string& unit) {
   const std::string tail = unit.empty() || unit == "1" ? "" : " " + unit;
-  const auto bound = [&](double value) { return bound_text(value, key.unit(), unit); };
+  const auto bound = [&](double value) {
+    if (unit != key.unit()) value = convert(value, key.unit(), unit).value_or(value);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);  // for reading only
+    return std::string(text);
+  };
   if (key.has_minimum() && key.has_maximum() && !key.minimum_excluded() && !key.maximum_excluded())
     return bound(key.minimum()) + " to " + bound(key.maximum()) + tail;
   std::string text;
@@ -278,24 +275,12 @@ v1::Fault make_fault(std::string path, const std::string& value, std::string mes
   return fault;
 }
 
-namespace {
-
-/// Middle of the range on a logarithmic scale where that has a meaning, else 1.
-std::string example_quantity(const v1::Key& key) {
-  if (key.unit() == "degC") return "\"650 degC\"";
-  if (key.unit() == "m/s") return "\"60 mm/min\"";
-  if (key.unit() == "m") return "\"30 mm\"";
-  if (key.unit() == "m2/s") return "\"3e-3 m2/s\"";
-  return quoted(quantity_text(std::max(1.0, key.minimum()), key.unit()));
-}
-
-}  // namespace
-
 std::string example_text(const FieldDescriptor& field) {
   const v1::Key& key = key_of(field);
-  const bool plain_default = !key.default_text().empty() && !key.default_text().starts_with('[') &&
-                             key.default_text() != by_quality;
-  if (plain_default && key.default_text() != "\"\"") return key.default_text();
+  const std::string& standard = key.default_text();
+  if (!standard.empty() && !standard.starts_with('[') && standard != by_quality &&
+      standard != "\"\"")
+    return standard;
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return "\"" + enum_texts(field).front() + "\"";
@@ -308,7 +293,11 @@ std::string example_text(const FieldDescriptor& field) {
   }
   if (key.unit().empty()) return number_text(std::max(1.0, key.minimum()));
   if (key.unit() == "1") return number_text(std::max(0.3, key.minimum()));
-  return example_quantity(key);
+  if (key.unit() == "degC") return "\"650 degC\"";
+  if (key.unit() == "m/s") return "\"60 mm/min\"";
+  if (key.unit() == "m") return "\"30 mm\"";
+  if (key.unit() == "m2/s") return "\"3e-3 m2/s\"";
+  return quoted(quantity_text(std::max(1.0, key.minimum()), key.unit()));
 }
 
 }  // namespace dccast::case_file

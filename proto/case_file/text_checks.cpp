@@ -82,43 +82,28 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-namespace {
-
-/// Counts what is open at a place of the text.
-class Depth {
-public:
-  bool too_deep() const { return std::max(brackets_, dots_) > maximum_nesting; }
-
-  void pass(char c) {
-    if (c == '[' || c == '{') ++brackets_;
-    if (c == ']' || c == '}') brackets_ = std::max(0, brackets_ - 1);
-    if (c == '.') ++dots_;
-    if (c == '=' || c == ',' || c == '\n') dots_ = 0;
-  }
-
-private:
-  int brackets_ = 0;
-  int dots_ = 0;
-};
-
-}  // namespace
-
 std::optional<TextFault> check_nesting(std::string_view text) {
-  Depth depth;
+  int brackets = 0, dots = 0;  // open brackets, and dots of a key
   for (std::size_t at = 0; at < text.size();) {
-    if (text[at] == '"' || text[at] == '\'') {
+    const char c = text[at];
+    if (c == '"' || c == '\'') {
       at = end_of_string(text, at);
-    } else if (text[at] == '#') {
-      at = std::min(text.find('\n', at), text.size());
-    } else {
-      depth.pass(text[at]);
-      if (depth.too_deep())
-        return TextFault{
-            position_of(text, at),
-            "keys or lists are nested more than " + std::to_string(maximum_nesting) + " deep",
-            "see `dccast schema` for the tables of a case"};
-      ++at;
+      continue;
     }
+    if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+      continue;
+    }
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') brackets = std::max(0, brackets - 1);
+    if (c == '.') ++dots;
+    if (c == '=' || c == ',' || c == '\n') dots = 0;
+    if (std::max(brackets, dots) > maximum_nesting)
+      return TextFault{
+          position_of(text, at),
+          "keys or lists are nested more than " + std::to_string(maximum_nesting) + " deep",
+          "see `dccast schema` for the tables of a case"};
+    ++at;
   }
   return std::nullopt;
 }

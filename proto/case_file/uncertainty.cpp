@@ -44,14 +44,11 @@ std::optional<Range> between(std::string_view first, std::string_view second) {
   auto low = written(first);
   const auto high = written(second);
   if (!low || !high) return std::nullopt;
-  const bool times = high->unit == "times";
-  if (low->unit.empty() && !times) low->unit = high->unit;
-  if (low->unit == high->unit || (times && low->unit.empty())) {
-    if (!(low->number < high->number)) return std::nullopt;
-  }
-  if (!times) return Range{"", text_of(low->number, low->unit), text_of(high->number, high->unit)};
-  if (!low->unit.empty() && low->unit != "times") return std::nullopt;
-  if (!(low->number > 0.0)) return std::nullopt;
+  if (low->unit.empty()) low->unit = high->unit;
+  if (low->unit == high->unit && !(low->number < high->number)) return std::nullopt;
+  if (high->unit != "times")
+    return Range{"", text_of(low->number, low->unit), text_of(high->number, high->unit)};
+  if (low->unit != "times" || !(low->number > 0.0)) return std::nullopt;
   return Range{".scale", number_text(low->number), number_text(high->number)};
 }
 
@@ -78,47 +75,34 @@ bool is_default(const v1::Case& complete, const KeyReference& row) {
   return value.value && here && *here == *value.value;
 }
 
-/// The case at one end of a range, or what is wrong there as a fault of the range's line.
-struct End {
-  v1::Case changed;
-  std::optional<v1::Fault> fault;
-};
-
-End end_of(const v1::Case& complete, const UncertainKey& datum, const std::string& value) {
-  End end{complete, {}};
-  v1::CaseChange change;
-  change.set_key(datum.change());
-  change.set_value(value);
-  const auto faults = apply_changes(end.changed, {change});
-  if (faults.empty()) return end;
-  const v1::Fault& first = faults.front();
-  end.fault = make_fault("uncertainty." + datum.key, datum.range,
-                         "at " + value + ": " + first.message(), first.permitted(), first.remedy());
-  return end;
-}
-
+/// What is wrong with a range that a complete case gives.
 std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& key,
                                   const std::string& range) {
-  const std::string line = "uncertainty." + key;
+  const auto refused = [&](const std::string& message, const std::string& permitted = {},
+                           const std::string& remedy = {}) {
+    return make_fault("uncertainty." + key, range, message, permitted, remedy);
+  };
   const auto ends = parse_range(range);
-  if (!ends) return make_fault(line, range, "is no range", range_forms);
-  const UncertainKey datum{key, range, {}, *ends};
-  const End low = end_of(complete, datum, ends->low);
-  if (low.fault) return low.fault;
-  const End high = end_of(complete, datum, ends->high);
-  if (high.fault || !ends->suffix.empty()) return high.fault;
+  if (!ends) return refused("is no range", range_forms);
+  v1::Case low = complete, high = complete;
+  for (const auto& [end, value] : {std::pair{&low, &ends->low}, {&high, &ends->high}}) {
+    const auto faults = apply_changes(*end, {change_of(key + ends->suffix, *value)});
+    if (!faults.empty())
+      return refused("at " + *value + ": " + faults.front().message(), faults.front().permitted(),
+                     faults.front().remedy());
+  }
+  if (!ends->suffix.empty()) return std::nullopt;
   const auto value = number_at(complete, key);
   if (!value)
-    return make_fault(line, range, "is a table of several points, which no two ends describe",
-                      "\"± 10 %\", \"± 5 K\" or \"0.5..2 times\"",
-                      "or name one point, e.g. " + key + "[0]");
-  const double from = number_at(low.changed, key).value_or(*value);
-  const double to = number_at(high.changed, key).value_or(*value);
+    return refused("is a table of several points, which no two ends describe",
+                   "\"± 10 %\", \"± 5 K\" or \"0.5..2 times\"",
+                   "or name one point, e.g. " + key + "[0]");
+  const double from = number_at(low, key).value_or(*value);
+  const double to = number_at(high, key).value_or(*value);
   const double margin = 1e-9 * std::abs(*value);
-  if (!(from < to)) return make_fault(line, range, "is no range: the smaller end comes first");
+  if (!(from < to)) return refused("is no range: the smaller end comes first");
   if (from <= *value + margin && *value - margin <= to) return std::nullopt;
-  return make_fault(line, range, "does not hold the value of the case", "",
-                    "the value is " + number_text(*value));
+  return refused("does not hold the value of the case", "", "the value is " + number_text(*value));
 }
 
 }  // namespace

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
+#include <sstream>
 #include <utility>
 
 namespace dccast::frames {
 
 double curve_value(const v1::Curve& curve, double at) {
   const int count = std::min(curve.at_size(), curve.value_size());
-  const auto end = curve.at().begin() + count;
-  const auto right =
-      static_cast<int>(std::lower_bound(curve.at().begin(), end, at) - curve.at().begin());
+  const auto begin = curve.at().begin();
+  const auto right = static_cast<int>(std::lower_bound(begin, begin + count, at) - begin);
   if (right == 0) return curve.value(0);
   if (right == count) return curve.value(count - 1);
   const double share = (at - curve.at(right - 1)) / (curve.at(right) - curve.at(right - 1));
@@ -141,14 +142,12 @@ double half_opening_m(const v1::Section& section, double x_m) {
 }
 
 const FaceRow& Contraction::at(double height_m) const {
-  return *std::min_element(rows.begin(), rows.end(), [&](const FaceRow& a, const FaceRow& b) {
-    return std::abs(a.height_m - height_m) < std::abs(b.height_m - height_m);
-  });
+  const auto distance = [&](const FaceRow& row) { return std::abs(row.height_m - height_m); };
+  return *std::ranges::min_element(rows, {}, distance);
 }
 
 const FaceRow& Contraction::head() const {
-  const auto solid =
-      std::find_if(rows.rbegin(), rows.rend(), [](const FaceRow& row) { return row.solid; });
+  const auto solid = std::find_if(rows.rbegin(), rows.rend(), std::mem_fn(&FaceRow::solid));
   return solid == rows.rend() ? rows.back() : *solid;
 }
 
@@ -166,6 +165,67 @@ Contraction contraction_of(const v1::Case& solved, const v1::Frame& frame) {
         "no line of nodes leads straight from the middle plane to the wide face: "
         "run the case on the built-in mesh, without mesh.file");
   return contraction;
+}
+
+// Away from butt and head.
+
+namespace {
+
+constexpr double read_at = 0.9;       // of the solid height
+constexpr double steady_from = 0.75;  // of the solid height
+// The butt pulls in like a plate up to about its half-thickness (docs/contraction.md, heights 47 to
+// 416 mm of a slab of 285 mm).
+constexpr double butt_in_half_thicknesses = 1.0;
+
+std::string in_mm(double metres) {
+  std::ostringstream text;
+  text.precision(3);
+  text << 1e3 * metres << " mm";
+  return text.str();
+}
+
+/// Most that two rows differ by, at the points that both have.
+double difference(const FaceRow& a, const FaceRow& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < std::min(a.points.size(), b.points.size()); ++i)
+    most = std::max(most, std::abs(a.points[i].cold_m - b.points[i].cold_m));
+  return most;
+}
+
+void require_solid(const Contraction& contraction, const FaceRow& head) {
+  const double needed_m =
+      butt_in_half_thicknesses * contraction.rows.front().points.front().mould_m / read_at;
+  const double solid_m = head.solid ? head.height_m : 0.0;
+  if (solid_m >= needed_m) return;
+  throw NoContraction("the slab is solid all through up to " + in_mm(solid_m) +
+                      " only, at a cast length of " + in_mm(contraction.cast_length_m) +
+                      "; away from its butt begins at " + in_mm(needed_m) +
+                      ": cast longer, with a later time.end");
+}
+
+}  // namespace
+
+double SteadyFace::residual_m(double wanted_m) const {
+  double most = 0.0;
+  for (const double cold : cold_m) most = std::max(most, std::abs(cold - wanted_m));
+  return most;
+}
+
+SteadyFace steady_face(const Contraction& contraction) {
+  const FaceRow& head = contraction.head();
+  require_solid(contraction, head);
+  const FaceRow& row = contraction.at(read_at * head.height_m);
+  SteadyFace face;
+  face.height_m = row.height_m;
+  for (const FaceRow& other : contraction.rows)
+    if (other.solid && other.height_m >= steady_from * head.height_m)
+      face.change_m = std::max(face.change_m, difference(row, other));
+  for (const FacePoint& point : row.points) {
+    face.x_m.push_back(point.x_m);
+    face.mould_m.push_back(point.mould_m);
+    face.cold_m.push_back(point.cold_m);
+  }
+  return face;
 }
 
 }  // namespace dccast::frames

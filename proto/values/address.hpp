@@ -9,10 +9,22 @@ struct HostAndPort {
   std::string host;  ///< without brackets
   std::string port;
 };
-HostAndPort host_and_port(const std::string& address);
+inline HostAndPort host_and_port(const std::string& address) {
+  const auto colon = address.rfind(':');
+  const bool has_port = colon != std::string::npos && address.find(']', colon) == std::string::npos;
+  HostAndPort parts{address.substr(0, has_port ? colon : std::string::npos),
+                    has_port ? address.substr(colon + 1) : ""};
+  if (parts.host.starts_with('[') && parts.host.ends_with(']'))
+    parts.host = parts.host.substr(1, parts.host.size() - 2);
+  return parts;
+}
 
 /// Whether other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
 /// "localhost:7117"). A name that only begins as a number of loopback does, is none.
-bool is_loopback(const std::string& address);
+inline bool is_loopback(const std::string& address) {
+  const std::string host = host_and_port(address).host;
+  return host == "localhost" || host == "::1" ||
+         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+}
 
 }  // namespace dccast::values

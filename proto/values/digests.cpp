@@ -7,10 +7,11 @@
 #include <array>
 #include <cerrno>
 #include <fstream>
-#include <memory>
 #include <new>
 #include <system_error>
 #include <vector>
+
+#include "proto/values/owned.hpp"
 
 namespace dccast::values {
 
@@ -36,7 +37,7 @@ namespace {
 /// Takes bytes piece by piece and gives their SHA-256.
 class Sha256 {
 public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+  Sha256() : context_(EVP_MD_CTX_new()) {
     if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
       throw std::bad_alloc();
   }
@@ -48,7 +49,7 @@ public:
   }
 
 private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+  Owned<EVP_MD_CTX, EVP_MD_CTX_free> context_;
 };
 
 }  // namespace
@@ -76,35 +77,22 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most)
   return digest.in_hexadecimal();
 }
 
-namespace {
-
-constexpr bool is_dash(std::size_t i) {
-  return i == 8 || i == 13 || i == 18 || i == 23;
-}
-
-/// The digit with its two upper bits replaced by those of variant 1.
-char of_variant_1(char digit) {
-  return "89ab"[(digit <= '9' ? digit - '0' : digit - 'a' + 10) & 3];
-}
-
-}  // namespace
-
 std::string random_uuid() {
   std::string text = random_hexadecimal(16);
   for (const std::size_t dash : {8, 13, 18, 23}) text.insert(dash, 1, '-');
   text[14] = '4';  // version 4, RFC 4122
-  text[19] = of_variant_1(text[19]);
+  // The digit with its two upper bits replaced by those of variant 1.
+  text[19] = "89ab"[(text[19] <= '9' ? text[19] - '0' : text[19] - 'a' + 10) & 3];
   return text;
 }
 
 bool is_uuid(std::string_view text) {
-  if (text.size() != 36) return false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    const bool digit = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-    if (is_dash(i) ? c != '-' : !digit) return false;
-  }
-  return true;
+  constexpr std::string_view form = "hhhhhhhh-hhhh-hhhh-hhhh-hhhhhhhhhhhh";
+  const auto fits = [](char c, char wanted) {
+    if (wanted == '-') return c == '-';
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+  };
+  return std::ranges::equal(text, form, fits);
 }
 
 }  // namespace dccast::values

@@ -102,19 +102,6 @@ std::string escaped(std::string_view text, Lines lines) {
   return result;
 }
 
-namespace {
-
-constexpr std::string_view ellipsis = "...";
-
-/// The largest length up to `limit` at which no character of UTF-8 is cut.
-std::size_t whole_characters(std::string_view text, std::size_t limit) {
-  if (text.size() <= limit) return text.size();
-  while (limit > 0 && (static_cast<unsigned char>(text[limit]) & 0xC0) == 0x80) --limit;
-  return limit;
-}
-
-}  // namespace
-
 std::string escaped_in_quotes(std::string_view text) {
   std::string quotable;
   for (const char c : escaped(text)) {
@@ -125,9 +112,12 @@ std::string escaped_in_quotes(std::string_view text) {
 }
 
 std::string shortened(std::string_view text, std::size_t limit) {
-  const std::size_t line = std::min(text.find('\n'), text.size());
-  const std::size_t kept = whole_characters(text.substr(0, line), limit);
-  return std::string(text.substr(0, kept)) + std::string(kept < text.size() ? ellipsis : "");
+  const std::string_view line = text.substr(0, text.find('\n'));
+  std::size_t kept = std::min(line.size(), limit);
+  // Not in the middle of a character of UTF-8.
+  while (kept > 0 && kept < line.size() && (static_cast<unsigned char>(line[kept]) & 0xC0) == 0x80)
+    --kept;
+  return std::string(line.substr(0, kept)) + (kept < text.size() ? "..." : "");
 }
 
 std::string too_long(std::string_view name, std::string_view text, std::size_t limit) {

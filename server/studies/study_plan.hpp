@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
-#include "proto/frames/steady_face.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::studies {
 

@@ -1,4 +1,4 @@
-#include "proto/frames/steady_face.hpp"
+#include "proto/frames/contraction.hpp"
 
 #include <algorithm>
 
