@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <utility>
 
+// Lanes are passed by value inside functions compiled for one set of instructions only.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dccast {
 
 /// Instruction sets for which lanes and band kernels are compiled, slowest first.
@@ -21,13 +24,6 @@ Instructions instructions();
 /// The lower of the processor's set and the requested one. @param asked  null or empty: no request
 /// @throws std::invalid_argument  no such set
 Instructions instructions_for(const char* asked);
-
-}  // namespace dccast
-
-// Lanes are passed by value inside functions compiled for one set of instructions only.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-namespace dccast {
 
 /// `Count` numbers side by side, on which + - * / and comparisons work at once: a formula written
 /// for one number is evaluated for several elements or points.

@@ -10,7 +10,7 @@
 #include "core/casting/run_mesh.hpp"
 #include "core/findings/judge.hpp"
 #include "core/findings/run_failure.hpp"
-#include "core/mechanics/slab_state.hpp"
+#include "core/mechanics/slab_mechanics.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 

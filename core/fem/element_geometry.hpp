@@ -209,16 +209,7 @@ private:
       corner[i] = Eigen::Map<const Eigen::Vector3d>(mesh.point(node[i]));
     }
     cell.bending = SolidBending(corner);
-    std::array<double, SolidBending::levers> mean{};
-    for (std::size_t q = 0; q < std::size_t(points); ++q) {
-      cell.point[q].lever = SolidBending::lever(Element::point[q]);
-      for (std::size_t l = 0; l < mean.size(); ++l) {
-        mean[l] += cell.point[q].weight * cell.point[q].lever[l] / cell.volume;
-      }
-    }
-    for (Point& point : cell.point) {
-      for (std::size_t l = 0; l < mean.size(); ++l) point.lever[l] -= mean[l];
-    }
+    set_levers(cell, SolidBending::lever);
   }
 
   /// Axes of the cell at its centre, g_1 = dx/d xi and g_2 = dx/d eta, and the hourglass part of
@@ -238,7 +229,8 @@ private:
       warp += hourglass[i] * x;
     }
     const Eigen::Vector2d share = axes.inverse() * warp;
-    set_levers(cell);
+    // The second coordinate varies across the first axis.
+    set_levers(cell, [](const auto& p) { return std::array{p[1], p[0]}; });
     for (std::size_t m = 0; m < 2; ++m) {
       const Eigen::Vector2d axis = axes.col(static_cast<int>(m));
       const double square = axis.squaredNorm();
@@ -257,17 +249,18 @@ private:
     }
   }
 
-  static void set_levers(Cell& cell) {
-    std::array<double, 2> mean{};
+  /// Levers at the points, without their volume means. @param lever_at  of a reference point
+  template <class LeverAt>
+  static void set_levers(Cell& cell, const LeverAt& lever_at) {
+    decltype(Point::lever) mean{};
     for (std::size_t q = 0; q < std::size_t(points); ++q) {
-      // The second coordinate varies across the first axis.
-      cell.point[q].lever = {Element::point[q][1], Element::point[q][0]};
-      for (std::size_t m = 0; m < 2; ++m) {
-        mean[m] += cell.point[q].weight * cell.point[q].lever[m] / cell.volume;
+      cell.point[q].lever = lever_at(Element::point[q]);
+      for (std::size_t l = 0; l < mean.size(); ++l) {
+        mean[l] += cell.point[q].weight * cell.point[q].lever[l] / cell.volume;
       }
     }
     for (Point& point : cell.point) {
-      for (std::size_t m = 0; m < 2; ++m) point.lever[m] -= mean[m];
+      for (std::size_t l = 0; l < mean.size(); ++l) point.lever[l] -= mean[l];
     }
   }
 

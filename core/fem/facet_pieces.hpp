@@ -26,14 +26,6 @@ inline FacetShares<2> facet_shares(const mesh::Mesh<2>& mesh, const mesh::Facet<
   return {0.5 * length, 0.5 * length};
 }
 
-/// Axisymmetric: times the radius, coordinate 0 [m2/rad].
-inline FacetShares<2> facet_shares_per_radian(const mesh::Mesh<2>& mesh,
-                                              const mesh::Facet<2>& facet) {
-  const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
-  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
-  return {length * (2.0 * a[0] + b[0]) / 6.0, length * (a[0] + 2.0 * b[0]) / 6.0};
-}
-
 namespace detail {
 inline Eigen::Vector3d corner_of(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet,
                                  std::size_t i) {
@@ -73,8 +65,10 @@ inline FacetShares<3> facet_shares(const mesh::Mesh<3>& mesh, const mesh::Facet<
 template <class Element>
 FacetShares<Element::dimension> facet_shares_of(const mesh::Mesh<Element::dimension>& mesh,
                                                 const mesh::Facet<Element::dimension>& facet) {
-  if constexpr (is_axisymmetric<Element>) {
-    return facet_shares_per_radian(mesh, facet);
+  if constexpr (is_axisymmetric<Element>) {  // times the radius, coordinate 0
+    const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+    return {length * (2.0 * a[0] + b[0]) / 6.0, length * (a[0] + 2.0 * b[0]) / 6.0};
   } else {
     return facet_shares(mesh, facet);
   }

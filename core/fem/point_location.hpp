@@ -38,7 +38,4 @@ double interpolate(const mesh::Mesh<Dim>& mesh, const Place& place, std::span<co
   return sum;
 }
 
-extern template std::optional<Place> locate<2>(const mesh::Mesh<2>&, const std::array<double, 2>&);
-extern template std::optional<Place> locate<3>(const mesh::Mesh<3>&, const std::array<double, 3>&);
-
 }  // namespace dccast::fem

@@ -7,7 +7,7 @@
 
 #include "core/findings/shell.hpp"
 #include "core/material/mechanical_properties.hpp"
-#include "core/mechanics/slab_state.hpp"
+#include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/row_merging.hpp"
 

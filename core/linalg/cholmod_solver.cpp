@@ -16,11 +16,11 @@ namespace {
 // Between 1.5k unknowns, where the simplicial code wins, and 30k, where it loses by 3.
 constexpr int simplicial_up_to = 6000;
 
-/// Limits BLAS to a number of threads, and CHOLMOD to the calling one. CHOLMOD's supernodal code
-/// explicitly requests four threads, regardless of OMP_NUM_THREADS; with zero active levels of
-/// parallel regions it gets one.
-void stay_on(int threads) {
-  openblas_set_num_threads(threads);
+/// Limits BLAS and CHOLMOD to the calling thread. CHOLMOD's supernodal code explicitly requests
+/// four threads, regardless of OMP_NUM_THREADS; with zero active levels of parallel regions it gets
+/// one.
+void stay_on_this_thread() {
+  openblas_set_num_threads(1);
   omp_set_max_active_levels(0);
 }
 
@@ -131,7 +131,7 @@ void CholmodSolver::analyze(const SparsityPattern& pattern, Geometry geometry) {
 }
 
 bool CholmodSolver::factorize(std::span<const double> values) {
-  stay_on(threads_);
+  stay_on_this_thread();
   Storage& s = *storage_;
   s.matrix.xtype = CHOLMOD_REAL;
   s.matrix.x = const_cast<double*>(values.data());
@@ -144,7 +144,7 @@ bool CholmodSolver::factorize(std::span<const double> values) {
 }
 
 void CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
-  stay_on(1);
+  stay_on_this_thread();
   Storage& s = *storage_;
   cholmod_dense right{};
   right.nrow = right.nzmax = right.d = b.size();

@@ -15,8 +15,7 @@ enum class Geometry { plane, solid };
 /// Analyse once per mesh, factorise when the values change, solve as often as needed. Small 2D
 /// problems use the simplicial LDL' factorisation with an AMD ordering, larger ones the supernodal
 /// one; solids are ordered by METIS on their nodes (measured: the simplicial factorisation is 18 to
-/// 46 times slower there). One thread, also in OpenMP, unless more are requested: a job has one
-/// core.
+/// 46 times slower there). One thread, also in OpenMP: a job has one core.
 ///
 /// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class CholmodSolver {
@@ -25,10 +24,6 @@ public:
   ~CholmodSolver();
   CholmodSolver(CholmodSolver&&) noexcept;
   CholmodSolver& operator=(CholmodSolver&&) noexcept;
-
-  /// Sets the number of threads for dense products in a factorisation. @param threads  at least 1,
-  /// the default
-  void use_threads(int threads) { threads_ = threads; }
 
   /// Symbolic analysis. @param pattern  must outlive the solver's use of it
   /// @throws std::bad_alloc when memory is exhausted
@@ -46,7 +41,6 @@ public:
 
 private:
   struct Storage;
-  int threads_ = 1;
   std::unique_ptr<Storage> storage_;
 };
 

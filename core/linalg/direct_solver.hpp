@@ -46,22 +46,14 @@ public:
   double factor_entries() const;
   /// Memory used by the factor [byte], after analyze().
   std::size_t memory_bytes() const;
-  /// Sets the number of threads for CHOLMOD's dense products; the band solver uses the team lent to
-  /// the calling thread. @param threads  at least 1, the default
-  void use_threads(int threads) { cholmod_.use_threads(threads); }
 
 private:
-  template <class Use>
-  auto with_solver(const Use& use) {
-    return method_ == Method::band         ? use(band_)
-           : method_ == Method::dissection ? use(dissection_)
-                                           : use(cholmod_);
-  }
-  template <class Use>
-  auto with_solver(const Use& use) const {
-    return method_ == Method::band         ? use(band_)
-           : method_ == Method::dissection ? use(dissection_)
-                                           : use(cholmod_);
+  /// Calls use(solver) with the solver of the method. @param self  *this, constant or not
+  template <class Self, class Use>
+  static auto with_solver(Self& self, const Use& use) {
+    return self.method_ == Method::band         ? use(self.band_)
+           : self.method_ == Method::dissection ? use(self.dissection_)
+                                                : use(self.cholmod_);
   }
 
   Method method_ = Method::cholmod;
@@ -71,13 +63,5 @@ private:
   long factorizations_ = 0;
   long solves_ = 0;
 };
-
-/// Measured rule for 2D: whether a band factorisation is faster than a dissection.
-bool band_beats_dissection(const BandShape& shape, int unknowns);
-
-/// Measured rule: whether a band factorisation is faster than CHOLMOD's. In 2D it assumes one solve
-/// per factorisation, for a solid the twenty of its conjugate gradients.
-/// @param shape  of the band in the best order known
-bool band_wins(const BandShape& shape, int unknowns, Geometry geometry, const TileKernels& kernels);
 
 }  // namespace dccast::linalg

@@ -13,37 +13,12 @@ namespace {
 /// A part with fewer unknowns is one front: its columns fill the tiles.
 constexpr int unknowns_of_leaf = 48;
 
-/// (node) Steps to an edge, from neighbour to neighbour.
-std::vector<int> distances(const NodeGraph& graph, std::span<const int> edge) {
-  std::vector<int> distance(std::size_t(graph.nodes()), -1), order;
-  order.reserve(distance.size());
-  const auto reach = [&](int node, int steps) {
-    if (distance[std::size_t(node)] >= 0) return;
-    distance[std::size_t(node)] = steps;
-    order.push_back(node);
-  };
-  std::size_t next = 0;
-  const auto sweep = [&] {
-    for (; next < order.size(); ++next) {
-      const int node = order[next];
-      for (const int other : graph.neighbours(node)) reach(other, distance[std::size_t(node)] + 1);
-    }
-  };
-  for (const int unknown : edge) reach(unknown / graph.unknowns_per_node(), 0);
-  sweep();
-  for (int node = 0; node < graph.nodes(); ++node) {  // what is joined to nothing yet
-    reach(node, 0);
-    sweep();
-  }
-  return distance;
-}
-
 /// Halves the nodes until they are leaves.
 class Dissection {
 public:
   Dissection(const NodeGraph& graph, std::span<const std::vector<int>> edges, DissectionTree& tree)
       : tree_(tree), leaf_(std::max(1, unknowns_of_leaf / graph.unknowns_per_node())) {
-    for (std::size_t a = 0; a < axes; ++a) distance_[a] = distances(graph, edges[a]);
+    for (std::size_t a = 0; a < axes; ++a) distance_[a] = graph.sweep_from(edges[a]).distance;
     order_.resize(std::size_t(graph.nodes()));
     for (std::size_t n = 0; n < order_.size(); ++n) order_[n] = static_cast<int>(n);
     divide(0, graph.nodes(), 0);

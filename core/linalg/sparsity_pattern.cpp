@@ -221,31 +221,38 @@ void multiply(const SparsityPattern& pattern, std::span<const double> values,
   }
 }
 
-std::vector<int> sweep_order(const SparsityPattern& pattern, std::span<const int> front) {
-  const NodeGraph graph(pattern, pattern.unknowns_per_node());
-  std::vector<int> order, place_of_node(std::size_t(graph.nodes()), -1);
-  order.reserve(place_of_node.size());
-  const auto take = [&](int node) {
-    if (place_of_node[std::size_t(node)] >= 0) return;
-    place_of_node[std::size_t(node)] = static_cast<int>(order.size());
-    order.push_back(node);
+NodeGraph::Sweep NodeGraph::sweep_from(std::span<const int> front) const {
+  Sweep sweep{{}, std::vector<int>(std::size_t(nodes_), -1)};
+  sweep.order.reserve(sweep.distance.size());
+  const auto reach = [&](int node, int steps) {
+    if (sweep.distance[std::size_t(node)] >= 0) return;
+    sweep.distance[std::size_t(node)] = steps;
+    sweep.order.push_back(node);
   };
-  const int per_node = graph.unknowns_per_node();
-  for (const int unknown : front) take(unknown / per_node);
   std::size_t next = 0;
-  const auto sweep = [&] {
-    for (; next < order.size(); ++next) {
-      for (const int neighbour : graph.neighbours(order[next])) take(neighbour);
+  const auto go_on = [&] {
+    for (; next < sweep.order.size(); ++next) {
+      const int node = sweep.order[next];
+      for (const int other : neighbours(node)) reach(other, sweep.distance[std::size_t(node)] + 1);
     }
   };
-  sweep();
-  for (int node = 0; node < graph.nodes(); ++node) {  // what is joined to nothing yet
-    take(node);
-    sweep();
+  for (const int unknown : front) reach(unknown / per_node_, 0);
+  go_on();
+  for (int node = 0; node < nodes_; ++node) {  // what is joined to nothing yet
+    reach(node, 0);
+    go_on();
   }
+  return sweep;
+}
+
+std::vector<int> sweep_order(const SparsityPattern& pattern, std::span<const int> front) {
+  const int per_node = pattern.unknowns_per_node();
+  const auto order = NodeGraph(pattern, per_node).sweep_from(front).order;
   std::vector<int> place(std::size_t(pattern.unknowns()));
-  for (int u = 0; u < pattern.unknowns(); ++u)
-    place[std::size_t(u)] = place_of_node[std::size_t(u / per_node)] * per_node + u % per_node;
+  for (std::size_t p = 0; p < order.size(); ++p) {
+    for (int d = 0; d < per_node; ++d)
+      place[std::size_t(order[p] * per_node + d)] = static_cast<int>(p) * per_node + d;
+  }
   return place;
 }
 

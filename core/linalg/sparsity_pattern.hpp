@@ -97,6 +97,16 @@ public:
     return {neighbour_.data() + first, std::size_t(start_[std::size_t(node) + 1]) - first};
   }
 
+  /// Visits all nodes level by level of distance from a front, and within a level in the order of
+  /// the neighbours in the level before; then, as fronts of their own, those that are joined to
+  /// nothing.
+  struct Sweep {
+    std::vector<int> order;     ///< nodes
+    std::vector<int> distance;  ///< (node) [1] steps from neighbour to neighbour
+  };
+  /// @param front  unknowns
+  Sweep sweep_from(std::span<const int> front) const;
+
 private:
   /// Calls use(a, b) for all neighbours a < b.
   template <class Use>

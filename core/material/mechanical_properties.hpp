@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/material/alloy_card.hpp"
 #include "core/material/norton_hoff.hpp"
 
@@ -13,24 +16,34 @@ namespace dccast::material {
 /// a liquid element has no creep.
 class MechanicalProperties {
 public:
-  explicit MechanicalProperties(const AlloyCard& card);
+  explicit MechanicalProperties(const AlloyCard& card)
+      : card_(card), creep_(norton_hoff(card)), liquid_density_(card.density(card.liquidus)) {}
 
   /// Bulk modulus lambda + 2 mu / 3 [Pa].
-  double bulk_modulus(double temperature) const;
+  double bulk_modulus(double temperature) const {
+    return card_.young_modulus(temperature) /
+           (3.0 * (1.0 - 2.0 * card_.poisson_ratio(temperature)));
+  }
   /// Shear modulus mu [Pa].
-  double shear_modulus(double temperature) const;
+  double shear_modulus(double temperature) const {
+    return card_.young_modulus(temperature) / (2.0 * (1.0 + card_.poisson_ratio(temperature)));
+  }
   /// [kg/m3]
   double density(double temperature) const { return card_.density(temperature); }
   double liquid_density() const { return liquid_density_; }  ///< rho_l = rho(T_l) [kg/m3]
   /// Thermal stretch (rho_l / rho(T))^(1/3) [1]: the antiderivative of alpha(T), eq. (11). Its
   /// difference between two temperatures is exactly the thermal strain, also through the mushy
   /// interval.
-  double thermal_stretch(double temperature) const;
+  double thermal_stretch(double temperature) const {
+    return std::cbrt(liquid_density_ / card_.density(temperature));
+  }
   const NortonHoff& creep() const { return creep_; }
   /// kappa(T) of the creep law [Pa^-(q-1)/s]; above the liquidus its value at the liquidus.
-  double kappa(double temperature) const;
-  double coherency() const { return card_.coherency; }  ///< [°C]
-  double liquidus() const { return card_.liquidus; }    ///< [°C]
+  double kappa(double temperature) const {
+    return creep_.kappa(std::min(temperature, card_.liquidus));
+  }
+  double coherency() const { return card_.coherency; }        ///< [°C]
+  double liquidus() const { return card_.liquidus; }          ///< [°C]
   double shell() const { return card_.shell_temperature(); }  ///< [°C] below it the mould releases
 
 private:

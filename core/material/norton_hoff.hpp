@@ -42,12 +42,6 @@ struct ReturnMaps {
   Lanes<Count> norm;        ///< |s| [Pa]
   Lanes<Count> derivative;  ///< d|s| / d|s_trial|, in (0, 1] [1]
 };
-/// return_map() of several points at once; for the paper's exponent, 6, without calling pow().
-/// @param trial_norm  [Pa] @param creep  [Pa^-(q-2)] @param exponent  q [1]
-template <int Count>
-ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
-                              double exponent);
-
 namespace detail {
 
 /// return_map() of each lane: trial_norm [Pa], creep [Pa^-(q-2)], exponent [1].
@@ -83,7 +77,8 @@ ReturnMaps<Count> of_fifth_power(const Lanes<Count>& trial_norm, const Lanes<Cou
 
 }  // namespace detail
 
-// trial_norm [Pa], creep [Pa^-(q-2)], exponent [1]
+/// return_map() of several points at once; for the paper's exponent, 6, without calling pow().
+/// @param trial_norm  [Pa] @param creep  [Pa^-(q-2)] @param exponent  q [1]
 template <int Count>
 ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                               double exponent) {

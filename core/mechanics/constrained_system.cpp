@@ -86,30 +86,19 @@ bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance
     condensation_.solve(d, d);
     return true;
   }
-  if (work_->two_grid != nullptr) return solve_by_two_grid(fixed, tolerance);
-  const auto by_factor = [&](std::span<const double> r, std::span<double> z) {
-    work_->solver.solve(r, z);
+  const bool by_grids = work_->two_grid != nullptr;
+  const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+    by_grids ? work_->two_grid->apply(r, z) : work_->solver.solve(r, z);
   };
   work_->lifted = d;
-  const auto outcome = gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, by_factor,
-                                        work_->lifted, d, {tolerance, most_gradients});
+  const auto outcome =
+      gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, precondition, work_->lifted, d,
+                       {tolerance, by_grids ? most_gradients_of_grids : most_gradients});
   work_->gradient_iterations += outcome.iterations;
   if (outcome.end == linalg::CgOutcome::End::converged) return true;
-  if (!hold_and_factorize(fixed)) return false;
+  if (by_grids || !hold_and_factorize(fixed)) return false;
   condensation_.solve(work_->lifted, d);
   return true;
-}
-
-bool ConstrainedSystem::solve_by_two_grid(std::span<const char> fixed, double tolerance) {
-  auto& d = work_->direction;
-  work_->lifted = d;
-  const auto by_grids = [&](std::span<const double> r, std::span<double> z) {
-    work_->two_grid->apply(r, z);
-  };
-  const auto outcome = gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, by_grids,
-                                        work_->lifted, d, {tolerance, most_gradients_of_grids});
-  work_->gradient_iterations += outcome.iterations;
-  return outcome.end == linalg::CgOutcome::End::converged;
 }
 
 bool ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed,

@@ -48,15 +48,15 @@ public:
   /// @param tolerance      [1] relative residual of conjugate gradients
   /// @return false if the matrix is not positive definite, or the two-grid solver did not converge
   [[nodiscard]] bool solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
-             double tolerance = tight);
+                           double tolerance = tight);
 
   /// Tolerance of a solution as accurate as a direct one [1].
   static constexpr double tight = 1e-12;
 
 private:
   [[nodiscard]] bool change_solid(std::span<const char> fixed);
-  [[nodiscard]] bool solve_free(std::span<const char> fixed, double tolerance);         ///< [1] relative residual
-  [[nodiscard]] bool solve_by_two_grid(std::span<const char> fixed, double tolerance);  ///< [1] relative residual
+  /// @param tolerance  [1] relative residual
+  [[nodiscard]] bool solve_free(std::span<const char> fixed, double tolerance);
   [[nodiscard]] bool hold_and_factorize(std::span<const char> fixed);
   bool changes_only_last_rows(std::span<const char> fixed) const;
   // `stiffness` [force/m], `step_of_fixed` [m].

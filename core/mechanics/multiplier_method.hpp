@@ -56,6 +56,7 @@ public:
         work_(work),
         unknowns_(unknowns),
         equilibrium_(problem),
+        system_(*problem.pattern, work),
         gamma_p_(std::move(gamma_p)),
         multiplier_(gamma_p_.size()),
         round_off_(round_off_force(problem)),
@@ -201,19 +202,17 @@ protected:
 
   /// Assembles and factorises the matrix of the linear problem (57) with the present parameters.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
-  [[nodiscard]] bool factorize(ConstrainedSystem& system, std::span<const char> fixed,
-                 std::span<const double> step_of_fixed) {
+  [[nodiscard]] bool factorize(std::span<const char> fixed, std::span<const double> step_of_fixed) {
     evaluate(multiplier_law());
     equilibrium_.tangent(work_.stiffness);
-    return factorized_ = system.factorize(fixed, step_of_fixed);
+    return factorized_ = system_.factorize(fixed, step_of_fixed);
   }
 
   /// The same after a change of the contact set; the matrix does not change within a step.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]
-  [[nodiscard]] bool hold(ConstrainedSystem& system, std::span<const char> fixed,
-            std::span<const double> step_of_fixed) {
-    if (factorized_ && system.change(fixed, step_of_fixed)) return true;
-    return factorize(system, fixed, step_of_fixed);
+  [[nodiscard]] bool hold(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+    if (factorized_ && system_.change(fixed, step_of_fixed)) return true;
+    return factorize(fixed, step_of_fixed);
   }
 
   void advance() {
@@ -229,6 +228,7 @@ protected:
   Workspace& work_;
   StepUnknowns<Dim>& unknowns_;
   Equilibrium<Dim> equilibrium_;
+  ConstrainedSystem system_;
   std::vector<double> gamma_p_;     ///< by point [1/(Pa s)]
   std::vector<Tensor> multiplier_;  ///< q by point [1/s]
   StepOutcome outcome_;

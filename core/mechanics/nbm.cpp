@@ -45,7 +45,6 @@ public:
   Nbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
       StepUnknowns<Dim>& unknowns)
       : Base(problem, options, work, unknowns, std::vector<double>(problem.inelastic.size(), 0.0)),
-        system_(*problem.pattern, work),
         constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
@@ -89,10 +88,10 @@ private:
   bool solve_displacement() {
     ++this->outcome_.iterations;
     const auto step = constraints_.step_from(this->unknowns_.displacement);
-    if (refactor_ && !this->hold(system_, constraints_.fixed(), step)) return false;
+    if (refactor_ && !this->hold(constraints_.fixed(), step)) return false;
     refactor_ = false;
     this->evaluate(this->multiplier_law());
-    if (!system_.solve(constraints_.fixed(), step)) return false;
+    if (!this->system_.solve(constraints_.fixed(), step)) return false;
     this->advance();
     this->evaluate(this->multiplier_law());
     return true;
@@ -152,7 +151,6 @@ private:
     return std::sqrt(sum);
   }
 
-  ConstrainedSystem system_;
   StepConstraints<Dim> constraints_;
   std::vector<Tensor> before_;  ///< multipliers before their last change [1/s]
   bool refactor_ = true;

@@ -32,8 +32,8 @@ class Sbm : MultiplierMethod<Dim> {
 public:
   Sbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
       StepUnknowns<Dim>& unknowns)
-      : Base(problem, options, work, unknowns, constant_gamma(problem, options.parameters.gamma_p)),
-        system_(*problem.pattern, work) {
+      : Base(problem, options, work, unknowns,
+             constant_gamma(problem, options.parameters.gamma_p)) {
     const AlgorithmParameters& p = options.parameters;
     lambda_p_ = p.lambda_p.value_or(0.5 / p.gamma_p);
     lambda_c_ = p.lambda_c.value_or(0.5 / p.gamma_c);
@@ -67,7 +67,7 @@ private:
     add_contact_forces();
     while (outcome.iterations < most) {
       ++outcome.iterations;
-      if (!system_.solve(this->problem_.fixed, step_)) return;
+      if (!this->system_.solve(this->problem_.fixed, step_)) return;
       this->advance();
       step_.assign(step_.size(), 0.0);
       this->settled_ = true;
@@ -109,7 +109,7 @@ private:
       this->work_.stiffness[std::size_t(diagonal)] +=
           this->options_.parameters.gamma_c * problem.contact_area[i];
     }
-    return system_.factorize(problem.fixed, step_);
+    return this->system_.factorize(problem.fixed, step_);
   }
 
   /// The terms gamma_c u_n v_n and p v_n of (51). u_n counts from the block or wall into it: minus
@@ -186,7 +186,6 @@ private:
     }
   }
 
-  ConstrainedSystem system_;
   std::vector<double> step_;
   double lambda_p_ = 0.0;
   double lambda_c_ = 0.0;

@@ -53,7 +53,4 @@ private:
   std::vector<std::array<std::size_t, 2>> rows_;
 };
 
-extern template class RowsOfPoints<2>;
-extern template class RowsOfPoints<3>;
-
 }  // namespace dccast::mechanics

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/equilibrium.hpp"
-#include "core/mechanics/front_pressure.hpp"
 #include "core/mechanics/step_constraints.hpp"
 #include "core/mesh/extrusion.hpp"
 
@@ -20,6 +20,37 @@ constexpr int up = Dim - 1;
 /// From 4 to 32 smallest rows per coarse row the number of iterations grows by a seventh, while the
 /// coarse factor shrinks to a hundredth: docs/large-solids.md.
 constexpr double rows_of_a_coarse_one = 32.0;
+
+/// Mean of a field over the nodes of an element [unit of the field].
+/// @param field  (node) [unit of the field]
+template <int Dim>
+double mean_at_nodes(const mesh::Mesh<Dim>& mesh, int element, std::span<const double> field) {
+  const int* node = mesh.nodes_of(element);
+  double sum = 0.0;
+  for (int i = 0; i < mesh.nodes_per_element; ++i) sum += field[std::size_t(node[i])];
+  return sum / mesh.nodes_per_element;
+}
+
+/// Mean height of the nodes of an element [m].
+template <int Dim>
+double centroid_height(const mesh::Mesh<Dim>& mesh, int element) {
+  const int* node = mesh.nodes_of(element);
+  double sum = 0.0;
+  for (int i = 0; i < mesh.nodes_per_element; ++i) sum += mesh.point(node[i])[Dim - 1];
+  return sum / mesh.nodes_per_element;
+}
+
+template <int Dim>
+std::vector<char> nodes_of_solid(const mesh::Mesh<Dim>& mesh, const std::vector<char>& solid) {
+  std::vector<char> of_solid(std::size_t(mesh.nodes()), 0);
+  for (int e = 0; e < mesh.elements(); ++e) {
+    if (solid[std::size_t(e)] == 0) continue;
+    for (int i = 0; i < mesh.nodes_per_element; ++i) {
+      of_solid[std::size_t(mesh.nodes_of(e)[i])] = 1;
+    }
+  }
+  return of_solid;
+}
 
 }  // namespace
 
@@ -299,10 +330,33 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
   accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic, state.viscoplastic);
   store_supports(state, unknowns);
   state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
-  const FrontPressure front = front_pressure<Dim>(
-      *forms_, *mesh_, state, {properties_.liquid_density() * options_.gravity, input.metal_level});
-  checks_.liquid_pressure_error = front.error;
-  checks_.worst_liquid = front.worst;
+  check_front(state, input.metal_level);
+}
+
+/// Deviation of the liquid's pressure from the metallostatic one along the solidification front.
+template <int Dim>
+void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
+  const double specific_weight = properties_.liquid_density() * options_.gravity;
+  const std::vector<char> of_solid = nodes_of_solid(*mesh_, state.solid);
+  checks_.worst_liquid = -1;
+  double difference = 0.0, scale = 0.0, worst = 0.0;  // integrals of squared pressures
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    if (state.solid[std::size_t(e)] != 0) continue;
+    const int* node = mesh_->nodes_of(e);
+    const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
+                                      [&](int n) { return of_solid[std::size_t(n)] != 0; });
+    if (!at_front) continue;
+    const double exact = -specific_weight * (metal_level - centroid_height(*mesh_, e));
+    const double error = state.pressure[std::size_t(e) * points_] - exact;
+    const double share = forms_->volume(std::size_t(e)) * error * error;
+    if (share > worst) {
+      worst = share;
+      checks_.worst_liquid = e;
+    }
+    difference += share;
+    scale += forms_->volume(std::size_t(e)) * exact * exact;
+  }
+  checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
 }
 
 template <int Dim>

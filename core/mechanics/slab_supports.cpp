@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mechanics/slab_mechanics.hpp"
+
 namespace dccast::mechanics {
 
 namespace {

@@ -4,10 +4,12 @@
 #include <vector>
 
 #include "core/mechanics/options.hpp"
-#include "core/mechanics/slab_state.hpp"
 #include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
+
+template <int Dim>
+struct SlabState;
 
 /// The supports of a slab: the symmetry planes, the mould along its sides, and the block below.
 ///
@@ -91,8 +93,5 @@ private:
   std::vector<int> symmetry_unknowns_;
   std::vector<NodalFrame<Dim>> frames_;
 };
-
-extern template class SlabSupports<2>;
-extern template class SlabSupports<3>;
 
 }  // namespace dccast::mechanics

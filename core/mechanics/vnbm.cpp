@@ -10,8 +10,8 @@ namespace {
 constexpr double contact_from_residual = 1e-3;
 
 /// gamma_p of eq. (77) at the stress of the step's start, sqrt(q-1) kappa |s|^(q-2). The formula is
-/// zero where there is no stress yet, and a multiplier with gamma_p = 0 does not contract; its floor
-/// is the compliance of one elastic step, 1 / (2 mu dt).
+/// zero where there is no stress yet, and a multiplier with gamma_p = 0 does not contract; its
+/// floor is the compliance of one elastic step, 1 / (2 mu dt).
 template <int Dim>
 std::vector<double> variable_gamma(const StepProblem<Dim>& problem,
                                    const StepUnknowns<Dim>& unknowns) {
@@ -37,7 +37,6 @@ public:
   Vnbm(const StepProblem<Dim>& problem, const Options& options, Workspace& work,
        StepUnknowns<Dim>& unknowns)
       : Base(problem, options, work, unknowns, variable_gamma(problem, unknowns)),
-        system_(*problem.pattern, work),
         constraints_(problem, unknowns.contact, this->round_off_) {}
 
   StepOutcome solve() {
@@ -77,8 +76,8 @@ private:
   /// VNBM2(b)(i).
   bool solve_displacement(bool refactor) {
     const auto step = constraints_.step_from(this->unknowns_.displacement);
-    if (refactor && !this->hold(system_, constraints_.fixed(), step)) return false;
-    if (!system_.solve(constraints_.fixed(), step)) return false;
+    if (refactor && !this->hold(constraints_.fixed(), step)) return false;
+    if (!this->system_.solve(constraints_.fixed(), step)) return false;
     this->advance();
     return true;
   }
@@ -90,7 +89,6 @@ private:
     };
   }
 
-  ConstrainedSystem system_;
   StepConstraints<Dim> constraints_;
 };
 

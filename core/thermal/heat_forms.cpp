@@ -272,46 +272,27 @@ private:
   std::vector<double> placed_;  ///< coordinates at the last integration [m]
 };
 
-namespace {
-
-/// For conduction the bending elements are treated as the plain bilinear and trilinear ones.
-template <class Element>
-struct Conducting {
-  using Type = Element;
-};
-template <>
-struct Conducting<fem::BendingQuadrilateral> {
-  using Type = fem::Q1Quadrilateral;
-};
-template <>
-struct Conducting<fem::AxisymmetricBending> {
-  using Type = fem::AxisymmetricQ1;
-};
-template <>
-struct Conducting<fem::BendingHexahedron> {
-  using Type = fem::Q1Hexahedron;
-};
-
-}  // namespace
-
 void HeatForms::follow_merging(const mesh::MergedRows& merged, std::vector<double>& enthalpy) {
   const std::vector<double> before = volume_;
   update();
   merge_enthalpy(merged, before, volume_, enthalpy);
 }
 
+// For conduction the bending elements are plain bilinear and trilinear ones.
+
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::SectionKind kind) {
-  const auto element = mesh.nodes_per_element == 3 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
-  return fem::with_element(element, kind, [&]<class Element>() -> std::unique_ptr<HeatForms> {
-    return std::make_unique<HeatFormsOf<typename Conducting<Element>::Type>>(mesh);
-  });
+  const bool round = kind == mesh::SectionKind::axisymmetric;
+  if (mesh.nodes_per_element == 3) {
+    if (round) return std::make_unique<HeatFormsOf<fem::AxisymmetricP1>>(mesh);
+    return std::make_unique<HeatFormsOf<fem::P1Triangle>>(mesh);
+  }
+  if (round) return std::make_unique<HeatFormsOf<fem::AxisymmetricQ1>>(mesh);
+  return std::make_unique<HeatFormsOf<fem::Q1Quadrilateral>>(mesh);
 }
 
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<3>& mesh, mesh::SectionKind) {
-  const auto element = mesh.nodes_per_element == 4 ? mesh::ElementKind::p1 : mesh::ElementKind::q1;
-  return fem::with_solid_element(element, [&]<class Element>() -> std::unique_ptr<HeatForms> {
-    return std::make_unique<HeatFormsOf<typename Conducting<Element>::Type>>(mesh);
-  });
+  if (mesh.nodes_per_element == 4) return std::make_unique<HeatFormsOf<fem::P1Tetrahedron>>(mesh);
+  return std::make_unique<HeatFormsOf<fem::Q1Hexahedron>>(mesh);
 }
 
 }  // namespace dccast::thermal

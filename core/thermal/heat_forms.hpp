@@ -111,7 +111,7 @@ public:
   /// output argument, so that its memory is reused between steps
   /// @return  height of the side [m]
   virtual double divide_side(const CoolingSpec& cooling, const SideInstant& instant,
-                           std::vector<SideShare>& shares) const = 0;
+                             std::vector<SideShare>& shares) const = 0;
 
   /// Updates the forms after growth of the mesh and transfers the nodal enthalpies, see growth.hpp.
   /// @param nodes_per_row      nodes per row of the structured mesh

@@ -66,8 +66,7 @@ MetalEntry HeatSolver::follow_growth(HeatField& field, int nodes_per_row, double
   bool new_pattern = false;
   const std::size_t first = field.enthalpy.size() - 2 * std::size_t(nodes_per_row);  // that changes
   const double entering = properties_.enthalpy(temperature);
-  MetalEntry entry =
-      forms_->follow_growth(nodes_per_row, entering, field.enthalpy, new_pattern);
+  MetalEntry entry = forms_->follow_growth(nodes_per_row, entering, field.enthalpy, new_pattern);
   entry.superheat = entry.entered * std::max(0.0, 1.0 - properties_.liquidus_enthalpy() / entering);
   if (new_pattern) take_elements();
   refresh(field, first);
@@ -122,8 +121,7 @@ void HeatSolver::choose_solver() {
 double HeatSolver::superheat(const HeatField& field) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < field.enthalpy.size(); ++i)
-    sum += forms_->volume()[i] *
-           std::max(0.0, field.enthalpy[i] - properties_.liquidus_enthalpy());
+    sum += forms_->volume()[i] * std::max(0.0, field.enthalpy[i] - properties_.liquidus_enthalpy());
   return sum;
 }
 
@@ -218,10 +216,6 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
     matrix_[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))] +=
         held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
-  return factorize_matrix();
-}
-
-bool HeatSolver::factorize_matrix() {
   if (two_grid_ == nullptr) return solver_.factorize(matrix_);
   return two_grid_->factorize(forms_->pattern(), matrix_, stiff_);
 }
@@ -331,22 +325,17 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
   outcome.bottom_heat_flux = cooling_.bottom_power();
   outcome.water = cooling_.water();
-  store_rate(field, input.time_step);
   field.enthalpy = enthalpy_;
+  field.enthalpy_rate.resize(state_.size());
   field.temperature.resize(state_.size());
   field.liquid_fraction.resize(state_.size());
   for (std::size_t i = 0; i < state_.size(); ++i) {
+    field.enthalpy_rate[i] = (enthalpy_[i] - enthalpy_n_[i]) / input.time_step;
     field.temperature[i] = state_[i].temperature;
     field.liquid_fraction[i] = state_[i].liquid_fraction;
   }
   cooling_.finish_step(*forms_, state_, input, field);
   return outcome;
-}
-
-void HeatSolver::store_rate(HeatField& field, double time_step) const {
-  field.enthalpy_rate.resize(enthalpy_.size());
-  for (std::size_t i = 0; i < enthalpy_.size(); ++i)
-    field.enthalpy_rate[i] = (enthalpy_[i] - enthalpy_n_[i]) / time_step;
 }
 
 HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
@@ -360,7 +349,6 @@ HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   heat.top -= input.time_step * cooling_.level_power();
   heat.side = input.time_step * (cooling_.side_power()[0] + cooling_.side_power()[1]);
   heat.bottom = input.time_step * cooling_.bottom_power();
-  heat.moved = moved_;
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
   // Not corrected for rounding: a check that allows for its own error hides other errors.
   heat.error = moved_ > 0.0 ? std::abs(missing) / moved_ : 0.0;

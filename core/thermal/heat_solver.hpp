@@ -21,10 +21,10 @@ struct HeatBalance {
   double entered = 0.0;  ///< [J/m] brought in by the metal, above 0 °C
   /// [J/m] in through the metal level: conducted from a held level, negative where it loses heat
   double top = 0.0;
-  double side = 0.0;     ///< [J/m] out
-  double bottom = 0.0;   ///< [J/m] out
-  double moved = 0.0;    ///< [J/m] total heat exchanged, the scale of the errors
-  /// |stored + side + bottom - top - entered|, rounding included, relative to `moved`.
+  double side = 0.0;    ///< [J/m] out
+  double bottom = 0.0;  ///< [J/m] out
+  /// |stored + side + bottom - top - entered|, rounding included, relative to all the heat
+  /// exchanged.
   double error = 0.0;  ///< [1]
 };
 
@@ -97,7 +97,6 @@ public:
   HeatStepOutcome step(HeatField& field, const HeatStepInput& input);
 
   const material::ThermalProperties& properties() const { return properties_; }
-  const CoolingSpec& cooling() const { return cooling_.spec(); }
   const HeatForms& forms() const { return *forms_; }
 
 private:
@@ -110,14 +109,12 @@ private:
   enum class Slope { newton, newton_bounded, largest };
   [[nodiscard]] bool factorize(Slope kind, double time_step);  ///< time_step [s]
   [[nodiscard]] bool factorize_newton(double time_step);       ///< time_step [s]
-  [[nodiscard]] bool factorize_matrix();
   [[nodiscard]] bool solve_by_two_grid();
   bool newton_direction();
   double relative_residual(double time_step) const;                ///< [1]; time_step [s]
   bool line_search(const HeatStepInput& input, double reference);  ///< reference residual [1]
   bool bounded_step(const HeatStepInput& input);
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
-  void store_rate(HeatField& field, double time_step) const;  ///< time_step [s]
   HeatBalance balance(const HeatStepInput& input) const;
 
   material::ThermalProperties properties_;

@@ -253,28 +253,18 @@ void SurfaceCooling::add_side(std::span<const ThermalState> state, const HeatSte
   }
 }
 
-void SurfaceCooling::add_bottom(const HeatForms& forms, std::span<const ThermalState> state) {
-  bottom_power_ = 0.0;
-  const std::vector<int>& nodes = forms.bottom_nodes();
-  const std::vector<double>& weight = forms.bottom_weight();
+/// Adds the fluxes at the nodes of the bottom or the level. @return their power [W/m]
+template <class FluxAt>
+double SurfaceCooling::add_patch(const std::vector<int>& nodes, const std::vector<double>& weight,
+                                 std::span<const ThermalState> state, const FluxAt& flux_at) {
+  double power = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const ThermalState& at = state[std::size_t(nodes[i])];
-    const SurfaceFlux flux = bottom_flux(cooling_.bottom_block, bottom_[i], surface_of(at)).slab;
+    const SurfaceFlux flux = flux_at(i, surface_of(at));
     add(nodes[i], weight[i], flux, at);
-    bottom_power_ += weight[i] * flux.flux;
+    power += weight[i] * flux.flux;
   }
-}
-
-void SurfaceCooling::add_level(const HeatForms& forms, std::span<const ThermalState> state) {
-  level_power_ = 0.0;
-  if (cooling_.top != Top::pouring || cooling_.level_coefficient == 0.0) return;
-  const std::vector<int>& nodes = forms.top_nodes();
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const ThermalState& at = state[std::size_t(nodes[i])];
-    const SurfaceFlux flux = level_flux(cooling_, surface_of(at));
-    add(nodes[i], forms.top_weight()[i], flux, at);
-    level_power_ += forms.top_weight()[i] * flux.flux;
-  }
+  return power;
 }
 
 void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalState> state,
@@ -282,8 +272,15 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
   std::fill(flux_.begin(), flux_.end(), 0.0);
   std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
   add_side(state, input);
-  add_bottom(forms, state);
-  add_level(forms, state);
+  bottom_power_ = add_patch(forms.bottom_nodes(), forms.bottom_weight(), state,
+                            [&](std::size_t i, const SurfaceState& surface) {
+                              return bottom_flux(cooling_.bottom_block, bottom_[i], surface).slab;
+                            });
+  level_power_ = 0.0;
+  if (cooling_.top == Top::pouring && cooling_.level_coefficient != 0.0)
+    level_power_ = add_patch(
+        forms.top_nodes(), forms.top_weight(), state,
+        [&](std::size_t, const SurfaceState& surface) { return level_flux(cooling_, surface); });
 }
 
 /// A surface that water has left dries with the lag of its wetting.

@@ -106,8 +106,9 @@ private:
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
   void add_side(std::span<const material::ThermalState> state, const HeatStepInput& input);
-  void add_bottom(const HeatForms& forms, std::span<const material::ThermalState> state);
-  void add_level(const HeatForms& forms, std::span<const material::ThermalState> state);
+  template <class FluxAt>
+  double add_patch(const std::vector<int>& nodes, const std::vector<double>& weight,
+                   std::span<const material::ThermalState> state, const FluxAt& flux_at);
   void store_wetted(std::span<const material::ThermalState> state, const HeatStepInput& input,
                     HeatField& field) const;
   /// @param weight  [m], axisymmetric [m2/rad], in 3D [m2]

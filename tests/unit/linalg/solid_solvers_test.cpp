@@ -130,14 +130,6 @@ TEST(SolidSolvers, CholmodTakesTheNodesOfAGraphWithOneUnknownEach) {
   EXPECT_LE(relative_difference(solution(solver, values, b), ones), 1e-13);
 }
 
-TEST(SolidSolvers, TwoThreadsGiveTheSolutionOfOne) {
-  const Slab slab({8, 7}, 8);
-  CholmodSolver solver;
-  solver.use_threads(2);
-  solver.analyze(slab.brick.pattern, Geometry::solid);
-  EXPECT_LE(relative_difference(solution(solver, slab.values, slab.b), by_cholmod(slab)), 1e-10);
-}
-
 class MaskedGradients : public ::testing::Test {
 protected:
   void SetUp() override {
