@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "proto/frames/steady_face.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::studies {
 
