@@ -57,12 +57,12 @@ public:
     const std::string own = text_of(labels);
     const std::string before = own.empty() ? "{" : own.substr(0, own.size() - 1) + ",";
     std::uint64_t so_far = 0;
-    for (std::size_t i = 0; i < histogram.bounds().size(); ++i)
-      text_ += fmt::format("{}_bucket{}le=\"{}\"}} {}\n", name_, before, histogram.bounds()[i],
-                           so_far += histogram.counts()[i]);
-    text_ += fmt::format("{}_bucket{}le=\"+Inf\"}} {}\n", name_, before, histogram.count());
-    sample(histogram.sum(), labels, "_sum");
-    sample(histogram.count(), labels, "_count");
+    for (std::size_t i = 0; i < histogram.bounds.size(); ++i)
+      text_ += fmt::format("{}_bucket{}le=\"{}\"}} {}\n", name_, before, histogram.bounds[i],
+                           so_far += histogram.counts[i]);
+    text_ += fmt::format("{}_bucket{}le=\"+Inf\"}} {}\n", name_, before, histogram.count);
+    sample(histogram.sum, labels, "_sum");
+    sample(histogram.count, labels, "_count");
   }
   std::string text() && { return std::move(text_); }
 

@@ -32,6 +32,53 @@ Attempt::Clock::time_point begin_of(const Attempt& attempt) {
                       0, milliseconds(now()) - milliseconds(attempt.record.job.start_time())));
 }
 
+/// Begins to count anew: the daemon itself stood still (a stopped process, a suspended machine) and
+/// has seen no signs.
+void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {
+  attempt.looked = attempt.last_sign = attempt.last_progress = now;
+}
+
+/// Looks for new signs of life: the time of the claim on the folder, the events of the log.
+void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
+                    Attempt::Clock::time_point now) {
+  attempt.looked = now;
+  const std::int64_t sign = signs_in(folder).claimed_ns;
+  if (std::exchange(attempt.sign, sign) != sign) {
+    if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
+    attempt.last_sign = now;
+  }
+  const std::int64_t sequence = attempt.log->last_sequence();
+  if (std::exchange(attempt.sequence, sequence) != sequence)
+    attempt.last_sign = attempt.last_progress = now;
+}
+
+/// The first moment at which the worker of an attempt will have been silent for too long.
+struct SilenceDeadline {
+  Attempt::Clock::time_point at;
+  std::string what;  ///< what it will not have done by then
+};
+
+SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
+  if (!attempt.begun)
+    return {attempt.last_sign + limits.hello,
+            fmt::format("did not begin within {:g} s of its start", seconds(limits.hello))};
+  const SilenceDeadline heartbeat{
+      attempt.last_sign + limits.heartbeat,
+      fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
+  if (limits.stall.count() == 0) return heartbeat;
+  const SilenceDeadline stall{
+      attempt.last_progress + limits.stall,
+      fmt::format("was alive but made no step for {:g} s", seconds(limits.stall))};
+  return heartbeat.at <= stall.at ? heartbeat : stall;
+}
+
+/// When to look for signs again.
+Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
+  auto shortest = std::min(limits.hello, limits.heartbeat);
+  if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
+  return attempt.looked + std::max(shortest / 4, std::chrono::milliseconds(1));
+}
+
 /// Why the folder of a job takes nothing now; empty when it does.
 std::string storage_error_of(const std::filesystem::path& folder, const WorkerExit& exit) {
   try {
@@ -45,16 +92,21 @@ std::string storage_error_of(const std::filesystem::path& folder, const WorkerEx
 
 }  // namespace
 
+double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
+  return attempt.record.job.run_s() + std::chrono::duration<double>(now - attempt.since).count();
+}
+
 Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path& folder,
                   const std::optional<WorkerExit>& exit, AttemptFacts facts) {
   log.refresh();
-  facts.reached_step = log.reached_step();
-  if (const auto step = log.last_step()) facts.reached_time = step->time_s();
+  const EventLogContent content = log.content();
+  facts.reached_step = content.reached_step;
+  if (content.last_step) facts.reached_time = content.last_step->time_s();
   if (const auto request = read_request(folder)) {
     record.requested_action = request->action;
     record.request_reason = request->reason;
   }
-  if (const auto end = log.run_end(); end && end->attempt() == record.job.attempts()) {
+  if (const auto& end = content.run_end; end && end->attempt() == record.job.attempts()) {
     facts.missing_artifact = missing_artifact(folder, *end);
     if (end->outcome() == v1::RunEnd::OTHER_VERSION_FOUND) set_checkpoint_aside(folder);
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
@@ -126,10 +178,6 @@ void Attempts::start(Attempt& attempt) {
   if (shutting_down_) stop(attempt);
 }
 
-void Attempts::erase(const Attempt& attempt) {
-  attempts_.erase(attempt.job_id);
-}
-
 std::shared_ptr<Attempt> Attempts::find(const std::string& job_id) const {
   const auto found = attempts_.find(job_id);
   return found == attempts_.end() ? nullptr : found->second;
@@ -140,28 +188,6 @@ std::vector<std::shared_ptr<Attempt>> Attempts::ended() const {
   for (const auto& [id, attempt] : attempts_)
     if (attempt->exit) ended.push_back(attempt);
   return ended;
-}
-
-int Attempts::of_queue() const {
-  return static_cast<int>(std::ranges::count_if(
-      attempts_, [](const auto& entry) { return !entry.second->goes_first; }));
-}
-
-int Attempts::of_queue(const std::string& owner) const {
-  return static_cast<int>(std::ranges::count_if(attempts_, [&](const auto& entry) {
-    return !entry.second->goes_first && entry.second->record.job.owner() == owner;
-  }));
-}
-
-std::vector<std::shared_ptr<Attempt>> Attempts::all() const {
-  std::vector<std::shared_ptr<Attempt>> all;
-  for (const auto& [id, attempt] : attempts_) all.push_back(attempt);
-  return all;
-}
-
-int Attempts::running() const {
-  return static_cast<int>(
-      std::ranges::count_if(attempts_, [](const auto& entry) { return !entry.second->exit; }));
 }
 
 void Attempts::expect_stop(Attempt& attempt) {
@@ -229,21 +255,16 @@ void Attempts::count_storage_failure(const Attempt& attempt, const Settlement& s
   failures.reached_step = reached_step;
 }
 
-void Attempts::kill_hung(Attempt& attempt, const std::string& what) {
-  attempt.hung = what;
-  attempt.kill_at = Clock::now() + between_kills;
-  log::warn("job {}: its worker {}: killed", attempt.job_id, what);
-  executor_.kill(attempt.job_id, attempt.number);
-}
-
 void Attempts::kill_overdue(Clock::time_point now) {
+  const auto kill = [&](Attempt& attempt, const std::string& why) {
+    attempt.kill_at = now + between_kills;
+    log::warn("job {}: its worker {}: killed", attempt.job_id, why);
+    executor_.kill(attempt.job_id, attempt.number);
+  };
   for (const auto& [id, attempt] : attempts_) {
     if (attempt->exit) continue;
     if (attempt->kill_at) {
-      if (now < *attempt->kill_at) continue;
-      attempt->kill_at = now + between_kills;
-      log::warn("job {}: its worker did not leave in time: killed", id);
-      executor_.kill(id, attempt->number);
+      if (now >= *attempt->kill_at) kill(*attempt, "did not leave in time");
       continue;
     }
     if (now >= attempt->time_limit_at && attempt->waits.empty()) {
@@ -254,8 +275,10 @@ void Attempts::kill_overdue(Clock::time_point now) {
     }
     if (now >= next_look(*attempt, options_.watchdog))
       look_for_signs(*attempt, folder_of(*attempt), now);
-    if (const auto silence = silence_deadline(*attempt, options_.watchdog); now >= silence.at)
-      kill_hung(*attempt, silence.what);
+    if (const auto silence = silence_deadline(*attempt, options_.watchdog); now >= silence.at) {
+      attempt->hung = silence.what;
+      kill(*attempt, silence.what);
+    }
   }
 }
 
@@ -274,49 +297,6 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
 
 void Attempts::forgive_silences(Clock::time_point now) {
   for (const auto& [id, attempt] : attempts_) forgive_silence(*attempt, now);
-}
-
-double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
-  return attempt.record.job.run_s() + std::chrono::duration<double>(now - attempt.since).count();
-}
-
-void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
-                    Attempt::Clock::time_point now) {
-  attempt.looked = now;
-  const std::int64_t sign = signs_in(folder).claimed_ns;
-  if (std::exchange(attempt.sign, sign) != sign) {
-    if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
-    attempt.last_sign = now;
-  }
-  const std::int64_t sequence = attempt.log->last_sequence();
-  if (std::exchange(attempt.sequence, sequence) != sequence)
-    attempt.last_sign = attempt.last_progress = now;
-}
-
-SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
-  if (!attempt.begun)
-    return {attempt.last_sign + limits.hello,
-            fmt::format("did not begin within {:g} s of its start", seconds(limits.hello))};
-  const SilenceDeadline heartbeat{
-      attempt.last_sign + limits.heartbeat,
-      fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
-  if (limits.stall.count() == 0) return heartbeat;
-  const SilenceDeadline stall{
-      attempt.last_progress + limits.stall,
-      fmt::format("was alive but made no step for {:g} s", seconds(limits.stall))};
-  return heartbeat.at <= stall.at ? heartbeat : stall;
-}
-
-Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
-  auto shortest = std::min(limits.hello, limits.heartbeat);
-  if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
-  const auto interval = shortest / 4;
-  return attempt.looked +
-         std::max<std::chrono::milliseconds>(interval, std::chrono::milliseconds(1));
-}
-
-void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {
-  attempt.looked = attempt.last_sign = attempt.last_progress = now;
 }
 
 }  // namespace dccast::jobs

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -57,24 +58,6 @@ struct WatchdogLimits {
 /// How long the job of an attempt has run, with its attempts before [s].
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now);
 
-/// Looks for new signs of life: the time of the claim on the folder, the events of the log.
-void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
-                    Attempt::Clock::time_point now);
-
-/// The first moment at which the worker of an attempt will have been silent for too long.
-struct SilenceDeadline {
-  Attempt::Clock::time_point at;
-  std::string what;  ///< what it will not have done by then
-};
-SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits);
-
-/// When to look for signs again.
-Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits);
-
-/// Begins to count anew: the daemon itself stood still (a stopped process, a suspended machine) and
-/// has seen no signs.
-void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now);
-
 struct AttemptOptions {
   std::filesystem::path jobs_directory;
   int worker_restarts = 2;                       ///< times a job whose worker died is tried again
@@ -102,19 +85,30 @@ public:
   ///                                            started with start()
   std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log, bool adopted);
   void start(Attempt& attempt);
-  void erase(const Attempt& attempt);
+  void erase(const Attempt& attempt) { attempts_.erase(attempt.job_id); }
 
-  int count() const { return static_cast<int>(attempts_.size()); }
+  const std::map<std::string, std::shared_ptr<Attempt>>& by_job() const { return attempts_; }
+  template <typename Condition>
+  int count(const Condition& condition) const {
+    return static_cast<int>(std::ranges::count_if(
+        attempts_, [&](const auto& entry) { return condition(*entry.second); }));
+  }
+  /// Those of jobs that still run.
+  int running() const {
+    return count([](const Attempt& each) { return !each.exit; });
+  }
   /// Those that count for the capacity of the executor.
-  int of_queue() const;
-  int of_queue(const std::string& owner) const;
+  int of_queue() const {
+    return count([](const Attempt& each) { return !each.goes_first; });
+  }
+  int of_queue(const std::string& owner) const {
+    return count(
+        [&](const Attempt& each) { return !each.goes_first && each.record.job.owner() == owner; });
+  }
   /// The attempt at a job; null when there is none.
   std::shared_ptr<Attempt> find(const std::string& job_id) const;
-  std::vector<std::shared_ptr<Attempt>> all() const;
   /// Those whose processes have ended.
   std::vector<std::shared_ptr<Attempt>> ended() const;
-  /// Those of jobs that still run.
-  int running() const;
 
   /// The worker has been requested to stop: it is killed when it has not after a while.
   void expect_stop(Attempt& attempt);
@@ -143,7 +137,6 @@ public:
 private:
   std::filesystem::path folder_of(const Attempt& attempt) const;
   v1::SolveCase order_of(const Attempt& attempt) const;
-  void kill_hung(Attempt& attempt, const std::string& what);
   void count_time_from(Attempt& attempt, Clock::time_point since);
 
   const AttemptOptions options_;

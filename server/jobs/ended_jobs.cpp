@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include <utility>
-#include <vector>
 
 #include "core/storage/file.hpp"
 #include "server/jobs/events.hpp"
@@ -17,15 +16,6 @@ namespace dccast::jobs {
 namespace {
 
 constexpr std::size_t most_waiting = 10000;  // then a hook that hangs loses jobs, not memory
-
-std::vector<std::string> environment_of(const v1::Job& job) {
-  auto variables = environment(false, {"DCCAST_"});
-  variables.insert(variables.end(),
-                   {"DCCAST_JOB=" + job.id(), "DCCAST_STATE=" + v1::JobState_Name(job.state()),
-                    "DCCAST_OWNER=" + job.owner(), "DCCAST_TITLE=" + job.title(),
-                    "DCCAST_MAIL=" + job.mail(), "DCCAST_STUDY=" + job.study()});
-  return variables;
-}
 
 }  // namespace
 
@@ -58,8 +48,13 @@ void EndHook::run(const std::stop_token& stop) {
 
 void EndHook::run_program(const v1::Job& job, const std::stop_token& stop) const {
   const storage::FileDescriptor nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  const std::string& state = v1::JobState_Name(job.state());
+  auto variables = environment(false, {"DCCAST_"});
+  variables.insert(variables.end(), {"DCCAST_JOB=" + job.id(), "DCCAST_STATE=" + state,
+                                     "DCCAST_OWNER=" + job.owner(), "DCCAST_TITLE=" + job.title(),
+                                     "DCCAST_MAIL=" + job.mail(), "DCCAST_STUDY=" + job.study()});
   pid_t process = 0;
-  const int error = spawn({program_, job.id(), v1::JobState_Name(job.state())}, environment_of(job),
+  const int error = spawn({program_, job.id(), state}, variables,
                           {nothing.get(), nothing.get(), nothing.get()}, &process);
   if (error != 0)
     return log::error("job {}: cannot run {}: {}", job.id(), program_, ::strerror(error));
@@ -111,16 +106,12 @@ void Retention::look() {
     const bool too_old = options_.time.count() > 0 && job.ended_ms < oldest_ms;
     const bool too_much = options_.bytes > 0 && bytes > options_.bytes;
     if (!too_old && !too_much) return;  // those that follow have ended later
-    if (remove(job, too_old ? "keep_time" : "keep_size")) bytes -= job.bytes;
+    if (job.pinned || scheduler_.is_awaited(job.id)) continue;
+    const auto reply = scheduler_.remove(
+        job.id, too_old ? "keep_time" : "keep_size",
+        [](const v1::Job& found) { return !found.pinned(); });  // since it was listed
+    if (reply.kind == Reply::Kind::done) bytes -= job.bytes;
   }
-}
-
-bool Retention::remove(const JobStore::Ended& job, const char* why) {
-  if (job.pinned || scheduler_.is_awaited(job.id)) return false;
-  const auto reply = scheduler_.remove(job.id, why, [](const v1::Job& found) {
-    return !found.pinned();  // since it was listed
-  });
-  return reply.kind == Reply::Kind::done;
 }
 
 }  // namespace dccast::jobs

@@ -56,7 +56,6 @@ private:
   void run(const std::stop_token& stop);
   void measure(const std::stop_token& stop);
   void look();
-  bool remove(const JobStore::Ended& job, const char* why);
 
   const RetentionOptions options_;
   JobStore& store_;

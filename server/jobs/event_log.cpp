@@ -17,15 +17,8 @@ namespace dccast::jobs {
 
 using storage::short_records;
 
-namespace {
-
-storage::RecordLog opened(const std::filesystem::path& path) {
-  return storage::RecordLog(storage::File(path, O_RDWR | O_CREAT));
-}
-
-}  // namespace
-
-EventLog::EventLog(const std::filesystem::path& path) : log_(opened(path)) {
+EventLog::EventLog(const std::filesystem::path& path)
+    : log_(storage::File(path, O_RDWR | O_CREAT)) {
   content_ = scan_event_log(log_.file());
   if (!content_.sound_header && content_.last_sequence == 0 &&
       content_.size >= event_log_header_size)
@@ -102,12 +95,17 @@ EventLog::~EventLog() {
   }
 }
 
-std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_t end) const {
+/// Of the record at `offset`, with its head [bytes]; 0 where there is no whole head.
+std::int64_t EventLog::record_size(std::int64_t offset) const {
   std::array<char, short_records.head_size> head;
-  if (log_.file().read_at(offset, head) != head.size()) return std::nullopt;
-  const auto size =
-      static_cast<std::int64_t>(head.size() + short_records.length_of({head.data(), head.size()}));
-  if (offset + size > end) return std::nullopt;
+  if (log_.file().read_at(offset, head) != head.size()) return 0;
+  return static_cast<std::int64_t>(head.size() +
+                                   short_records.length_of({head.data(), head.size()}));
+}
+
+std::optional<std::string> EventLog::payload_at(std::int64_t offset, std::int64_t end) const {
+  const std::int64_t size = record_size(offset);
+  if (size == 0 || offset + size > end) return std::nullopt;
   std::string bytes(static_cast<std::size_t>(size), '\0');
   bytes.resize(log_.file().read_at(offset, bytes));
   const auto record = short_records.first_of(bytes, largest_event);
@@ -143,21 +141,9 @@ void EventLog::announce() {
 
 void EventLog::locate(Cursor& cursor) const {
   const EventLogContent::Anchor& anchor = content_.anchor_before(cursor.sequence);
-  std::int64_t offset = anchor.offset;
-  for (std::int64_t at = anchor.sequence; at < cursor.sequence; ++at) {
-    std::array<char, short_records.head_size> head;
-    log_.file().read_at(offset, head);
-    offset += static_cast<std::int64_t>(head.size() +
-                                        short_records.length_of({head.data(), head.size()}));
-  }
-  cursor.offset = offset;
-}
-
-v1::JobEvent EventLog::lost_event(Cursor& cursor, const EventGap& gap) const {
-  v1::JobEvent event = gap.stand_in(cursor.sequence);
-  ++cursor.sequence;
-  cursor.offset = 0;
-  return event;
+  cursor.offset = anchor.offset;
+  for (std::int64_t at = anchor.sequence; at < cursor.sequence; ++at)
+    cursor.offset += record_size(cursor.offset);
 }
 
 std::optional<v1::JobEvent> EventLog::read(Cursor& cursor) const {
@@ -165,7 +151,10 @@ std::optional<v1::JobEvent> EventLog::read(Cursor& cursor) const {
   {
     const std::lock_guard lock(mutex_);
     if (cursor.sequence > content_.last_sequence) return std::nullopt;
-    if (const EventGap* gap = content_.gap_with(cursor.sequence)) return lost_event(cursor, *gap);
+    if (const EventGap* gap = content_.gap_with(cursor.sequence)) {
+      cursor.offset = 0;
+      return gap->stand_in(cursor.sequence++);
+    }
     if (cursor.offset == 0) locate(cursor);
     end = content_.end;
   }
@@ -189,38 +178,13 @@ std::optional<v1::JobEvent> EventLog::terminal_event() const {
   return content_.terminal;
 }
 
-std::int64_t EventLog::reached_step() const {
+bool EventLog::knows(const v1::JobEvent& event) const {
   const std::lock_guard lock(mutex_);
-  return content_.reached_step;
-}
-
-std::optional<v1::JobState> EventLog::last_state() const {
-  const std::lock_guard lock(mutex_);
-  if (!content_.last_state) return std::nullopt;
-  return content_.last_state->state();
-}
-
-std::optional<v1::StepReport> EventLog::last_step() const {
-  const std::lock_guard lock(mutex_);
-  return content_.last_step;
-}
-
-bool EventLog::has(const v1::Finding& finding) const {
-  const std::lock_guard lock(mutex_);
-  const std::string wanted = finding.SerializeAsString();
-  return std::ranges::any_of(content_.findings, [&](const v1::Finding& known) {
-    return known.SerializeAsString() == wanted;
-  });
-}
-
-bool EventLog::has_validity_loss() const {
-  const std::lock_guard lock(mutex_);
-  return content_.validity_loss.has_value();
-}
-
-std::optional<v1::RunEnd> EventLog::run_end() const {
-  const std::lock_guard lock(mutex_);
-  return content_.run_end;
+  if (event.has_validity_lost()) return content_.validity_loss.has_value();
+  return event.has_finding() &&
+         std::ranges::any_of(content_.findings, [&](const v1::Finding& known) {
+           return known.SerializeAsString() == event.finding().SerializeAsString();
+         });
 }
 
 EventLogContent EventLog::content() const {
@@ -233,11 +197,6 @@ void EventLog::complete(v1::Job& job) const {
   if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
   *job.mutable_findings() = content_.findings;
   if (content_.validity_loss) *job.mutable_validity_loss() = *content_.validity_loss;
-}
-
-std::vector<EventGap> EventLog::gaps() const {
-  const std::lock_guard lock(mutex_);
-  return content_.gaps;
 }
 
 }  // namespace dccast::jobs

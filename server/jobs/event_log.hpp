@@ -6,7 +6,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/storage/record_log.hpp"
 #include "dccast/v1/job.pb.h"
@@ -66,27 +65,14 @@ public:
   std::int64_t last_sequence() const;
   /// The terminal event, once there is one.
   std::optional<v1::JobEvent> terminal_event() const;
-  /// The last step reported and not taken back by a resumption, if there is one.
-  std::optional<v1::StepReport> last_step() const;
-  /// Whether the last finding of its code is the same.
-  bool has(const v1::Finding& finding) const;
-  /// Whether the model has stopped being valid.
-  bool has_validity_loss() const;
+  /// Whether an event says nothing new: a finding as the last one of its code, a second loss of
+  /// validity.
+  bool knows(const v1::JobEvent& event) const;
   /// Brings a job up to what the log has of it beside its state: last step, findings, loss of
   /// validity.
   void complete(v1::Job& job) const;
   /// What the log holds, without its events.
   EventLogContent content() const;
-  /// The step up to which the history goes: that of the last report or resumption; 0 at first.
-  std::int64_t reached_step() const;
-  /// How the last attempt has left its run, once it has.
-  std::optional<v1::RunEnd> run_end() const;
-  /// The state of the last state change, if there is one.
-  std::optional<v1::JobState> last_state() const;
-
-  /// What is damaged, with sound events behind it.
-  std::vector<EventGap> gaps() const;
-
   /// Called after every append and refresh() with something new, outside of any lock of the log.
   /// Set once, before the log is shared.
   void on_append(std::function<void()> call) { on_append_ = std::move(call); }
@@ -96,9 +82,9 @@ private:
   bool appends() const;
   void repair();
   void cut_tail();
+  std::int64_t record_size(std::int64_t offset) const;
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
   void locate(Cursor& cursor) const;
-  v1::JobEvent lost_event(Cursor& cursor, const EventGap& gap) const;
 
   storage::RecordLog log_;
   std::function<void()> on_append_;

@@ -2,6 +2,7 @@
 #include "server/jobs/event_log_scan.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <google/protobuf/io/coded_stream.h>
 
 #include <algorithm>
@@ -48,13 +49,11 @@ std::string event_log_header() {
 
 std::string EventGap::description() const {
   std::string text;
-  if (first == last) text = "event " + std::to_string(first) + " is lost: ";
-  if (first < last)
-    text = "events " + std::to_string(first) + " to " + std::to_string(last) + " are lost: ";
+  if (first == last) text = fmt::format("event {} is lost: ", first);
+  if (first < last) text = fmt::format("events {} to {} are lost: ", first, last);
   if (begin == end)
-    return text + "they are missing at byte " + std::to_string(begin) + " of the event log";
-  return text + "bytes " + std::to_string(begin) + " to " + std::to_string(end) +
-         " of the event log are damaged";
+    return text + fmt::format("they are missing at byte {} of the event log", begin);
+  return text + fmt::format("bytes {} to {} of the event log are damaged", begin, end);
 }
 
 v1::JobEvent EventGap::stand_in(std::int64_t sequence) const {
@@ -72,24 +71,18 @@ void EventLogContent::place(std::int64_t sequence, std::int64_t offset,
   end = end_of_record;
 }
 
-void EventLogContent::take_unread_step(std::int64_t sequence, std::int64_t offset,
-                                       std::int64_t end_of_record) {
-  place(sequence, offset, end_of_record);
-}
-
-void EventLogContent::take_state(const v1::JobEvent& event) {
-  last_state = event.state_change();
-  if (event.state_change().terminal()) terminal = event;
-  if (event.state_change().state() != v1::RUNNING) return;
-  run_end.reset();
-  if (!started) started = event.time();
-  attempts = std::max(attempts + 1, event.state_change().attempt());
-}
-
 void EventLogContent::take(const v1::JobEvent& event, std::int64_t offset,
                            std::int64_t end_of_record) {
   place(event.sequence(), offset, end_of_record);
-  if (event.has_state_change()) take_state(event);
+  if (event.has_state_change()) {
+    last_state = event.state_change();
+    if (last_state->terminal()) terminal = event;
+    if (last_state->state() == v1::RUNNING) {
+      run_end.reset();
+      if (!started) started = event.time();
+      attempts = std::max(attempts + 1, last_state->attempt());
+    }
+  }
   if (event.has_run_ended()) run_end = event.run_ended();
   if (event.has_finding()) keep_finding(findings, event.finding());
   if (event.has_validity_lost() && !validity_loss) validity_loss = event.validity_lost();
@@ -180,7 +173,7 @@ private:
     if (gap) note_gap(record);
     if (!record.event) {
       last_step_ = record.payload;
-      return content_.take_unread_step(record.sequence, record.offset, record.end);
+      return content_.place(record.sequence, record.offset, record.end);
     }
     settle_last_step();
     content_.take(*record.event, record.offset, record.end);

@@ -60,17 +60,12 @@ struct EventLogContent {
 
   /// Takes note of the next event, whose record stands at `offset` and ends before `end_of_record`.
   void take(const v1::JobEvent& event, std::int64_t offset, std::int64_t end_of_record);
+  /// Takes note of where the next record is, not of its content: of a step that others follow.
+  void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
   /// The gap an event was lost in, or null.
   const EventGap* gap_with(std::int64_t sequence) const;
   /// The last anchor not behind an event that is in the log.
   const Anchor& anchor_before(std::int64_t sequence) const;
-  /// Takes note of a step that others follow: of where it is, not of its content.
-  void take_unread_step(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
-
-private:
-  void take_state(const v1::JobEvent& event);
-  /// Takes note of where the next record is, not of its content.
-  void place(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
 };
 
 /// Reads an event log once from its beginning, piece by piece. A damaged record is skipped: the

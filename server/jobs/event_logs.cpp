@@ -39,8 +39,6 @@ EventLogs::EventLogs(std::filesystem::path jobs_directory)
       syncer_([this](const std::stop_token& stop) { run_syncer(stop); }),
       follower_([this](const std::stop_token& stop) { run_follower(stop); }) {}
 
-EventLogs::~EventLogs() = default;
-
 std::shared_ptr<EventLogs::Slot> EventLogs::slot_of(const std::string& job_id) {
   const std::lock_guard lock(logs_mutex_);
   if (const auto found = logs_.find(job_id); found != logs_.end()) return found->second;
@@ -69,12 +67,10 @@ std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
 }
 
 void EventLogs::watch(const std::string& job_id, std::weak_ptr<Watcher> watcher) {
-  {
-    const std::lock_guard lock(mutex_);
-    drop_expired();
-    watchers_[job_id].push_back(std::move(watcher));
-    to_notify_.insert(job_id);
-  }
+  const std::lock_guard lock(mutex_);
+  drop_expired();
+  watchers_[job_id].push_back(std::move(watcher));
+  to_notify_.insert(job_id);
   changed_.notify_all();
 }
 
@@ -138,10 +134,8 @@ void EventLogs::run_follower(const std::stop_token& stop) {
 }
 
 void EventLogs::wake_all() {
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [job_id, watchers] : watchers_) to_notify_.insert(job_id);
-  }
+  const std::lock_guard lock(mutex_);
+  for (const auto& [job_id, watchers] : watchers_) to_notify_.insert(job_id);
   changed_.notify_all();
 }
 
@@ -162,14 +156,6 @@ void EventLogs::drop_expired() {
   }
 }
 
-std::vector<std::shared_ptr<Watcher>> EventLogs::watchers_of(const std::string& job_id) {
-  std::vector<std::shared_ptr<Watcher>> alive;
-  if (const auto found = watchers_.find(job_id); found != watchers_.end())
-    for (const auto& watcher : found->second)
-      if (auto held = watcher.lock()) alive.push_back(std::move(held));
-  return alive;
-}
-
 void EventLogs::run_notifier(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     std::vector<std::shared_ptr<Watcher>> alive;
@@ -178,7 +164,9 @@ void EventLogs::run_notifier(const std::stop_token& stop) {
       if (!changed_.wait(lock, stop, [this] { return !to_notify_.empty(); })) return;
       const std::string job_id = *to_notify_.begin();
       to_notify_.erase(to_notify_.begin());
-      alive = watchers_of(job_id);
+      if (const auto found = watchers_.find(job_id); found != watchers_.end())
+        for (const auto& watcher : found->second)
+          if (auto held = watcher.lock()) alive.push_back(std::move(held));
     }
     for (const auto& watcher : alive) watcher->on_appended();
   }

@@ -29,7 +29,6 @@ class EventLogs {
 public:
   /// @param jobs_directory  with one folder per job
   explicit EventLogs(std::filesystem::path jobs_directory);
-  ~EventLogs();
 
   /// The log of a job, opened if it is not open. Reading a long file delays no call for another
   /// job's log. @throws as EventLog's constructor
@@ -59,7 +58,6 @@ private:
   void run_follower(const std::stop_token& stop);
   void refresh_followed(const std::set<int>& marked, bool reopen);
   void drop_expired();
-  std::vector<std::shared_ptr<Watcher>> watchers_of(const std::string& job_id);
 
   std::filesystem::path jobs_directory_;
   std::mutex logs_mutex_;

@@ -26,10 +26,26 @@ constexpr const char* accepted_file = "accepted";
 constexpr const char* request_file = "request";
 constexpr const char* marks_file = "marks";
 
+constexpr std::array run_files{checkpoint_name,
+                               "checkpoint.bin.tmp",
+                               "checkpoint.other-version.bin",
+                               "journal.bin",
+                               "results.h5.part",
+                               claim_file,
+                               order_file,
+                               rank_file,
+                               request_file};
+
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::remove_all(folder, error);
   if (error) log::warn("cannot remove {}: {}", folder.string(), error.message());
+}
+
+void remove_file(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error) log::warn("cannot remove {}: {}", path.string(), error.message());
 }
 
 void make_directory(const std::filesystem::path& path) {
@@ -85,9 +101,7 @@ std::optional<Request> read_request(const std::filesystem::path& folder) {
 }
 
 void remove_request(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::remove(folder / request_file, error);
-  if (error) log::warn("cannot remove {}: {}", (folder / request_file).string(), error.message());
+  remove_file(folder / request_file);
 }
 
 void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
@@ -112,20 +126,6 @@ void read_marks(const std::filesystem::path& folder, v1::Job& job) {
   job.set_pinned(marks.pinned());
 }
 
-namespace {
-
-constexpr std::array run_files{checkpoint_name,
-                               "checkpoint.bin.tmp",
-                               "checkpoint.other-version.bin",
-                               "journal.bin",
-                               "results.h5.part",
-                               claim_file,
-                               order_file,
-                               rank_file,
-                               request_file};
-
-}  // namespace
-
 std::int64_t bytes_kept(const std::filesystem::path& folder) {
   std::int64_t bytes = 0;
   std::error_code error;
@@ -141,11 +141,7 @@ std::int64_t bytes_kept(const std::filesystem::path& folder) {
 }
 
 void remove_run_files(const std::filesystem::path& folder) {
-  for (const char* name : run_files) {
-    std::error_code error;
-    std::filesystem::remove(folder / name, error);
-    if (error) log::warn("cannot remove {}: {}", (folder / name).string(), error.message());
-  }
+  for (const char* name : run_files) remove_file(folder / name);
 }
 
 void set_checkpoint_aside(const std::filesystem::path& folder) {

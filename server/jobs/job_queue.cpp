@@ -7,22 +7,14 @@
 
 namespace dccast::jobs {
 
-namespace {
-
-int level(v1::Priority priority) {
-  return priority == v1::HIGH ? 2 : priority == v1::LOW ? 0 : 1;
-}
-
-}  // namespace
-
 JobQueue::Order& JobQueue::order_of(const Entry& entry) {
   return entry.goes_first ? first_ : orders_[entry.owner];
 }
 
 void JobQueue::push(const v1::Job& job, bool goes_first) {
+  const int level = job.priority() == v1::HIGH ? 2 : job.priority() == v1::LOW ? 0 : 1;
   const Entry entry{goes_first, job.owner(),
-                    milliseconds(job.create_time()) - level(job.priority()) * priority_bonus_ms,
-                    job.estimated_s()};
+                    milliseconds(job.create_time()) - level * priority_bonus_ms, job.estimated_s()};
   if (!place_of_.emplace(job.id(), entry).second) return;
   order_of(entry).insert({entry.key, job.id()});
   count_estimate(entry, 1);

@@ -16,16 +16,6 @@ namespace dccast::jobs {
 
 namespace {
 
-/// Who claims the folder of a job; nothing where that cannot be found out.
-std::optional<ClaimHolder> claim_on(const WorkerLaunch& launch) {
-  try {
-    return holder_of(launch.folder);
-  } catch (const std::exception& error) {
-    log::error("job {}: {}", launch.job_id, error.what());
-    return std::nullopt;
-  }
-}
-
 void kill_and_wait(const WorkerProcess& worker) {
   constexpr int longest_ms = 5000;
   worker.signal(SIGKILL);
@@ -44,10 +34,6 @@ LocalExecutor::LocalExecutor(WarmWorkers& workers, int capacity)
     : warm_(workers), capacity_(capacity), wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
   thread_ = std::thread([this] { run(); });
-}
-
-LocalExecutor::~LocalExecutor() {
-  end_thread();
 }
 
 void LocalExecutor::end_thread() {
@@ -73,14 +59,6 @@ void LocalExecutor::start(const WorkerLaunch& launch) {
   post([this, launch] { hand_over(launch); });
 }
 
-void LocalExecutor::stop(const std::string& job_id, int attempt) {
-  send_signal(job_id, attempt, SIGTERM);
-}
-
-void LocalExecutor::kill(const std::string& job_id, int attempt) {
-  send_signal(job_id, attempt, SIGKILL);
-}
-
 void LocalExecutor::send_signal(const std::string& job_id, int attempt, int number) {
   post([this, key = std::pair(job_id, attempt), number] {
     if (const auto found = workers_.find(key); found != workers_.end())
@@ -89,7 +67,12 @@ void LocalExecutor::send_signal(const std::string& job_id, int attempt, int numb
 }
 
 Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
-  auto holder = claim_on(launch);
+  std::optional<ClaimHolder> holder;
+  try {
+    holder = holder_of(launch.folder);
+  } catch (const std::exception& error) {
+    log::error("job {}: {}", launch.job_id, error.what());
+  }
   if (!holder) return Adoption::gone;
   const auto found = std::make_shared<std::unique_ptr<WorkerProcess>>(
       std::make_unique<WorkerProcess>(std::move(holder->handle)));

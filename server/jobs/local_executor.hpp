@@ -1,5 +1,7 @@
 #pragma once
 
+#include <signal.h>
+
 #include <deque>
 #include <functional>
 #include <map>
@@ -27,13 +29,17 @@ public:
   /// Kills what it has started and is still running, unless that was left to itself, and waits for
   /// its end. A worker of an earlier daemon is left to the next one: this one has only tried to
   /// serve, or has ended it before.
-  ~LocalExecutor() override;
+  ~LocalExecutor() override { end_thread(); }
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
   int capacity() const override { return capacity_; }
   void start(const WorkerLaunch& launch) override;
-  void stop(const std::string& job_id, int attempt) override;
-  void kill(const std::string& job_id, int attempt) override;
+  void stop(const std::string& job_id, int attempt) override {
+    send_signal(job_id, attempt, SIGTERM);
+  }
+  void kill(const std::string& job_id, int attempt) override {
+    send_signal(job_id, attempt, SIGKILL);
+  }
   /// Found is the worker that claims the folder of the job, when it is of this attempt and of the
   /// protocol of this program. Any other that claims the folder is killed.
   Adoption adopt(const WorkerLaunch& launch, bool wanted) override;

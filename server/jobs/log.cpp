@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -16,27 +18,14 @@ namespace {
 
 Format format_of_lines = Format::text;
 
-/// Severities of syslog(3).
-int severity(Level level) {
-  switch (level) {
-    case Level::debug:
-      return 7;
-    case Level::info:
-      return 6;
-    case Level::warning:
-      return 4;
-    case Level::error:
-      return 3;
-    case Level::critical:
-      return 2;
-  }
-  return 6;
-}
+/// Severities of syslog(3), by level; none has 0.
+constexpr std::array severities{6, 7, 6, 4, 3, 2};
 
 std::string line_of(Level level, std::string_view message) {
   if (format_of_lines == Format::json) return values::escaped_in_quotes(message);
   std::string printable = values::escaped(message);
-  if (format_of_lines == Format::journal) return fmt::format("<{}>{}", severity(level), printable);
+  if (format_of_lines == Format::journal)
+    return fmt::format("<{}>{}", severities[static_cast<std::size_t>(level)], printable);
   return printable;
 }
 

@@ -19,25 +19,16 @@ enum class Level { debug = 1, info, warning, error, critical };  // numbers of s
 
 void write(Level level, fmt::string_view format, fmt::format_args arguments);
 
-template <typename... Arguments>
-void debug(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  write(Level::debug, format, fmt::make_format_args(arguments...));
-}
-template <typename... Arguments>
-void info(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  write(Level::info, format, fmt::make_format_args(arguments...));
-}
-template <typename... Arguments>
-void warn(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  write(Level::warning, format, fmt::make_format_args(arguments...));
-}
-template <typename... Arguments>
-void error(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  write(Level::error, format, fmt::make_format_args(arguments...));
-}
-template <typename... Arguments>
-void critical(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  write(Level::critical, format, fmt::make_format_args(arguments...));
-}
+/// E.g. log::info("job {}: {}", id, text).
+template <Level level>
+inline constexpr auto write_at =
+    []<typename... Arguments>(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+      write(level, format, fmt::make_format_args(arguments...));
+    };
+inline constexpr auto debug = write_at<Level::debug>;
+inline constexpr auto info = write_at<Level::info>;
+inline constexpr auto warn = write_at<Level::warning>;
+inline constexpr auto error = write_at<Level::error>;
+inline constexpr auto critical = write_at<Level::critical>;
 
 }  // namespace dccast::log

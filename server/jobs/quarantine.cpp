@@ -1,5 +1,7 @@
 #include "server/jobs/quarantine.hpp"
 
+#include <fmt/chrono.h>
+
 #include <algorithm>
 #include <ctime>
 
@@ -15,15 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t id_length = 36;  // of a UUID
 constexpr std::string_view removed_suffix = ".removed";
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  ::gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y%m%dT%H%M%SZ", &parts);
-  return text;
-}
 
 /// A rename that survives a crash of the machine.
 void move(const fs::path& from, const fs::path& to) {
@@ -42,6 +35,10 @@ std::vector<std::string> names_in(const fs::path& directory) {
   return names;
 }
 
+fs::path quarantine_of(const fs::path& jobs_directory) {
+  return fs::absolute(jobs_directory).parent_path() / "quarantine";
+}
+
 void end_removals(const fs::path& jobs_directory, const std::set<std::string>& known_ids) {
   for (const std::string& name : names_in(jobs_directory)) {
     if (!name.ends_with(removed_suffix)) continue;
@@ -58,10 +55,6 @@ void end_removals(const fs::path& jobs_directory, const std::set<std::string>& k
 
 }  // namespace
 
-fs::path quarantine_of(const fs::path& jobs_directory) {
-  return fs::absolute(jobs_directory).parent_path() / "quarantine";
-}
-
 fs::path free_name(const fs::path& wanted) {
   fs::path name = wanted;
   for (int number = 2; fs::exists(name); ++number)
@@ -75,22 +68,19 @@ fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id
     fs::permissions(quarantine, fs::perms::owner_all);
     storage::sync_directory(quarantine.parent_path());
   }
-  const fs::path target = free_name(quarantine / (id + "-" + utc_now()));
+  const fs::path target = free_name(
+      quarantine / fmt::format("{}-{:%Y%m%dT%H%M%SZ}", id, fmt::gmtime(std::time(nullptr))));
   move(jobs_directory / id, target);
   return target;
 }
 
-std::vector<fs::path> quarantine_unknown_folders(const fs::path& jobs_directory,
-                                                 const std::set<std::string>& known_ids) {
+void quarantine_unknown_folders(const fs::path& jobs_directory,
+                                const std::set<std::string>& known_ids) {
   end_removals(jobs_directory, known_ids);
-  std::vector<fs::path> moved;
-  for (const std::string& id : folder_ids(jobs_directory)) {
-    if (known_ids.contains(id)) continue;
-    moved.push_back(quarantine_folder(jobs_directory, id));
-    log::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
-              id, moved.back().string());
-  }
-  return moved;
+  for (const std::string& id : folder_ids(jobs_directory))
+    if (!known_ids.contains(id))
+      log::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
+                id, quarantine_folder(jobs_directory, id).string());
 }
 
 std::vector<QuarantinedFolder> quarantined_folders(const fs::path& jobs_directory) {

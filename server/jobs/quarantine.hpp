@@ -15,9 +15,6 @@ struct QuarantinedFolder {
   std::filesystem::path path;
 };
 
-/// Where folders out of this `jobs/` are kept aside.
-std::filesystem::path quarantine_of(const std::filesystem::path& jobs_directory);
-
 /// A name that is not taken: the one that is wanted, else with "-2", "-3" ... behind it.
 std::filesystem::path free_name(const std::filesystem::path& wanted);
 
@@ -26,9 +23,9 @@ std::filesystem::path quarantine_folder(const std::filesystem::path& jobs_direct
                                         const std::string& id);
 
 /// Moves every folder of a job that is not among `known_ids` aside, which the log reports; ends
-/// removals that a crash cut short. @return where they are now @throws std::system_error
-std::vector<std::filesystem::path> quarantine_unknown_folders(
-    const std::filesystem::path& jobs_directory, const std::set<std::string>& known_ids);
+/// removals that a crash cut short. @throws std::system_error
+void quarantine_unknown_folders(const std::filesystem::path& jobs_directory,
+                                const std::set<std::string>& known_ids);
 
 /// What is in quarantine, oldest first within a job. @throws std::filesystem::filesystem_error
 std::vector<QuarantinedFolder> quarantined_folders(const std::filesystem::path& jobs_directory);

@@ -91,39 +91,29 @@ void Scheduler::run() {
   expected_wake_ = Clock::now();
   while (!stopping_) {
     if (std::exchange(round_requested_, false)) changed_.notify_all();
-    notice_standstill();
+    if (Clock::now() > expected_wake_ + standstill) attempts_.forgive_silences(Clock::now());
     attempts_.kill_overdue(Clock::now());
     lock.unlock();
     conclude_ended();
     look_whether_hold_has_passed();
     settle_dependents();
-    start_jobs();
+    while (start_next()) {
+    }
     lock.lock();
-    if (stopping_ || (shutting_down_ && no_worker_is_left())) return;
+    // What the disk does not take now the next daemon reads in the folders of the jobs.
+    const bool leaves_no_worker =
+        attempts_.by_job().empty() || (hold_.holds() && attempts_.running() == 0);
+    if (stopping_ || (shutting_down_ && leaves_no_worker)) return;
     if (round_requested_ ||
         (!hold_.holds() &&
          (!attempts_.ended().empty() || !to_look_at_.empty() || (may_start() && next_job())))) {
       expected_wake_ = Clock::now();
       continue;
     }
-    expected_wake_ = next_deadline();
+    expected_wake_ = attempts_.next_deadline();
+    if (hold_.holds()) expected_wake_ = std::min(expected_wake_, hold_.next_look());
     changed_.wait_until(lock, expected_wake_);
   }
-}
-
-/// What the disk does not take now the next daemon reads in the folders of the jobs.
-bool Scheduler::no_worker_is_left() const {
-  return attempts_.count() == 0 || (hold_.holds() && attempts_.running() == 0);
-}
-
-void Scheduler::notice_standstill() {
-  const auto now = Clock::now();
-  if (now > expected_wake_ + standstill) attempts_.forgive_silences(now);
-}
-
-Scheduler::Clock::time_point Scheduler::next_deadline() const {
-  const auto deadline = attempts_.next_deadline();
-  return hold_.holds() ? std::min(deadline, hold_.next_look()) : deadline;
 }
 
 void Scheduler::conclude_ended() {
@@ -163,7 +153,7 @@ void Scheduler::conclude(const std::shared_ptr<Attempt>& attempt) {
   remove_request(folder);
   if (is_terminal(record.job.state())) remove_run_files(folder);
   lock.lock();
-  attempts_.count_storage_failure(*attempt, settlement, attempt->log->reached_step());
+  attempts_.count_storage_failure(*attempt, settlement, attempt->log->content().reached_step);
   attempts_.erase(*attempt);
   if (record.job.state() == v1::QUEUED) queue_.push(record.job);
   if (is_terminal(record.job.state())) {
@@ -190,24 +180,20 @@ void Scheduler::look_whether_hold_has_passed() {
     const std::lock_guard lock(mutex_);
     if (!hold_.holds() || Clock::now() < hold_.next_look()) return;
   }
-  const std::string fault = storage_fault();  // waits for the disk: outside of the mutex
-  const bool passed = fault.empty() && ledger_.retry();
+  bool passed = false;
+  try {  // waits for the disk: outside of the mutex
+    require_free_space(jobs_directory_, options_.minimum_free_bytes);
+    probe_directory(jobs_directory_);
+    store_.probe();
+    passed = ledger_.retry();
+  } catch (const std::exception&) {
+    // It is as it was, and the reason for it is known.
+  }
   const std::lock_guard lock(mutex_);
   if (!passed) return hold_.look_again_later();
   log::info("the queue goes on; it was held: {}", hold_.reason());
   hold_.lift();
   changed_.notify_all();
-}
-
-std::string Scheduler::storage_fault() {
-  try {
-    require_free_space(jobs_directory_, options_.minimum_free_bytes);
-    probe_directory(jobs_directory_);
-    store_.probe();
-    return {};
-  } catch (const std::exception& error) {
-    return error.what();
-  }
 }
 
 bool Scheduler::may_start() const {
@@ -223,11 +209,6 @@ bool Scheduler::user_may_start(const std::string& owner) const {
 
 std::optional<std::string> Scheduler::next_job() const {
   return queue_.front([this](const std::string& owner) { return user_may_start(owner); });
-}
-
-void Scheduler::start_jobs() {
-  while (start_next()) {
-  }
 }
 
 /// @return whether there may be another job to start

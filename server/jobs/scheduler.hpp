@@ -37,21 +37,17 @@ struct SchedulerOptions {
   int maximum_running_per_user = 0;                 ///< 0: no limit
 };
 
-class QueueFull : public std::runtime_error {
-public:
+struct QueueFull : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-class RequestIdTaken : public std::runtime_error {
-public:
+struct RequestIdTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-class ShuttingDown : public std::runtime_error {
-public:
+struct ShuttingDown : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 /// The daemon's disk takes no new job now.
-class StorageHeld : public std::runtime_error {
-public:
+struct StorageHeld : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -106,8 +102,10 @@ public:
   void observe_transitions(TransitionObserver observer) {
     ledger_.observe_transitions(std::move(observer));
   }
-  Reply cancel(const std::string& id, const std::string& reason);
-  Reply pause(const std::string& id);
+  Reply cancel(const std::string& id, const std::string& reason) {
+    return stop(id, {RequestedAction::cancel, reason});
+  }
+  Reply pause(const std::string& id) { return stop(id, {RequestedAction::pause, ""}); }
   Reply resume(const std::string& id);
   /// @param why      for the log
   /// @param permits  false: the job stays, and is in the wrong state for this
@@ -145,15 +143,11 @@ private:
 
   // The functions below expect mutex_ to be held.
   void hold(const std::string& reason);
-  void notice_standstill();
-  bool no_worker_is_left() const;
-  Clock::time_point next_deadline() const;
   v1::Job view(JobRecord record) const;
   v1::Job view(const Attempt& attempt) const;
   bool may_start() const;
   void charge(const v1::Job& job, std::int64_t at_ms);
   void charge_recent_use();
-  void learn_from_ended_jobs();
   void enqueue(const v1::Job& job, bool goes_first = false);
   void dequeue(const std::string& id);
   void forget_dependent(const std::string& id);
@@ -172,18 +166,18 @@ private:
   void settle_dependent(const std::string& id, const std::vector<std::string>& after);
   void conclude_ended();
   void conclude(const std::shared_ptr<Attempt>& attempt);
-  void start_jobs();
   bool start_next();
   std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
   void refuse_start(const std::string& id, const std::exception& error);
   void look_whether_hold_has_passed();
-  std::string storage_fault();
   void require_room(std::int64_t bytes);
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
 
-  // These hold the job, and release `lock` while they wait for the disk.
-  Reply request(std::unique_lock<std::mutex>& lock, Attempt& attempt, const Request& request);
+  /// At once where no worker has the job, else by a request in its folder.
+  Reply stop(const std::string& id, const Request& request);
+
+  // Holds the job, and releases `lock` while it waits for the disk.
   Reply settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
                     const std::string& cause);
 

@@ -22,7 +22,9 @@ void Scheduler::recover() {
   quarantine_unknown_folders(jobs_directory_, store_.ids());
   const std::lock_guard lock(mutex_);
   charge_recent_use();
-  learn_from_ended_jobs();
+  const auto succeeded = store_.list({.states = {v1::SUCCEEDED}});  // newest first
+  std::for_each(succeeded.rbegin(), succeeded.rend(),
+                [this](const JobRecord& record) { forecast_.learn(record.job); });
   for (const JobRecord& record : waiting) enqueue(record.job);
   for (JobRecord& record : with_worker) {
     const std::string id = record.job.id();
@@ -107,12 +109,6 @@ void Scheduler::charge_recent_use() {
     queue_.charge(record.job.owner(), record.job.attempts() * JobQueue::start_charge_s, at_ms);
     charge(record.job, at_ms);
   }
-}
-
-void Scheduler::learn_from_ended_jobs() {
-  const auto ended = store_.list({.states = {v1::SUCCEEDED}});
-  std::for_each(ended.rbegin(), ended.rend(),
-                [this](const JobRecord& record) { forecast_.learn(record.job); });
 }
 
 }  // namespace dccast::jobs

@@ -127,13 +127,16 @@ v1::Job Scheduler::view(JobRecord record) const {
   v1::Job job = std::move(record.job);
   const bool queued = job.state() == v1::QUEUED;
   job.set_queue_position(queued ? queue_.position(job.id()) : 0);
-  if (queued) job.set_held(hold_.reason());
-  if (queued && job.held().empty() && dependents_.contains(job.id()))
-    job.set_held("waits for " + fmt::format("{}", fmt::join(job.after(), ", ")));
-  if (queued && job.held().empty() && !user_may_start(job.owner()))
+  if (!queued) return job;
+  if (hold_.holds())
+    job.set_held(hold_.reason());
+  else if (dependents_.contains(job.id()))
+    job.set_held(fmt::format("waits for {}", fmt::join(job.after(), ", ")));
+  else if (!user_may_start(job.owner()))
     job.set_held(fmt::format("{} has {} jobs running; maximum_running_per_user = {}", job.owner(),
                              attempts_.of_queue(job.owner()), options_.maximum_running_per_user));
-  if (queued && job.held().empty()) foresee(job);
+  else
+    foresee(job);
   return job;
 }
 
@@ -147,7 +150,7 @@ void Scheduler::foresee(v1::Job& job) const {
   if (const auto at = Clock::now(); at > left_at_ + good_for) {
     left_at_ = at;
     left_s_.clear();
-    for (const auto& attempt : attempts_.all())
+    for (const auto& [id, attempt] : attempts_.by_job())
       if (!attempt->goes_first)
         left_s_.push_back(forecast_.left_s(view(*attempt), ran_s(*attempt, at)));
   }
@@ -245,47 +248,35 @@ Reply Scheduler::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& reco
   return reply;
 }
 
-/// Leaves a request for the worker of a running job.
-Reply Scheduler::request(std::unique_lock<std::mutex>& lock, Attempt& attempt,
-                         const Request& request) {
-  if (attempt.record.requested_action < request.action) {
-    lock.unlock();
-    write_request(jobs_directory_ / attempt.job_id, request);
-    lock.lock();
-    attempt.record.requested_action = request.action;
-    attempt.record.request_reason = request.reason;
-    attempts_.expect_stop(attempt);
-    log::info("job {}: {} requested", attempt.job_id,
-              request.action == RequestedAction::cancel ? "cancel" : "pause");
-    changed_.notify_all();
+Reply Scheduler::stop(const std::string& id, const Request& request) {
+  std::unique_lock lock(mutex_);
+  const Exclusive job(*this, lock, id);
+  if (const auto attempt = attempts_.find(id)) {
+    if (attempt->record.requested_action < request.action) {
+      lock.unlock();
+      write_request(jobs_directory_ / id, request);
+      lock.lock();
+      attempt->record.requested_action = request.action;
+      attempt->record.request_reason = request.reason;
+      attempts_.expect_stop(*attempt);
+      log::info("job {}: {} requested", id,
+                request.action == RequestedAction::cancel ? "cancel" : "pause");
+      changed_.notify_all();
+    }
+    return {Reply::Kind::done, view(*attempt)};
   }
-  return {Reply::Kind::done, view(attempt)};
-}
-
-Reply Scheduler::cancel(const std::string& id, const std::string& reason) {
-  std::unique_lock lock(mutex_);
-  const Exclusive job(*this, lock, id);
-  if (const auto attempt = attempts_.find(id))
-    return request(lock, *attempt, {RequestedAction::cancel, reason});
   lock.unlock();
   auto record = ledger_.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  if (is_terminal(record->job.state())) return {Reply::Kind::done, record->job};
-  record->request_reason = reason;
-  return settle_idle(lock, *record, v1::CANCELLED, cancel_cause(*record));
-}
-
-Reply Scheduler::pause(const std::string& id) {
-  std::unique_lock lock(mutex_);
-  const Exclusive job(*this, lock, id);
-  if (const auto attempt = attempts_.find(id))
-    return request(lock, *attempt, {RequestedAction::pause, ""});
-  lock.unlock();
-  auto record = ledger_.find(id);
-  if (!record) return {Reply::Kind::not_found, {}};
-  if (is_terminal(record->job.state())) return {Reply::Kind::wrong_state, record->job};
-  if (record->job.state() == v1::PAUSED) return {Reply::Kind::done, record->job};
-  return settle_idle(lock, *record, v1::PAUSED, "paused by request");
+  const v1::JobState state = record->job.state();
+  const bool cancels = request.action == RequestedAction::cancel;
+  if (is_terminal(state))
+    return {cancels ? Reply::Kind::done : Reply::Kind::wrong_state, record->job};
+  if (!cancels && state == v1::PAUSED) return {Reply::Kind::done, record->job};
+  record->requested_action = request.action;
+  record->request_reason = request.reason;
+  const Settlement settlement = settle_stopped(*record, "");
+  return settle_idle(lock, *record, settlement.state, settlement.cause);
 }
 
 Reply Scheduler::resume(const std::string& id) {

@@ -64,29 +64,6 @@ Settlement settle_other_version(JobRecord& record, const RunEnd& end, const Atte
   return {v1::PAUSED, reason + "; resuming it starts the run over"};
 }
 
-std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {
-  std::string message = record.first_loss;
-  if (record.losses > 1) message += "; in all it died " + std::to_string(record.losses) + " times";
-  if (same_step) message += ", twice in the step after " + std::to_string(step);
-  return message;
-}
-
-}  // namespace
-
-std::string cancel_cause(const JobRecord& record) {
-  return record.request_reason.empty() ? "cancelled by request"
-                                       : "cancelled: " + record.request_reason;
-}
-
-Settlement settle_stopped(JobRecord& record, const std::string& cause) {
-  const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
-  if (requested == RequestedAction::cancel) return {v1::CANCELLED, cancel_cause(record)};
-  if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
-  return {v1::QUEUED, cause};
-}
-
-namespace {
-
 /// Whether it was stopped for its time limit alone.
 bool is_over_time(const JobRecord& record, const AttemptFacts& facts) {
   return !facts.over_time.empty() && record.requested_action != RequestedAction::cancel;
@@ -103,7 +80,23 @@ Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
   return {v1::FAILED, message};
 }
 
+std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {
+  std::string message = record.first_loss;
+  if (record.losses > 1) message += "; in all it died " + std::to_string(record.losses) + " times";
+  if (same_step) message += ", twice in the step after " + std::to_string(step);
+  return message;
+}
+
 }  // namespace
+
+Settlement settle_stopped(JobRecord& record, const std::string& cause) {
+  const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
+  if (requested == RequestedAction::cancel)
+    return {v1::CANCELLED, record.request_reason.empty() ? "cancelled by request"
+                                                         : "cancelled: " + record.request_reason};
+  if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
+  return {v1::QUEUED, cause};
+}
 
 Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   switch (end.outcome()) {

@@ -42,7 +42,4 @@ Settlement settle_stopped(JobRecord& record, const std::string& cause);
 /// The worker died in the middle of its run.
 Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts);
 
-/// Why a job was cancelled, for people.
-std::string cancel_cause(const JobRecord& record);
-
 }  // namespace dccast::jobs

@@ -78,6 +78,7 @@ int exit_status_of(const std::string& text) {
   return colon == std::string::npos ? code : code << 8 | std::atoi(text.c_str() + colon + 1);
 }
 
+/// Of a shell.
 std::string in_quotes(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -85,12 +86,11 @@ std::string in_quotes(const std::string& text) {
 }
 
 /// exec: the worker is the batch shell, which Slurm signals before the time limit.
-std::string script_of(const SlurmSubmission& of) {
+std::string script_of(const std::string& program, const std::string& folder, int attempt) {
   return "#!/bin/sh\n"
          "export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 OMP_THREAD_LIMIT=1\n"
          "exec " +
-         in_quotes(of.worker_program) + " --run " + in_quotes(of.folder) + " " +
-         std::to_string(of.name.attempt) + "\n";
+         in_quotes(program) + " --run " + in_quotes(folder) + " " + std::to_string(attempt) + "\n";
 }
 
 }  // namespace
@@ -131,28 +131,29 @@ SlurmJobs slurm_jobs() {
   return jobs;
 }
 
-void slurm_submit(const SlurmSubmission& of) {
+void slurm_submit(const SlurmName& name, const std::filesystem::path& folder, int cores,
+                  const SlurmOptions& options) {
   const auto minutes = [](std::chrono::seconds time) { return (time.count() + 59) / 60; };
   std::vector<std::string> words{
       "sbatch",
       "--parsable",
-      "--job-name=" + text_of(of.name),
-      "--comment=dccast job " + of.name.job_id + ", attempt " + std::to_string(of.name.attempt),
+      "--job-name=" + text_of(name),
+      "--comment=dccast job " + name.job_id + ", attempt " + std::to_string(name.attempt),
       "--nodes=1",
       "--ntasks=1",
-      "--cpus-per-task=" + std::to_string(of.cores),
+      "--cpus-per-task=" + std::to_string(cores),
       "--requeue",
-      "--signal=B:TERM@" + std::to_string(of.checkpoint_before.count()),
-      "--chdir=" + of.folder.string(),
+      "--signal=B:TERM@" + std::to_string(options.checkpoint_before.count()),
+      "--chdir=" + folder.string(),
       "--output=worker.log",
       "--open-mode=append"};
-  if (of.time_limit.count() > 0)
-    words.push_back("--time=" + std::to_string(minutes(of.time_limit)));
-  if (of.memory_bytes > 0.0)
-    words.push_back("--mem=" + std::to_string(std::llround(std::ceil(of.memory_bytes / 1048576))) +
-                    "M");
-  words.insert(words.end(), of.options.begin(), of.options.end());
-  run_command(words, script_of(of));
+  if (options.time_limit.count() > 0)
+    words.push_back("--time=" + std::to_string(minutes(options.time_limit)));
+  if (options.memory_bytes > 0.0)
+    words.push_back(
+        "--mem=" + std::to_string(std::llround(std::ceil(options.memory_bytes / 1048576))) + "M");
+  words.insert(words.end(), options.options.begin(), options.options.end());
+  run_command(words, script_of(options.worker_program, folder, name.attempt));
 }
 
 void slurm_cancel(const SlurmName& name) {

@@ -59,10 +59,6 @@ void try_command(const Command& command) {
 SlurmExecutor::SlurmExecutor(Executor& local, SlurmOptions options)
     : local_(local), options_(std::move(options)), thread_([this] { run(); }) {}
 
-SlurmExecutor::~SlurmExecutor() {
-  end_thread();
-}
-
 void SlurmExecutor::set_calls(Calls calls) {
   calls_ = calls;
   local_.set_calls(std::move(calls));
@@ -85,46 +81,41 @@ void SlurmExecutor::post(std::function<void()> order) {
   changed_.notify_all();
 }
 
-void SlurmExecutor::start(const WorkerLaunch& launch) {
-  if (launch.order.goes_first()) return local_.start(launch);
-  post([this, launch] {
+void SlurmExecutor::lead(const WorkerLaunch& launch, bool submitted) {
+  post([this, launch, submitted] {
     const auto now = Clock::now();
     starts_[{launch.job_id, launch.attempt}] = {
-        .launch = launch, .last_sign = now, .last_listed = now};
+        .launch = launch, .submitted = submitted, .last_sign = now, .last_listed = now};
+  });
+}
+
+void SlurmExecutor::start(const WorkerLaunch& launch) {
+  if (launch.order.goes_first()) return local_.start(launch);
+  lead(launch, false);
+}
+
+void SlurmExecutor::want(const std::string& job_id, int attempt, bool Start::*what) {
+  post([this, key = Key(job_id, attempt), what] {
+    if (const auto found = starts_.find(key); found != starts_.end()) found->second.*what = true;
   });
 }
 
 void SlurmExecutor::stop(const std::string& job_id, int attempt) {
   local_.stop(job_id, attempt);
-  post([this, key = Key(job_id, attempt)] {
-    if (const auto found = starts_.find(key); found != starts_.end()) found->second.stop = true;
-  });
+  want(job_id, attempt, &Start::stop);
 }
 
 void SlurmExecutor::kill(const std::string& job_id, int attempt) {
   local_.kill(job_id, attempt);
-  post([this, key = Key(job_id, attempt)] {
-    if (const auto found = starts_.find(key); found != starts_.end()) found->second.kill = true;
-  });
+  want(job_id, attempt, &Start::kill);
 }
 
 Adoption SlurmExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
   const auto order = read_order(launch.folder);
-  if (!order) return local_.adopt(launch, wanted);
-  const bool of_slurm = order->attempt() == launch.attempt;
-  if (of_slurm && wanted && !shows_end_of_run(launch.folder, launch.attempt)) {
-    post([this, launch] {
-      const auto now = Clock::now();
-      starts_[{launch.job_id, launch.attempt}] = {
-          .launch = launch, .submitted = true, .last_sign = now, .last_listed = now};
-    });
-    return Adoption::found;
-  }
-  return of_slurm ? Adoption::gone : local_.adopt(launch, wanted);
-}
-
-void SlurmExecutor::end_adoption() {
-  post([this] { adopts_ = false; });
+  if (!order || order->attempt() != launch.attempt) return local_.adopt(launch, wanted);
+  if (!wanted || shows_end_of_run(launch.folder, launch.attempt)) return Adoption::gone;
+  lead(launch, true);
+  return Adoption::found;
 }
 
 void SlurmExecutor::run() {
@@ -192,12 +183,6 @@ void SlurmExecutor::cancel_strays(const SlurmJobs& jobs) {
   }
 }
 
-void SlurmExecutor::look_for_signs(Start& start) {
-  const FolderSigns signs = signs_in(start.launch.folder);
-  if (std::exchange(start.signs, signs) == signs) return;
-  start.last_sign = Clock::now();
-}
-
 bool SlurmExecutor::is_silent(const Start& start) const {
   return Clock::now() - start.last_sign >= options_.silence;
 }
@@ -213,7 +198,8 @@ void SlurmExecutor::report_waiting(Start& start, const std::string& why) {
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::follow(Start& start, const SlurmJobs* jobs) {
-  look_for_signs(start);
+  const FolderSigns signs = signs_in(start.launch.folder);
+  if (std::exchange(start.signs, signs) != signs) start.last_sign = Clock::now();
   // What a client wants lies in the folder; a worker that is not there yet does not see it.
   if (read_request(start.launch.folder)) start.stop = true;
   if (jobs == nullptr) {
@@ -251,16 +237,9 @@ std::optional<SlurmExecutor::End> SlurmExecutor::submit(Start& start, const Slur
   order.set_daemon_patience_s(0.0);  // it needs none
   try {
     write_order(order);
-    slurm_submit({.name = start.name(),
-                  .folder = order.directory(),
-                  .worker_program = options_.worker_program,
-                  .cores = std::max(order.threads(), 1),
-                  .time_limit = options_.time_limit,
-                  .checkpoint_before = options_.checkpoint_before,
-                  .memory_bytes = options_.memory_bytes,
-                  .options = options_.options});
+    slurm_submit(start.name(), order.directory(), std::max(order.threads(), 1), options_);
   } catch (const SlurmError& error) {
-    if (error.refused()) return End{{.how = error.what()}, true};
+    if (error.refused) return End{{.how = error.what()}, true};
     log::warn("job {}: whether Slurm has it is not known yet: {}", start.launch.job_id,
               error.what());
   } catch (const storage::StorageError& error) {

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -11,27 +10,12 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "server/jobs/executor.hpp"
 #include "server/jobs/slurm_commands.hpp"
 #include "server/jobs/worker_claim.hpp"
 
 namespace dccast::jobs {
-
-struct SlurmOptions {
-  std::filesystem::path jobs_directory;  ///< the same path on all nodes
-  std::filesystem::path worker_program;  ///< the same
-  int jobs = 200;                        ///< handed to Slurm at once
-  std::vector<std::string> options{};    ///< of sbatch
-  std::chrono::seconds time_limit{0};    ///< 0: of the partition
-  std::chrono::seconds checkpoint_before{120};
-  double memory_bytes = 0.0;                    ///< 0: of the partition
-  std::chrono::milliseconds interval{3000};     ///< from one question for all jobs to the next
-  std::chrono::milliseconds unsure{10000};      ///< until a submission without an answer is absent
-  std::chrono::milliseconds silence{15000};     ///< after which no worker writes into a folder
-  std::chrono::milliseconds visibility{90000};  ///< until what a node has written is seen here
-};
 
 /// Hands jobs to Slurm, on machines that see the folders of jobs at the same paths. There is no
 /// connection to a worker: it has its order in the folder of its job (worker_claim.hpp) and writes
@@ -48,7 +32,7 @@ class SlurmExecutor : public Executor {
 public:
   /// @param local  outlives this object
   SlurmExecutor(Executor& local, SlurmOptions options);
-  ~SlurmExecutor() override;
+  ~SlurmExecutor() override { end_thread(); }
 
   void set_calls(Calls calls) override;
   int capacity() const override { return options_.jobs; }
@@ -56,7 +40,9 @@ public:
   void stop(const std::string& job_id, int attempt) override;
   void kill(const std::string& job_id, int attempt) override;
   Adoption adopt(const WorkerLaunch& launch, bool wanted) override;
-  void end_adoption() override;
+  void end_adoption() override {
+    post([this] { adopts_ = false; });
+  }
   void let_workers_run() override;
 
 private:
@@ -85,6 +71,8 @@ private:
   using Key = std::pair<std::string, int>;
 
   void post(std::function<void()> order);
+  void lead(const WorkerLaunch& launch, bool submitted);
+  void want(const std::string& job_id, int attempt, bool Start::*what);
   void end_thread();
   void run();
   void look();
@@ -95,7 +83,6 @@ private:
   std::optional<End> follow_listed(Start& start, const SlurmJob& job);
   std::optional<End> follow_ended(Start& start, const SlurmJob& job);
   std::optional<End> follow_absent(Start& start);
-  void look_for_signs(Start& start);
   void report_waiting(Start& start, const std::string& why);
   void cancel_strays(const SlurmJobs& jobs);
   bool is_silent(const Start& start) const;

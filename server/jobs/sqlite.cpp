@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 
 #include "core/storage/record_log.hpp"
 #include "server/jobs/log.hpp"
@@ -13,36 +14,28 @@ namespace dccast::jobs {
 
 namespace {
 
-/// What a primary result code means, for people. The rest is for the program's log.
-std::string meaning(int code) {
-  switch (code) {
-    case SQLITE_FULL:
-      return "the disk is full";
-    case SQLITE_IOERR:
-      return "the disk cannot be read or written";
-    case SQLITE_READONLY:
-      return "the file or its file system is read-only";
-    case SQLITE_CANTOPEN:
-      return "the file cannot be opened";
-    case SQLITE_CORRUPT:
-      return "the file is damaged";
-    case SQLITE_NOTADB:
-      return "the file is no job store, or its beginning is damaged";
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      return "another process holds the file";
-    case SQLITE_NOMEM:
-      return "there is not enough memory";
-    default:
-      return "SQLite refused with code " + std::to_string(code);
-  }
-}
+/// What primary result codes mean, for people. The rest is for the program's log.
+const std::map<int, std::string> meanings{
+    {SQLITE_FULL, "the disk is full"},
+    {SQLITE_IOERR, "the disk cannot be read or written"},
+    {SQLITE_READONLY, "the file or its file system is read-only"},
+    {SQLITE_CANTOPEN, "the file cannot be opened"},
+    {SQLITE_CORRUPT, "the file is damaged"},
+    {SQLITE_NOTADB, "the file is no job store, or its beginning is damaged"},
+    {SQLITE_BUSY, "another process holds the file"},
+    {SQLITE_LOCKED, "another process holds the file"},
+    {SQLITE_NOMEM, "there is not enough memory"}};
 
 [[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
   const int code = sqlite3_errcode(handle) & 0xff;
   log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
              sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
-  throw StoreError("the job store failed: " + meaning(code), code);
+  const auto known = meanings.find(code);
+  throw StoreError(
+      "the job store failed: " + (known != meanings.end()
+                                      ? known->second
+                                      : "SQLite refused with code " + std::to_string(code)),
+      code);
 }
 
 /// sum_of(...): CRC-32C of the values, each behind its type and size.

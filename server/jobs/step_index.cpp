@@ -4,15 +4,9 @@
 
 namespace dccast::jobs {
 
-namespace {
-
-// Tag and length of one entry of a repeated field.
-constexpr std::size_t entry_overhead = 6;
-
-}  // namespace
-
 std::optional<StepPage> StepIndex::page(const EventLog& log, const StepPlace& after,
                                         std::size_t most_steps, std::size_t most_bytes) {
+  constexpr std::size_t entry_overhead = 6;  // tag and length of an entry of a repeated field
   std::optional<std::vector<Span>> spans;
   {
     const std::lock_guard lock(mutex_);

@@ -9,27 +9,19 @@
 namespace dccast::jobs {
 
 void Histogram::add(double value) {
-  ++count_;
-  sum_ += value;
-  const auto bound = std::ranges::lower_bound(bounds_, value);
-  if (bound != bounds_.end()) ++counts_[static_cast<std::size_t>(bound - bounds_.begin())];
+  ++count;
+  sum += value;
+  const auto bound = std::ranges::lower_bound(bounds, value);
+  if (bound != bounds.end()) ++counts[static_cast<std::size_t>(bound - bounds.begin())];
 }
-
-namespace {
-
-double seconds_between(const google::protobuf::Timestamp& begin,
-                       const google::protobuf::Timestamp& end) {
-  return 1e-3 *
-         static_cast<double>(std::max<std::int64_t>(0, milliseconds(end) - milliseconds(begin)));
-}
-
-}  // namespace
 
 void Tally::count(const v1::Job& job, v1::JobState from) {
   if (is_terminal(from)) return;
   const std::lock_guard lock(mutex_);
   if (job.state() == v1::RUNNING && job.attempts() == 1)
-    figures_.wait_s.add(seconds_between(job.create_time(), job.start_time()));
+    figures_.wait_s.add(1e-3 *
+                        static_cast<double>(std::max<std::int64_t>(
+                            0, milliseconds(job.start_time()) - milliseconds(job.create_time()))));
   if (!is_terminal(job.state())) return;
   ++figures_.ended[job.state()];
   if (job.attempts() > 0) figures_.run_s.add(job.run_s());

@@ -15,23 +15,16 @@
 namespace dccast::jobs {
 
 /// How often a quantity was how large. Not safe to use from several threads.
-class Histogram {
-public:
-  /// @param bounds  upper ends of the classes, ascending; what is larger counts beyond the last one
-  explicit Histogram(std::span<const double> bounds)
-      : bounds_(bounds.begin(), bounds.end()), counts_(bounds.size()) {}
+struct Histogram {
+  /// @param upper_ends  of the classes, ascending; what is larger counts beyond the last one
+  explicit Histogram(std::span<const double> upper_ends)
+      : bounds(upper_ends.begin(), upper_ends.end()), counts(upper_ends.size()) {}
   void add(double value);
-  const std::vector<double>& bounds() const { return bounds_; }
-  /// Of each class alone.
-  const std::vector<std::uint64_t>& counts() const { return counts_; }
-  std::uint64_t count() const { return count_; }
-  double sum() const { return sum_; }
 
-private:
-  std::vector<double> bounds_;
-  std::vector<std::uint64_t> counts_;
-  std::uint64_t count_ = 0;
-  double sum_ = 0.0;
+  std::vector<double> bounds;
+  std::vector<std::uint64_t> counts;  ///< of each class alone
+  std::uint64_t count = 0;            ///< of all
+  double sum = 0.0;
 };
 
 /// What has become of jobs since the daemon began.

@@ -30,15 +30,6 @@ v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLi
   return answer;
 }
 
-std::unique_ptr<WorkerProcess> WarmWorkers::take() {
-  return lend(true);
-}
-
-int WarmWorkers::fresh() const {
-  return static_cast<int>(
-      std::ranges::count_if(idle_, [](const auto& worker) { return worker->answers() == 0; }));
-}
-
 /// One that has given answers is of no use to a job, and its caches are warm.
 WarmWorkers::Idle::iterator WarmWorkers::idle_for(bool job) {
   const auto found = std::ranges::find_if(
@@ -80,7 +71,9 @@ void WarmWorkers::give_back(std::unique_ptr<WorkerProcess> worker) {
 
 bool WarmWorkers::wants_more() const {
   const int idle = static_cast<int>(idle_.size());
-  return waiting_ > idle || jobs_waiting_ > fresh() || (!fails_ && idle + lent_ < limits_.kept);
+  const auto fresh =
+      std::ranges::count_if(idle_, [](const auto& worker) { return worker->answers() == 0; });
+  return waiting_ > idle || jobs_waiting_ > fresh || (!fails_ && idle + lent_ < limits_.kept);
 }
 
 void WarmWorkers::run(const std::stop_token& stop) {

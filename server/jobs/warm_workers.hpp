@@ -15,7 +15,7 @@ namespace dccast::jobs {
 
 struct WarmWorkerLimits {
   std::filesystem::path scratch{};  ///< where answers may write files; empty: nowhere
-  int kept = 1;       ///< workers that wait or answer while no more are needed
+  int kept = 1;                     ///< workers that wait or answer while no more are needed
   int answers = 200;  ///< after which a worker is replaced, so that leaks do not add up
   std::int64_t idle_bytes = 512'000'000;  ///< one that holds more after an answer is replaced
 };
@@ -36,14 +36,13 @@ public:
       const OnEvent& on_event = [](v1::JobEvent&) {});
   /// A worker for a job, which does not come back: one that has given no answer, since what that
   /// read may have taken it over. @throws WorkerDidNotAnswer  none can be started
-  std::unique_ptr<WorkerProcess> take();
+  std::unique_ptr<WorkerProcess> take() { return lend(true); }
 
 private:
   using Idle = std::vector<std::unique_ptr<WorkerProcess>>;
 
   std::unique_ptr<WorkerProcess> lend(bool for_job);
   Idle::iterator idle_for(bool job);
-  int fresh() const;
   void give_back(std::unique_ptr<WorkerProcess> worker);
   bool wants_more() const;
   void run(const std::stop_token& stop);
@@ -56,8 +55,8 @@ private:
   int lent_ = 0;          ///< those that answer
   int waiting_ = 0;       ///< callers, since the last failure
   int jobs_waiting_ = 0;  ///< those of them that want one for a job
-  int failures_ = 0;    ///< to start one; those who wait see it change
-  bool fails_ = false;  ///< the last try did: the next one is made for a caller
+  int failures_ = 0;      ///< to start one; those who wait see it change
+  bool fails_ = false;    ///< the last try did: the next one is made for a caller
   std::string failure_;
   std::jthread starter_;
 };

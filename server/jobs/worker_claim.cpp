@@ -1,6 +1,7 @@
 #include "server/jobs/worker_claim.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -63,11 +64,6 @@ pid_t owner_of_lock(const storage::File& file) {
   return lock.l_type == F_UNLCK ? 0 : std::max(lock.l_pid, 0);
 }
 
-std::string text_of(const WorkerClaim& claim) {
-  return std::to_string(claim.protocol) + " " + std::to_string(claim.attempt) + " " + claim.job_id +
-         "\n";
-}
-
 /// @return nothing for a text that is not whole
 std::optional<WorkerClaim> parse_claim(const std::string& text) {
   if (!text.ends_with('\n')) return std::nullopt;
@@ -75,13 +71,6 @@ std::optional<WorkerClaim> parse_claim(const std::string& text) {
   WorkerClaim claim;
   words >> claim.protocol >> claim.attempt >> claim.job_id;
   return words ? std::optional(claim) : std::nullopt;
-}
-
-std::optional<StartRank> announced(const std::filesystem::path& folder,
-                                   const std::optional<StartRank>& rank) {
-  if (rank && !announce_rank(folder, *rank))
-    throw FolderTaken("a later start of the job has " + folder.string());
-  return rank;
 }
 
 }  // namespace
@@ -149,7 +138,10 @@ std::string missing_artifact(const std::filesystem::path& folder, const v1::RunE
 
 FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim& claim,
                          std::chrono::milliseconds longest, std::optional<StartRank> rank)
-    : rank_(announced(folder, rank)), lock_(folder / claim_file, O_RDWR | O_CREAT) {
+    : rank_(rank) {
+  if (rank && !announce_rank(folder, *rank))
+    throw FolderTaken("a later start of the job has " + folder.string());
+  lock_ = storage::File(folder / claim_file, O_RDWR | O_CREAT);
   const auto end = std::chrono::steady_clock::now() + longest;
   while (!try_lock(lock_)) {
     if (std::chrono::steady_clock::now() > end)
@@ -158,7 +150,7 @@ FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim&
     std::this_thread::sleep_for(between_tries);
   }
   lock_.cut(0);
-  lock_.write_at(0, text_of(claim));
+  lock_.write_at(0, fmt::format("{} {} {}\n", claim.protocol, claim.attempt, claim.job_id));
 }
 
 std::string FolderClaim::loss() const {

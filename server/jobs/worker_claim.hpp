@@ -70,8 +70,7 @@ struct WorkerClaim {
 };
 
 /// Another process works in the folder.
-class FolderTaken : public std::runtime_error {
-public:
+struct FolderTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

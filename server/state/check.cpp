@@ -97,14 +97,15 @@ void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckO
 class Check {
 public:
   Check(const StateFolder& folder, const CheckOptions& options, std::ostream& out)
-      : folder_(folder), options_(options), report_(out) {}
+      : folder_(folder), options_(options), report_{out} {}
 
   int run() {
     check_store();
     std::optional<jobs::JobStore::Bulk> bulk;
     if (store_ && options_.index_only) bulk.emplace(*store_);
     if (store_ == nullptr) {
-      list_without_store();
+      for (const std::string& id : jobs::folder_ids(folder_.jobs()))
+        report_.note("job " + id + ": " + adoptability(folder_.jobs() / id));
     } else {
       for (const std::string& id : options_.adopt) take_back(id);
       for (const std::string& id : jobs::folder_ids(folder_.jobs()))
@@ -117,7 +118,7 @@ public:
       list_removals();
       list_quarantine();
     }
-    return report_.damages();
+    return report_.damages;
   }
 
 private:
@@ -153,7 +154,12 @@ private:
   /// @return what is wrong with the store; it is closed then
   std::string open() {
     try {
-      if (!options_.repair && !fs::exists(folder_.store())) return missing_store();
+      if (!options_.repair && !fs::exists(folder_.store())) {  // a check makes none
+        if (jobs::folder_ids(folder_.jobs()).empty())
+          throw std::runtime_error("there is no job store in " + folder_.path().string() +
+                                   " and no job; nothing to check");
+        return "the job store " + folder_.store().string() + " is missing";
+      }
       store_ = std::make_unique<jobs::JobStore>(folder_.store());
       std::string fault = store_->first_fault();
       ids_ = store_->ids();
@@ -167,14 +173,6 @@ private:
     }
   }
 
-  /// A check makes no store where there is none.
-  std::string missing_store() const {
-    if (jobs::folder_ids(folder_.jobs()).empty())
-      throw std::runtime_error("there is no job store in " + folder_.path().string() +
-                               " and no job; nothing to check");
-    return "the job store " + folder_.store().string() + " is missing";
-  }
-
   /// Moves the files of the store to quarantine. @return where
   std::string set_store_aside() {
     fs::create_directories(folder_.quarantine());
@@ -186,11 +184,6 @@ private:
     storage::sync_directory(folder_.quarantine());
     storage::sync_directory(folder_.path());
     return aside.string();
-  }
-
-  void list_without_store() {
-    for (const std::string& id : jobs::folder_ids(folder_.jobs()))
-      report_.note("job " + id + ": " + adoptability(folder_.jobs() / id));
   }
 
   static std::string adoptability(const fs::path& folder) {

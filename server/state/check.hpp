@@ -11,24 +11,18 @@
 namespace dccast::state {
 
 /// The findings of a check, line by line: a word for the kind, the subject, what about it.
-class Report {
-public:
-  explicit Report(std::ostream& out) : out_(out) {}
-  void note(const std::string& text) { out_ << "note      " << text << '\n'; }
-  void repaired(const std::string& text) { out_ << "repaired  " << text << '\n'; }
+struct Report {
+  void note(const std::string& text) { out << "note      " << text << '\n'; }
+  void repaired(const std::string& text) { out << "repaired  " << text << '\n'; }
   void damage(const std::string& text) {
-    out_ << "damage    " << text << '\n';
-    ++damages_;
+    out << "damage    " << text << '\n';
+    ++damages;
   }
-  int damages() const { return damages_; }
 
-  // Sums over all jobs, reported once at the end.
-  int with_leftovers = 0;
+  std::ostream& out;
+  int damages = 0;         ///< that are left
+  int with_leftovers = 0;  ///< ended jobs, reported once at the end
   std::uintmax_t leftover_bytes = 0;
-
-private:
-  std::ostream& out_;
-  int damages_ = 0;  ///< that are left
 };
 
 struct CheckOptions {

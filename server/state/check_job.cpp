@@ -1,6 +1,5 @@
 // What `dccastd check` looks at in one job: its folder, its event log, its results.
 #include <array>
-#include <optional>
 #include <system_error>
 
 #include "core/storage/file.hpp"

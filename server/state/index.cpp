@@ -1,6 +1,5 @@
 #include "server/state/index.hpp"
 
-#include <algorithm>
 #include <sstream>
 
 #include "server/jobs/event_log.hpp"
@@ -21,13 +20,6 @@ namespace fs = std::filesystem;
 /// A store beyond this size is held against itself by `dccastd check` only, so that the daemon
 /// starts soon. 10,000 jobs in 90 MB take 0.06 s of processor time.
 constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
-
-/// A log that is gone can be begun again only while nothing else shows what became of the job.
-void require_log(const fs::path& folder) {
-  if (fs::exists(folder / "events.log")) return;
-  if (fs::exists(folder / "results.h5"))
-    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
-}
 
 /// As the scheduler counts a submission.
 std::int64_t bytes_of(const fs::path& folder, const jobs::JobDescription& description) {
@@ -58,12 +50,6 @@ void take_log(const fs::path& path, jobs::JobRecord& record) {
   if (change.has_failure()) *job.mutable_failure() = change.failure();
   *job.mutable_artifacts() = change.artifacts();
   record.bytes = jobs::bytes_kept(path.parent_path());
-}
-
-/// A crash can come between the row and the mark, and who submitted the job learn of the row by
-/// submitting it again.
-void mark_as_accepted(const fs::path& of_job) {
-  if (!jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
 }
 
 /// A job whose row has ended while its folder is claimed as that of a run which has not. A claim
@@ -111,7 +97,9 @@ void update_unfinished(const StateFolder& folder, jobs::JobStore& store) {
   for (const jobs::JobRecord& row : store.unfinished()) {
     const fs::path of_job = folder.jobs() / row.job.id();
     if (!fs::exists(of_job)) continue;  // `dccastd check` reports it
-    mark_as_accepted(of_job);
+    // A crash can come between the row and the mark, and who submitted the job learn of the row by
+    // submitting it again.
+    if (!jobs::was_accepted(of_job)) jobs::mark_accepted(of_job);
     try {
       if (agrees(row, described_job(of_job))) continue;
       log::warn("job {}: its row is made again from its folder", row.job.id());
@@ -153,7 +141,9 @@ bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
 
 void index_job(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record = described_job(folder);
-  require_log(folder);
+  // A log that is gone can be begun again only while nothing else shows what became of the job.
+  if (!fs::exists(folder / "events.log") && fs::exists(folder / "results.h5"))
+    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
   take_log(folder / "events.log", record);
   const auto there = store.find_request(record.job.request_id());
   if (there && there->job.id() != record.job.id())

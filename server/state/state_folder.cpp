@@ -95,11 +95,6 @@ Manifest manifest_of(const fs::path& backup) {
   return manifest;
 }
 
-void require_empty(const fs::path& directory) {
-  if (fs::exists(directory) && !fs::is_empty(directory))
-    throw std::runtime_error(directory.string() + " is not empty; give a new directory");
-}
-
 /// Rows that are lost would be lost in the backup too.
 void require_whole_store(const StateFolder& folder) {
   const auto lost = lost_jobs(folder, jobs::JobStore(folder.store()).ids());
@@ -159,12 +154,6 @@ void copy_verified(const fs::path& file, const std::string& sha256, const fs::pa
                              " is damaged: its SHA-256 is not the one in " + manifest_file);
 }
 
-void require_no_state(const StateFolder& folder) {
-  if (fs::exists(folder.store()) || fs::exists(folder.jobs()))
-    throw std::runtime_error("the data directory " + folder.path().string() +
-                             " has jobs; set another data_directory, or move them away");
-}
-
 }  // namespace
 
 StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), O_RDWR | O_CREAT) {
@@ -186,7 +175,8 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   if (!fs::exists(folder.store()))
     throw std::runtime_error("there is no job store in " + folder.path().string());
   require_whole_store(folder);
-  require_empty(to);
+  if (fs::exists(to) && !fs::is_empty(to))
+    throw std::runtime_error(to.string() + " is not empty; give a new directory");
   const StateFolder target(to);
   make_state_folder(target);
   fs::create_directories(target.jobs());
@@ -208,7 +198,9 @@ int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) 
   make_state_folder(folder);
   {
     const StateLock lock(folder);
-    require_no_state(folder);
+    if (fs::exists(folder.store()) || fs::exists(folder.jobs()))
+      throw std::runtime_error("the data directory " + folder.path().string() +
+                               " has jobs; set another data_directory, or move them away");
     for (const auto& [file, sha256] : manifest) copy_verified(file, sha256, from, folder.path());
     fs::create_directories(folder.jobs());
   }

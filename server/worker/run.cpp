@@ -206,9 +206,7 @@ JobRun::JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim)
 }
 
 void JobRun::send(v1::JobEvent event) {
-  if (event.has_finding() && log_.has(event.finding())) return;
-  if (event.has_validity_lost() && log_.has_validity_loss()) return;
-  log_.append(event);
+  if (!log_.knows(event)) log_.append(event);
 }
 
 std::vector<v1::StepReport> JobRun::steps(std::size_t most) const {

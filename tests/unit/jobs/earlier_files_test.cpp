@@ -27,10 +27,10 @@ TEST(EarlierFiles, AnEventLogIsReadAndGoneOnWith) {
   storage::write_file(folder / "events.log", event_log);
   {
     EventLog log(folder / "events.log");
-    EXPECT_TRUE(log.gaps().empty());
+    EXPECT_TRUE(log.content().gaps.empty());
     EXPECT_EQ(log.last_sequence(), 2);
-    EXPECT_EQ(log.last_state(), v1::RUNNING);
-    EXPECT_EQ(log.reached_step(), 7);
+    EXPECT_EQ(log.content().last_state->state(), v1::RUNNING);
+    EXPECT_EQ(log.content().reached_step, 7);
     EventLog::Cursor cursor;
     EXPECT_EQ(log.read(cursor)->state_change().cause(), "started");
     EXPECT_EQ(log.read(cursor)->step().time_s(), 2.5);

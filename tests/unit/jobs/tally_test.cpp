@@ -12,9 +12,9 @@ TEST(Histogram, AValueCountsInTheClassThatItEnds) {
   constexpr std::array bounds{1.0, 10.0};
   Histogram histogram(bounds);
   for (const double value : {0.5, 1.0, 1.5, 10.0, 11.0}) histogram.add(value);
-  EXPECT_EQ(histogram.counts(), (std::vector<std::uint64_t>{2, 2}));
-  EXPECT_EQ(histogram.count(), 5u);
-  EXPECT_DOUBLE_EQ(histogram.sum(), 24.0);
+  EXPECT_EQ(histogram.counts, (std::vector<std::uint64_t>{2, 2}));
+  EXPECT_EQ(histogram.count, 5u);
+  EXPECT_DOUBLE_EQ(histogram.sum, 24.0);
 }
 
 v1::Job ended(v1::JobState state, double run_s, double estimated_s = 0.0) {
@@ -43,9 +43,9 @@ TEST(Tally, AJobCountsOnceWhenItStartsAndOnceWhenItEnds) {
   tally.count(job, v1::RUNNING);
   tally.count(job, v1::FAILED);  // written again
   const TallyFigures figures = tally.figures();
-  EXPECT_EQ(figures.wait_s.count(), 1u);
-  EXPECT_DOUBLE_EQ(figures.wait_s.sum(), 5.0);
-  EXPECT_DOUBLE_EQ(figures.run_s.sum(), 30.0);
+  EXPECT_EQ(figures.wait_s.count, 1u);
+  EXPECT_DOUBLE_EQ(figures.wait_s.sum, 5.0);
+  EXPECT_DOUBLE_EQ(figures.run_s.sum, 30.0);
   EXPECT_DOUBLE_EQ(figures.processor_s.at("anna"), 20.0);
   EXPECT_EQ(figures.ended.at(v1::FAILED), 1u);
   EXPECT_EQ(figures.failures.at(v1::Failure::TIME_LIMIT), 1u);

@@ -44,13 +44,13 @@ TEST_F(JobRunTest, WhatItSendsStandsInTheLogAndSoDoesItsEnd) {
   JobRun run(order_, *claim_);
   run.send(step(1));
   EXPECT_TRUE(reader.refresh());
-  EXPECT_EQ(reader.reached_step(), 1);
+  EXPECT_EQ(reader.content().reached_step, 1);
   v1::RunEnd end;
   end.set_outcome(v1::RunEnd::SUCCEEDED);
   end.set_attempt(1);
   run.end(end);
   EXPECT_TRUE(reader.refresh());
-  EXPECT_EQ(reader.run_end()->outcome(), v1::RunEnd::SUCCEEDED);
+  EXPECT_EQ(reader.content().run_end->outcome(), v1::RunEnd::SUCCEEDED);
 }
 
 // A run that goes on from a checkpoint sends again what it has found.
